@@ -57,6 +57,7 @@ lint: setup  ## check format, style and types
 	$(BIN)/ruff format --check
 	$(BIN)/python docs/check_types.py
 	$(BIN)/python docs/stub_docstrings.py --check
+	$(BIN)/python docs/check_docstrings.py
 	$(BIN)/python docs/check_words.py
 	$(BIN)/python -m mypy.stubtest jostle._core
 	cargo clippy --workspace --all-targets -- -D warnings

@@ -1,7 +1,8 @@
-"""What the adapters gain: the same calls on the other library and on jostle.
+"""Times of the adapters: the same calls of the other library and of jostle.
 
 .venv/bin/python benchmarks/adapters.py pyqtree
 .venv-arcade/bin/python benchmarks/adapters.py arcade
+.venv/bin/python benchmarks/adapters.py mesa
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ Timed = tuple[str, Callable[[], Any]]
 
 
 def milliseconds(act: Callable[[], Any]) -> float:
-    """The best of a few rounds: what others do on the machine only adds to it."""
+    """Return the minimum of a few rounds in milliseconds: other processes only increase a time."""
     times = []
     for _ in range(ROUNDS):
         start = time.perf_counter()
@@ -42,7 +43,7 @@ def boxes(n: int) -> list[tuple[float, ...]]:
 
 
 def measure_pyqtree(n: int) -> None:
-    """Fill an index, ask it once for each box, and move every tenth box."""
+    """Fill an index, query it once for each box, and move every tenth box."""
     from jostle.pyqtree import Index
 
     table = boxes(n)
@@ -81,7 +82,7 @@ def measure_pyqtree(n: int) -> None:
 
 
 def measure_arcade(n: int) -> None:
-    """All pairs of turned squares in a frame in which every one has moved."""
+    """Find all pairs of rotated squares after every one has moved."""
     os.environ["ARCADE_HEADLESS"] = "True"
     import arcade
 
@@ -115,7 +116,7 @@ def measure_arcade(n: int) -> None:
     acts: list[Timed] = [
         ("move, no collisions", lambda: moved(plain)),
         ("arcade, a spatial hash", lambda: one_by_one(hashed, 1)),
-        ("jostle.arcade, a snapshot asked for each sprite", from_a_snapshot),
+        ("jostle.arcade, a query of a snapshot for each sprite", from_a_snapshot),
         ("jostle.arcade, selfcollide", lambda: jostle.arcade.selfcollide(moved(plain))),
     ]
     if n <= 1_000:
@@ -123,7 +124,35 @@ def measure_arcade(n: int) -> None:
     report(n, *acts)
 
 
+def measure_mesa(n: int) -> None:
+    """Steps of Mesa's own flocking example, after which the boids are at the same positions."""
+    from mesa.examples.basic.boid_flockers import model as flocking
+    from mesa.experimental.continuous_space import ContinuousSpace as MesaSpace
+
+    from jostle.mesa import ContinuousSpace
+
+    side = float(np.sqrt(10 * n))
+    models, times = [], []
+    for space in (MesaSpace, ContinuousSpace):
+        flocking.ContinuousSpace = space
+        model = flocking.BoidFlockers(n, side, side, vision=4, seed=1)
+        models.append(model)
+        # The first step, so that both have made as many: a step of Mesa takes minutes.
+        start = time.perf_counter()
+        model.step()
+        times.append(time.perf_counter() - start)
+    places = [np.array([agent.position for agent in model.agents]) for model in models]
+    assert np.array_equal(*places), "the boids are at other positions"
+    print(f"n = {n:,}")
+    for name, seconds in zip(("Mesa", "jostle.mesa"), times, strict=True):
+        print(
+            f"  {'a step of the flocking example: ' + name:58} {1e3 * seconds:9.2f} ms", flush=True
+        )
+
+
 if __name__ == "__main__":
-    measure = {"pyqtree": measure_pyqtree, "arcade": measure_arcade}[sys.argv[1]]
-    for n in (1_000, 10_000, 100_000)[: 3 if measure is measure_pyqtree else 2]:
+    measure = {"pyqtree": measure_pyqtree, "arcade": measure_arcade, "mesa": measure_mesa}[
+        sys.argv[1]
+    ]
+    for n in (1_000, 10_000, 100_000)[: 2 if measure is measure_arcade else 3]:
         measure(n)

@@ -1,15 +1,15 @@
-"""Whether the defaults are as good as the best settings, and what they rest on.
+"""Compare the defaults with the best settings.
 
     python benchmarks/defaults.py [--scenes gas pile ...] [--counts 10000 100000] [--document]
 
-For every scene and number of particles `jostle.tune` looks for the leaf capacity and depth that
-find the pairs fastest, and lets the best and the default run against each other once more. The
-default passes where it takes at most a tenth longer, and fails where it takes more; where the range
-of the ratio holds both, the noise leaves it open. Then: which leaf capacity suits all scenes
-together; from how many shapes on the tree is faster than brute force; what more threads give; what
-substeps cost, and what they are good for.
+For every scene and number of particles `jostle.tune` searches the leaf capacity and depth that find
+the pairs fastest, and compares the best with the default in new rounds. The default passes if it
+takes at most a tenth longer, and fails if it takes more. If the confidence interval of the ratio
+contains both, the result is open. Further tables: one leaf capacity for all scenes; the number of
+shapes from which the tree is faster than brute force; the gain by threads; time and effect of
+sub-steps.
 
-With --document the tables and the picture of docs/defaults.md are renewed, too.
+With --document the tables and the picture of docs/defaults.md are written again, too.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ PILE_SECONDS = 10
 
 
 def tune(scene: str, n: int, rounds: int, threads: int | None) -> Tuning:
-    """Sweep leaf capacity × depth, then let the best meet the default again."""
+    """Sweep leaf capacity × depth, then compare the best with the default again."""
     effort = replace(THOROUGH, rounds=rounds)
     tuner = Tuner(scene, n, threads=threads, effort=effort)
     tuner.settings(lambda *_: None)
@@ -53,7 +53,7 @@ def tune(scene: str, n: int, rounds: int, threads: int | None) -> Tuning:
 
 
 def verdicts(tunings: list[Tuning]) -> Rows:
-    """A row for each: best setting, and how much longer the default takes."""
+    """Return a row for each: the best setting, and the time of the default relative to it."""
     rows: Rows = []
     for tuning in tunings:
         best, gain = tuning.best(), tuning.gain()
@@ -79,14 +79,14 @@ def verdicts(tunings: list[Tuning]) -> Rows:
 
 
 def judge(gain: Ratio) -> str:
-    """Whether the default is within a tenth of the best, as far as the noise lets one say so."""
+    """Return whether the default is within a tenth of the best: yes, no or open."""
     if gain.high <= TOLERATED:
         return "pass"
     return "fail" if gain.low > TOLERATED else "open"
 
 
 def capacities(tunings: list[Tuning]) -> Rows:
-    """Each leaf capacity without a limit of depth: its time over the scene's quickest, for all."""
+    """Return, for each leaf capacity without a depth limit, its time over the best of a scene."""
     rows: Rows = []
     for capacity in sorted(tunings[0].tree_depths):
         times = []
@@ -111,7 +111,7 @@ def capacities(tunings: list[Tuning]) -> Rows:
 
 
 def brute_limit(scenes: list[str], rounds: int) -> Rows:
-    """From how many shapes on the tree is faster, scene by scene."""
+    """Return, for each scene, the number of shapes from which the tree is faster."""
     rows: Rows = []
     methods: tuple[Method, ...] = ("quadtree", "brute force")
     for scene in scenes:
@@ -132,7 +132,7 @@ def brute_limit(scenes: list[str], rounds: int) -> Rows:
 
 
 def threads(rounds: int) -> Rows:
-    """The pairs of the gas, on one thread and on all."""
+    """Time the pairs of the gas on one thread and on all."""
     rows: Rows = []
     for n in (1_000, 10_000, 100_000, 1_000_000):
         sample = Sample.of("gas", n)
@@ -149,7 +149,7 @@ def threads(rounds: int) -> Rows:
 
 
 def substeps() -> Rows:
-    """A pile at rest: time of a step, and its deepest overlap in radii of the smaller disc."""
+    """Return the time of a step of a pile at rest, and its deepest overlap in smaller radii."""
     worlds = []
     for count in SUBSTEPS:
         world = jostle.scenes.create("pile")
@@ -170,7 +170,7 @@ def substeps() -> Rows:
 
 
 def deepest(world: jostle.World) -> float:
-    """The deepest overlap, as a share of the smaller radius."""
+    """Return the deepest overlap as a fraction of the smaller radius."""
     touching = jostle.Quadtree(world.positions, world.radii).contacts()
     smaller = world.radii[touching.pairs].min(axis=1)
     return float((touching.depths / smaller).max(initial=0.0))
@@ -180,13 +180,13 @@ def deepest(world: jostle.World) -> float:
 
 
 def table(head: list[str], rows: list[list[object]]) -> str:
-    """A Markdown table whose first column is the name of its row."""
+    """Return a Markdown table whose first column is the name of its row."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
 def verdict_table(rows: Rows) -> str:
-    """Scene by scene: best setting, and what the default loses to it."""
+    """Return the table of scenes: best setting, and the time of the default over the best."""
     head = ["scene", "discs", "best leaf capacity", "best depth", "default", "default over best"]
     return table(
         [*head, "within 10 %"],
@@ -209,7 +209,7 @@ def verdict_table(rows: Rows) -> str:
 
 
 def capacities_table(rows: Rows) -> str:
-    """Leaf capacities, over all scenes and numbers of discs."""
+    """Return the table of leaf capacities, over all scenes and numbers of discs."""
     head = ["leaf capacity", "time over the best, mean", "worst", "within 10 % of the best"]
     return table(
         head,
@@ -226,13 +226,13 @@ def capacities_table(rows: Rows) -> str:
 
 
 def brute_table(rows: Rows) -> str:
-    """The numbers of shapes at which the tree overtakes brute force."""
+    """Return the table of the numbers of shapes from which the tree is faster."""
     shown = [[row["scene"], row["tree_is_faster_from"] or "–"] for row in rows]
     return table(["scene", "the tree is faster from"], shown)
 
 
 def threads_table(rows: Rows) -> str:
-    """Times on one thread and on all."""
+    """Return the table of times on one thread and on all."""
     by_key = {(row["n"], row["threads"]): float(str(row["median_s"])) for row in rows}
     return table(
         ["discs", "1 thread", "all cores", "gain"],
@@ -249,7 +249,7 @@ def threads_table(rows: Rows) -> str:
 
 
 def substeps_table(rows: Rows) -> str:
-    """Cost and use of substeps."""
+    """Return the table of sub-steps."""
     return table(
         ["substeps", "a step", "deepest overlap, of the smaller radius", "root mean square speed"],
         [
@@ -265,7 +265,7 @@ def substeps_table(rows: Rows) -> str:
 
 
 def put(name: str, text: str) -> None:
-    """Set a table in the document between the marks with its name."""
+    """Write a table into the document, between the marks with its name."""
     begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
     document = DOCUMENT.read_text(encoding="utf-8")
     head, _, rest = document.partition(begin)
@@ -276,14 +276,14 @@ def put(name: str, text: str) -> None:
 
 
 def write(name: str, rows: Rows) -> None:
-    """Keep the rows of one question, in place of this machine's earlier ones."""
+    """Write the rows of one table, in place of this machine's earlier ones."""
     results = Results(RESULTS / f"{name}-{slug()}.csv")
     results.add(rows)
     print(f"\nwritten to benchmarks/results/{results.path.name}")
 
 
 def main() -> None:
-    """Measure, print, write the results of this machine, and tell whether all scenes passed."""
+    """Measure, print and write the results of this machine; return 1 if a scene failed."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )

@@ -1,7 +1,7 @@
-"""How time and memory of `find_pairs` grow with the number of discs.
+"""Growth of time and memory of `find_pairs` with the number of discs.
 
-The memory is the largest resident set of a process of its own during the call, less what it had
-before it, the arrays of the scene included; so it counts the answer too.
+The memory is the peak resident set of a separate process during the call, minus that before the
+call. So it includes the answer, but not the arrays of the scene.
 """
 
 from __future__ import annotations
@@ -53,14 +53,14 @@ def race(rounds: int, largest: int, told: Callable[[str], None]) -> Iterator[lis
 
 
 def peak(count: int, threads: int) -> int:
-    """Return how many bytes a process of its own needs for the call."""
+    """Return the bytes that a separate process needs for the call."""
     command = [sys.executable, __file__, str(count), str(threads)]
     return int(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
 def measure(count: int, threads: int) -> int:
-    """Return how far the resident set rises during the call."""
-    jostle.find_pairs(*arrays(1_000), threads=threads)  # code and threads are there
+    """Return the growth of the resident set during the call."""
+    jostle.find_pairs(*arrays(1_000), threads=threads)  # loads the code and starts the threads
     centers, radii = arrays(count)
     gc.collect()
     before = resident_now()
@@ -71,16 +71,16 @@ def measure(count: int, threads: int) -> int:
 
 
 def resident_now() -> int:
-    """Return the resident set, and let its highest value begin anew from there."""
+    """Return the resident set, and reset its peak to it."""
     clear = Path("/proc/self/clear_refs")
     if not clear.exists():
-        return resident_highest()  # the highest so far; too little is then found, never too much
+        return resident_highest()  # the peak so far: the growth is then too small, never too large
     clear.write_text("5")
     return of_status("VmRSS")
 
 
 def resident_highest() -> int:
-    """Return the highest resident set."""
+    """Return the peak of the resident set."""
     if Path("/proc/self/status").exists():
         return of_status("VmHWM")
     import resource
@@ -90,7 +90,7 @@ def resident_highest() -> int:
 
 
 def of_status(name: str) -> int:
-    """Read one line of what Linux knows about this process, in bytes."""
+    """Return a value of the status of this process (Linux), in bytes."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
 

@@ -1,4 +1,4 @@
-"""Scenes that break trees: what they cost beside an ordinary scene of the same size."""
+"""Scenes that are difficult for trees, compared with an ordinary scene of the same size."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Case:
     beside: str | None = None
 
     def run(self) -> NDArray[np.int64]:
-        """All overlapping pairs."""
+        """Find all overlapping pairs."""
         return jostle.find_pairs(self.centers, self.radii, method="quadtree", threads=1)
 
 
 def cases(large: int, middling: int) -> list[Case]:
-    """Each hard case behind the ordinary one that it is compared with."""
+    """Return each hard case after the ordinary one that it is compared with."""
     random = np.random.default_rng(0)
     unit, some = random.random((large, 2)), random.random((middling, 2))
     far = np.array([[-1e7, -1e7], [1e7, 1e7]])

@@ -1,4 +1,4 @@
-"""The same discs fall into a pile in jostle, Box2D and pymunk: how deep do they overlap?
+"""Overlaps of the same pile of discs in jostle, Box2D and pymunk.
 
     python benchmarks/piles.py              2,000 discs, 8 seconds
     python benchmarks/piles.py 10000 12     other numbers
@@ -64,7 +64,7 @@ def overlaps_of(positions: Numbers, radii: Numbers) -> Numbers:
 
 
 def fall(name: str, running: rivals.Running, radii: Numbers, seconds: float) -> Pile:
-    """Let the discs fall, and measure."""
+    """Simulate the fall, and measure."""
     frame = next(reversed(running.frames.values()))
     for _ in range(round(seconds / rivals.FRAME) - TIMED):
         frame()

@@ -2,7 +2,7 @@
 
     python benchmarks/plot.py [--results FOLDER] [--pictures FOLDER] [--machine SLUG]
 
-The results of this kind of machine are taken, or the first there are where it has none.
+The results of this kind of machine are drawn; if there are none, those of another one.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Line = tuple[list[int], list[float]]
 
 INK, FAINT, GRID = "#2b2b33", "#7a7a85", "#e6e6ea"
 
-# One colour for one library in every picture; ours stands out, brute force is grey.
+# A library has the same colour in every picture; jostle has the brightest, brute force is grey.
 COLOURS = {
     "jostle": "#d1495b",
     "SciPy": "#00798c",
@@ -57,7 +57,7 @@ BEFORE = "before-"
 
 
 def read(folder: Path, part: str, machine: str) -> list[Row]:
-    """Return the rows of one part, none where there is no file."""
+    """Return the rows of one part; none if there is no file."""
     own = folder / f"{part}-{machine}.csv"
     files = [own] if own.exists() else sorted(folder.glob(f"{part}-*.csv"))
     if not files:
@@ -67,12 +67,12 @@ def read(folder: Path, part: str, machine: str) -> list[Row]:
 
 
 def timed(rows: Iterable[Row]) -> list[Row]:
-    """Keep the rows that have a time."""
+    """Return the rows that have a time."""
     return [row for row in rows if row["median_s"]]
 
 
 def best(rows: Iterable[Row], unit: float) -> Line:
-    """Return the quickest of some rows for each count, in a unit a shape."""
+    """Return the fastest of some rows for each count, in a unit per shape."""
     least: dict[int, float] = {}
     for row in timed(rows):
         count = int(row["count"])
@@ -83,16 +83,16 @@ def best(rows: Iterable[Row], unit: float) -> Line:
 
 
 def slope(rows: Iterable[Row]) -> float:
-    """Fit the power of the count with which time grows, from ten thousand on."""
+    """Return the exponent of the growth of time with the count, from ten thousand on."""
     counts, times = best([row for row in rows if int(row["count"]) >= 10_000], 1.0)
     return float(np.polyfit(np.log(counts), np.log(times), 1)[0]) if len(counts) > 1 else np.nan
 
 
-# ---- how every picture looks ---------------------------------------------------------------------
+# ---- style of all pictures -----------------------------------------------------------------------
 
 
 def figure(columns: int, width: float, height: float, rows: int = 1, same: bool = False):
-    """Return a figure and its panels, all in one look."""
+    """Return a figure and its panels."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -127,7 +127,7 @@ def figure(columns: int, width: float, height: float, rows: int = 1, same: bool 
 
 
 def save(drawing, path: Path, rows: list[Row], title: str) -> None:
-    """Write a picture, with its title above and its machine below."""
+    """Save a picture, with its title above and the machine below."""
     drawing.suptitle(title, x=0.01, ha="left", fontsize=12, fontweight="bold")
     drawing.supxlabel(rows[0]["machine"], x=0.01, ha="left", fontsize=7.5, color=FAINT)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -156,7 +156,7 @@ def logarithmic(axes, x: str, y: str, both: bool = True) -> None:
 
 
 def legend(drawing, panels, order: Iterable[str]) -> None:
-    """Name the lines of all panels once."""
+    """Draw one legend for the lines of all panels."""
     handles = {
         label: handle
         for axes in panels.flat
@@ -177,12 +177,12 @@ PAIR_PANELS = {
 
 
 def family(name: str) -> str:
-    """Return the library of a row, which has one colour."""
+    """Return the library of a row, which determines its colour."""
     return next((known for known in COLOURS if name.startswith(known)), name)
 
 
 def pair_lines(rows: list[Row]) -> Iterator[tuple[str, list[Row], dict[str, object]]]:
-    """Yield what a panel of pairs shows: each library at its best, ours on one thread and two."""
+    """Yield the lines of a panel of pairs: the best of each library, jostle on 1 and 2 threads."""
     ours = [row for row in rows if row["name"].startswith("jostle") and "brute" not in row["name"]]
     yield (
         "jostle, 1 thread",
@@ -334,7 +334,7 @@ def draw_growth(rows: list[Row], path: Path) -> None:
         label += f": grows as $n^{{{slope(own):.2f}}}$ from 10k on"
         look = {"color": COLOURS["jostle"], "linestyle": style, "marker": "o"}
         panels[0].plot(counts, 1e3 * seconds, label=label, **look)
-        enough = counts >= 10_000  # below, pages of 4 KiB are coarser than what is asked
+        enough = counts >= 10_000  # below, pages of 4 KiB are too coarse
         panels[1].plot(counts[enough], memory[enough], label=label.split(":")[0], **look)
     logarithmic(panels[0], "discs", "ms")
     panels[0].set_title("time")
@@ -347,7 +347,7 @@ def draw_growth(rows: list[Row], path: Path) -> None:
 
 
 def draw_small(rows: list[Row], path: Path) -> None:
-    """Small scenes: the method that is chosen beside both."""
+    """Small scenes: the automatic choice of the method, and both methods."""
     drawing, panels = figure(1, 7.5, 4.0)
     axes = panels[0, 0]
     counts = [int(row["count"]) for row in rows]
@@ -420,7 +420,7 @@ def draw_stage_times(rows: list[Row], path: Path, earlier: list[Row] | None = No
 
 
 def draw_times(axes, bars: Bars, before: Bars) -> None:
-    """Draw nanoseconds a disc; those of an earlier version are thinner, pale and below."""
+    """Draw nanoseconds per disc; those of an earlier version are thinner, paler and below."""
     old = {place: before[key] for place, key in enumerate(bars) if key in before}
     now = [place - 0.14 * bool(old) for place in range(len(bars))]
     then = [place + 0.25 for place in old]
@@ -436,7 +436,7 @@ def draw_times(axes, bars: Bars, before: Bars) -> None:
 
 
 def draw_shares(axes, bars: Bars) -> None:
-    """Draw the percentages of the stages, written into the parts that have the space."""
+    """Draw the shares of the stages, with percentages in the parts that are wide enough."""
     parts = [
         {stage: 100 * time / sum(bar.values()) for stage, time in bar.items()}
         for bar in bars.values()
@@ -523,7 +523,7 @@ DRAWINGS: dict[str, Callable[[list[Row], Path], None]] = {
 
 
 def draw_all(results: Path, pictures: Path, machine: str = "") -> None:
-    """Draw every picture that there are results for."""
+    """Draw every picture for which there are results."""
     for part, draw in DRAWINGS.items():
         if rows := read(results, part, machine or slug()):
             earlier = read(results, BEFORE + part, machine or slug())
@@ -532,7 +532,7 @@ def draw_all(results: Path, pictures: Path, machine: str = "") -> None:
 
 
 def main() -> None:
-    """Draw every picture that there are results for."""
+    """Draw every picture for which there are results."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -2,8 +2,8 @@
 
 The trees are built beforehand; the time of building is a column of its own. All answers are
 compared before they are timed: the ids in each rectangle, the distances of the neighbours. Rays
-cross the whole scene and hit nothing. No other library can cast them: a hundred are compared with
-brute force, and the figure is the growth of their time.
+traverse the whole scene and hit nothing. No other library has them: a hundred are compared with
+brute force, and the result is the growth of their time.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from jostle.bench.timing import interleaved
 COUNTS = (10_000, 100_000, 1_000_000)
 QUESTIONS = 10_000
 WANTED = 8
-"""Points in a rectangle, on average, and neighbours to find."""
+"""Mean number of points in a rectangle, and number of neighbours."""
 
-# Numbers that a float32 holds, points on one grid and the sides of rectangles between its lines:
-# nothing is on an edge, and no precision changes an answer.
+# Numbers that float32 represents exactly, points on a grid and the sides of rectangles between its
+# lines: no point is on an edge, and answers do not depend on the precision.
 GRID, BETWEEN = 2.0**-22, 2.0**-23
 
 Points = NDArray[Any]
 
 
 class Rival(NamedTuple):
-    """A library: how it builds and asks, and the ids of its answer to each question."""
+    """A library: how it builds and queries, and the ids of its answer to each query."""
 
     name: str
     package: str
@@ -62,7 +62,7 @@ def rays() -> tuple[Points, Points]:
     return np.column_stack([np.zeros(QUESTIONS), left]), ways
 
 
-# ---- who takes part ------------------------------------------------------------------------------
+# ---- the libraries -------------------------------------------------------------------------------
 
 
 def ours(points: Points) -> jostle.Quadtree:
@@ -80,7 +80,7 @@ def scipy_tree(points: Points) -> Any:
 
 
 def scipy_squares(tree: Any, rects: Points) -> Any:
-    """Ask for balls of the maximum norm, which are squares."""
+    """Query balls of the maximum norm, which are squares."""
     half = (rects[0, 2] - rects[0, 0]) / 2
     return tree.query_ball_point(rects[:, :2] + half, half, p=np.inf, workers=1)
 
@@ -126,7 +126,7 @@ def inside(tree: jostle.Quadtree, rects: Points) -> jostle.Hits:
 
 
 def nearest(wanted: int) -> tuple[Rival, ...]:
-    """Return who finds this number of neighbours."""
+    """Return the libraries with a query for this number of neighbours."""
 
     def near(tree: jostle.Quadtree, points: Points) -> jostle.Neighbors:
         return tree.nearest(points, wanted)
@@ -162,11 +162,11 @@ RIVALS = {
 }
 
 
-# ---- the race ------------------------------------------------------------------------------------
+# ---- timing --------------------------------------------------------------------------------------
 
 
 def race(rounds: int, largest: int) -> Iterator[list[Row]]:
-    """Yield the rows of each kind of question and each number of points."""
+    """Yield the rows of each kind of query and each number of points."""
     for count in (count for count in COUNTS if count <= largest):
         points = scene(count, 0)
         yield timed("rectangles", points, rectangles(count), rounds, same_ids)
@@ -179,7 +179,7 @@ def race(rounds: int, largest: int) -> Iterator[list[Row]]:
 def timed(
     kind: str, points: Points, asked: Points, rounds: int, compare: Callable[..., None]
 ) -> list[Row]:
-    """Time all that are installed, after their answers were compared."""
+    """Compare the answers of all installed libraries, and time them."""
     rivals = [rival for rival in RIVALS[kind] if version_of(rival.package)]
     calls, built, expected = [], [], None
     for rival in rivals:
@@ -198,7 +198,7 @@ def timed(
 
 
 def row(kind: str, count: int, rival: Rival, build: float, columns: Row) -> Row:
-    """Return what the file holds of one."""
+    """Return the row of one library."""
     return {
         "scene": kind,
         "count": count,
@@ -213,7 +213,7 @@ def row(kind: str, count: int, rival: Rival, build: float, columns: Row) -> Row:
 
 
 def same_ids(name: str, expected: list[Any], found: list[Any]) -> None:
-    """Stop where the answer to any question is another."""
+    """Raise an exception if the answers to a query differ."""
     for question, (ours, theirs) in enumerate(zip(expected, found, strict=True)):
         if not np.array_equal(ours, np.sort(np.asarray(theirs, np.int64))):
             raise SystemExit(f"{name} finds other points in rectangle {question}")
@@ -222,7 +222,7 @@ def same_ids(name: str, expected: list[Any], found: list[Any]) -> None:
 def same_distances(
     points: Points, asked: Points, name: str, expected: list[Any], found: list[Any]
 ) -> None:
-    """Stop where neighbours are not as near; of several as near it may be any."""
+    """Raise an exception if the distances of neighbours differ; of equal distances any is right."""
     away = [
         np.hypot(*np.moveaxis(points[np.array(ids, np.int64)] - asked[:, None], 2, 0))
         for ids in (expected, found)

@@ -5,7 +5,7 @@
     python benchmarks/run.py --patience 20       waits longer for the slower rivals
     python benchmarks/run.py --largest 10000 --rounds 3 --out out/trial
 
-Rows are written as they come, so that a run that is stopped keeps what it has.
+Each row is written when it is measured, so a run that is stopped has the previous rows.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
 PAIR_COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)
 STEP_COUNTS = (1_000, 10_000, 50_000, 200_000)
 
-# SciPy's own test: a million points of the unit square and a reach of 0.002. The smaller scene
-# is there for the settings to be chosen on.
+# SciPy's own test: a million points of the unit square and a distance of 0.002. Settings are chosen
+# with the smaller scene.
 POINT_COUNTS = (10_000, 1_000_000)
 POINT_RIVALS = ("jostle", "jostle, float32", "SciPy cKDTree", "matscipy")
 POINT_PATIENCE = 5
@@ -47,12 +47,12 @@ Rows = Iterator[list[Row]]
 
 
 def told(text: str) -> None:
-    """Say what is being done."""
+    """Print the progress."""
     print(f"  {time.strftime('%H:%M:%S')}  {text}", flush=True)
 
 
 def run_pairs(options: Options) -> Rows:
-    """All overlapping pairs, beside other libraries."""
+    """All overlapping pairs, compared with other libraries."""
     counts = [count for count in PAIR_COUNTS if count <= options.largest]
     for scene in PAIR_SCENES:
         yield from pairs.compare(scene, counts, options.rounds, options.patience, report=told)
@@ -63,14 +63,14 @@ def run_pairs(options: Options) -> Rows:
 
 
 def run_step(options: Options) -> Rows:
-    """One frame of a simulation, beside pymunk, Box2D and the article."""
+    """One frame of a simulation, compared with pymunk, Box2D and the article."""
     counts = [count for count in STEP_COUNTS if count <= options.largest]
     for scene in steps.SCENES:
         yield from steps.compare(scene, counts, options.rounds, options.patience, report=told)
 
 
 def run_held(options: Options) -> Rows:
-    """How many discs are held at 60 steps a second."""
+    """The number of discs held at 60 steps per second."""
     for row in held.searches(report=told):
         yield [row]
 
@@ -93,7 +93,7 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
 
 
 def main() -> None:
-    """Run the parts that are asked for, and the plots of what is there."""
+    """Run the requested parts, and the plots of all results."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -121,7 +121,7 @@ def main() -> None:
 
 
 def run(part: str, options: Options) -> bool:
-    """Run one part; what goes wrong in it is shown and does not stop the others."""
+    """Run one part; print its error, so that the other parts run."""
     results = Results(options.out / f"{part}-{slug()}.csv")
     began = time.perf_counter()
     print(f"\n== {part} ==", flush=True)

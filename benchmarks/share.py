@@ -1,9 +1,8 @@
-"""What Python adds to a call.
+"""The share of the binding and of Python in the time of a call.
 
-A step is timed by the core itself, stage by stage: the rest of the call, and the copy of the
-positions that a program reads after it, is the binding's and Python's. `find_pairs` has no such
-clock inside. Beside its whole time stands what surely is not search: the same call for a single
-shape, and a copy of its arrays and its answer by NumPy.
+The core times a step, stage by stage. The rest of the call, and the copy of the positions, belong
+to the binding and Python. `find_pairs` has no such profile: its share is estimated by the same call
+for a single shape, and a copy of its arrays and its answer by NumPy.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ STEP = 1 / 60
 
 
 def race(rounds: int, largest: int) -> Iterator[list[Row]]:
-    """Yield rows of whole time and of Python's part of it."""
+    """Yield rows of the whole time and of the share of Python."""
     for count in (count for count in COUNTS if count <= largest):
         yield [of_step(count, 10 * rounds), of_pairs(count, rounds)]
 
 
 def of_step(count: int, rounds: int) -> Row:
-    """Time steps from outside and from inside."""
+    """Time steps, and read their profile."""
     world = jostle.scenes.create("gas", n=count)
     world.threads = 1
     world.step(STEP, 60)
@@ -46,7 +45,7 @@ def of_step(count: int, rounds: int) -> Row:
 
 
 def of_pairs(count: int, rounds: int) -> Row:
-    """Time a search, one of a single shape, and the copies."""
+    """Time a search, a search with a single shape, and the copies."""
     scene = shapes.create("discs", count)
     centers, radii = scene.centers.astype(np.float32), scene.column().astype(np.float32)
     search = partial(jostle.find_pairs, threads=1)

@@ -28,7 +28,7 @@ ONE_THREAD = 1
 
 @dataclass
 class Scene:
-    """A space, and who moves in it."""
+    """A space, and the shapes that move in it."""
 
     name: str
     space: jostle.Space
@@ -64,7 +64,7 @@ def still_shapes(count: int) -> Scene:
 
 
 def bullets(count: int) -> Scene:
-    """Bullets that ignore each other and all move, and ships that stand."""
+    """Bullets that all move and ignore each other, and ships that do not move."""
     side = 500 * np.sqrt(count / 100_000)
     space = jostle.Space(threads=ONE_THREAD)
     space.add(uniform(SHIPS, side), 5.0, categories=SHIP)
@@ -96,7 +96,7 @@ def race(rounds: int, largest: int) -> Iterator[list[Row]]:
         crowd(min(100_000, largest)),
     ):
         first = clock(scene.space.update)
-        frames = list(scene.frames(FRAMES_TIMES * rounds))[2:]  # memory is found in the first
+        frames = list(scene.frames(FRAMES_TIMES * rounds))[2:]  # the first one allocates memory
         timings = {call: Timing(tuple(frame[call] for frame in frames)) for call in frames[0]}
         timings["first update"] = Timing((first,))
         yield [

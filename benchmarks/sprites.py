@@ -3,11 +3,11 @@
     python benchmarks/sprites.py           this part alone, about two minutes
     python benchmarks/run.py sprites       the same, into the folder of the results
 
-Sprites of 6 by 6 pixels wander over a window of 1280 by 720. Before every call all of them move,
-outside the clock. Whatever a library has to learn about that is inside: jostle reads the rects,
-fastquadtree brings its own group up to date, in the better of its two ways and with the best of
-some capacities. Both groups hold the same sprites for all. Answers are compared first: ours with
-pygame's as they are, order included; fastquadtree's without the order, which it does not promise.
+Sprites of 6 by 6 pixels move in a window of 1280 by 720. All of them move before every call, which
+is not timed. The time includes every update that a library needs: jostle reads the rects,
+fastquadtree updates its group by the faster of its two methods, with the best of some capacities.
+All libraries get the same groups. Answers are compared before timing: those of jostle with pygame's
+in their order, those of fastquadtree as sets.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ WIDTH, HEIGHT, SIDE = 1280, 720, 6
 COUNTS = (100, 1_000, 5_000, 10_000)
 CAPACITIES = (8, 16, 32, 64)
 PATIENCE = 6.0
-"""Seconds; what would take longer for one answer is left out."""
+"""Seconds; slower answers are omitted."""
 
 LEAST_SECONDS = 0.05
-"""Quicker calls are repeated within a round, so that who shares the machine slows all alike."""
+"""Seconds; faster calls are repeated within a round, so that noise affects all equally."""
 
 Call = Callable[[], Any]
 
@@ -56,7 +56,7 @@ class Crowd:
                 self.speeds.append([sprite.rect, *speed])
 
     def move(self) -> None:
-        """Let all go on by a frame; the walls turn them back."""
+        """Move all by one frame; they bounce off the sides of the window."""
         for mover in self.speeds:
             rect, dx, dy = mover
             rect.x += dx
@@ -69,7 +69,7 @@ class Crowd:
 
 @dataclass
 class Way:
-    """One way to answer."""
+    """A library and its call."""
 
     name: str
     package: str
@@ -79,7 +79,7 @@ class Way:
 
 
 def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
-    """Yield the ways to answer `groupcollide`."""
+    """Yield the libraries for `groupcollide`."""
     import pygame
 
     import jostle.pygame
@@ -93,7 +93,7 @@ def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
 
 
 def fastquadtree(crowd: Crowd) -> Way:
-    """Return the quickest of fastquadtree's ways, by three frames of each."""
+    """Return the fastest method of fastquadtree, by three frames of each."""
     import fastquadtree.pygame as fast
 
     def ways(capacity: int) -> Iterator[Way]:
@@ -114,7 +114,7 @@ def fastquadtree(crowd: Crowd) -> Way:
 
 
 def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
-    """Yield the ways to ask for one sprite."""
+    """Yield the libraries for `spritecollide`."""
     import pygame
 
     import jostle.pygame
@@ -126,7 +126,7 @@ def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
 
 
 def tasks() -> dict[str, tuple[Callable[[Crowd, Any], Iterator[Way]], Any]]:
-    """Return what is asked."""
+    """Return the tasks."""
     from pygame.sprite import collide_circle, collide_rect_ratio
 
     return {
@@ -139,13 +139,13 @@ def tasks() -> dict[str, tuple[Callable[[Crowd, Any], Iterator[Way]], Any]]:
 
 
 def moved_and_timed(crowd: Crowd, call: Call) -> float:
-    """Time one call after a frame."""
+    """Move the sprites, and time one call."""
     crowd.move()
     return clock(call)
 
 
 def compare(ways: list[Way]) -> None:
-    """Stop where two answers differ."""
+    """Raise an exception if two answers differ."""
     ours = ways[0].call()
     for way in ways[1:]:
         found = way.call()
@@ -159,7 +159,7 @@ def compare(ways: list[Way]) -> None:
 
 
 def race(rounds: int, largest: int) -> Iterator[list[Row]]:
-    """Yield the rows of each task and size; what took too long at a size is not asked for more."""
+    """Yield the rows of each task and size; a library that is too slow is omitted from then on."""
     for task, (ways_of, rule) in tasks().items():
         slow: dict[str, float] = {}
         for count in (count for count in COUNTS if count <= largest):

@@ -89,7 +89,7 @@ def race(rounds: int, largest: int, told: Callable[[str], None]) -> Iterator[lis
     largest : int
         Scenes with more discs get this number.
     told : callable
-        Is told what is being done.
+        Called with a description of the progress.
     """
     sizes = {(name, min(count, largest)): make for name, count, make in SCENES}
     for (name, count), make in sizes.items():

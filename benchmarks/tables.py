@@ -1,8 +1,8 @@
-"""Write the tables of docs/benchmarks.md anew from the results.
+"""Write the tables of docs/benchmarks.md from the results.
 
     python benchmarks/tables.py [--results FOLDER] [--machine SLUG]
 
-Whatever stands in that page between `<!-- table: NAME -->` and `<!-- end -->` is replaced.
+The text of that page between `<!-- table: NAME -->` and `<!-- end -->` is replaced.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def frame(row: Row) -> float:
 
 
 def rivals(rows: list[Row]) -> str:
-    """Return who raced, in which version and how."""
+    """Return the libraries, their versions, and how they are called."""
     seen = {row["name"]: row for row in rows}
     lines = ([name, row["version"], row["manner"]] for name, row in seen.items())
     return table(["", "version", "how"], lines).replace("---:", "---")
 
 
 def sameness(rows: list[Row]) -> str:
-    """Return speeds and contacts a second after the same beginning, at the middle size."""
+    """Return speeds and contacts after one second from the same state, at the middle size."""
     seen = {
         (row["scene"], f"{row['name']}, {row['threads']} threads".removesuffix(", 1 threads")): row
         for row in rows
@@ -89,7 +89,7 @@ def sameness(rows: list[Row]) -> str:
 
 
 def held(rows: list[Row]) -> str:
-    """Return how many discs are held."""
+    """Return the numbers of discs held."""
     lines = (
         [row["scene"], row["threads"], f"{int(row['held']):,}", row["times_article"]]
         for row in rows
@@ -137,7 +137,7 @@ def growth(rows: list[Row]) -> str:
 
 
 def share(rows: list[Row]) -> str:
-    """Return what Python adds."""
+    """Return the share of Python."""
     lines = (
         [
             row["call"],
@@ -152,7 +152,7 @@ def share(rows: list[Row]) -> str:
 
 
 def hard_cases(rows: list[Row]) -> str:
-    """Return each hard case beside an ordinary one."""
+    """Return the time of each hard case, and its ratio to an ordinary one."""
     lines = (
         [
             row["case"],
@@ -165,8 +165,8 @@ def hard_cases(rows: list[Row]) -> str:
     return table(["scene", "ms", "", "beside"], lines)
 
 
-def living(rows: list[Row]) -> str:
-    """Return what each call of a frame costs."""
+def dynamic(rows: list[Row]) -> str:
+    """Return the time of each call of a frame."""
     lines = (
         [row["scene"], row["call"], *(figure(1e3 * float(row[at])) for at in ("low_s", "median_s"))]
         for row in rows
@@ -178,7 +178,7 @@ def living(rows: list[Row]) -> str:
 
 
 def sprites(rows: list[Row]) -> str:
-    """Return one line for each question and library, one column for each size of a group."""
+    """Return one line for each task and library, one column for each size of a group."""
     counts = sorted({int(row["count"]) for row in rows})
     lines: dict[tuple[str, str], dict[int, str]] = {}
     for row in rows:
@@ -220,13 +220,13 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
             ("query-rays", "rays"),
         )
     },
-    "space": ("space", living),
+    "space": ("space", dynamic),
     "sprites": ("sprites", sprites),
 }
 
 
 def write_all(results: Path, page: Path = PAGE, machine: str = "") -> None:
-    """Replace every table of the page that there are results for."""
+    """Replace every table of the page for which there are results."""
 
     def fresh(match: re.Match[str]) -> str:
         part, make = TABLES[match[1]]
@@ -240,7 +240,7 @@ def write_all(results: Path, page: Path = PAGE, machine: str = "") -> None:
 
 
 def main() -> None:
-    """Replace every table of the page that there are results for."""
+    """Replace every table of the page for which there are results."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""Draw the pictures of the documents anew, each by the real program.
+"""Draw the pictures of the documents again, with the library, the examples and the simulator.
 
 python docs/pictures.py [NAME ...]
 """
@@ -12,24 +12,28 @@ import tempfile
 from pathlib import Path
 
 import imageio_ffmpeg
+from drawings import DRAWINGS
 from PIL import Image
 
+from jostle import life
+from jostle.app.draw.camera import Camera
+from jostle.app.draw.picture import Picture
+from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.view_options import ViewOptions
 from jostle.app.gui.layout import COLUMN, STATISTICS
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.start import start
+from jostle.app.storage.video_writer import save_png
 
 PICTURES = Path(__file__).parent / "pictures"
 
-RUNS = {
-    "pile": ["pile", "--steps", "240"],
-    "clusters": ["clusters", "--steps", "20"],
-}
-"""Name of a picture: the arguments of `jostle run` that end in it."""
 
 TUNINGS = {"tune-gas": ["gas"]}
-"""Reference of the names of pictures: the arguments of `jostle tune` that draw them."""
+"""First part of the names of pictures: the arguments of `jostle tune` that draw them."""
 
 STILLS = [
     *("first-look", "pile", "rules", "race", "heat", "trails", "stars"),
-    *("galton", "menu", "why", "walls", "rewind", "settings"),
+    *("life", "galton", "menu", "why", "walls", "rewind", "settings"),
 ]
 """Stops of `jostle tour` whose stills are kept, as tour-NAME."""
 
@@ -41,11 +45,11 @@ TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 
 ANIMATION = (
     f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,"
-    "fps=12,scale=320:-1:flags=area,split[a][b];"
+    "fps=12,scale=480:-1:flags=area,split[a][b];"
     "[a]palettegen=max_colors=48:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )
-"""What ffmpeg does to a film; the lowest rows hold nothing but a hint."""
+"""The filter of ffmpeg for a film. The lowest rows, which only contain a hint, are cut off."""
 
 EXAMPLES = {
     f"example-{path.stem.replace('_', '-')}": path
@@ -54,13 +58,27 @@ EXAMPLES = {
 """Name of a picture: the example that draws it."""
 
 
+LIVES = {f"life-{matrix}": matrix for matrix in life.MATRICES}
+"""Name of a picture: the matrix of particle life that it shows."""
+
+NAMES = [*DRAWINGS, *EXAMPLES, *LIVES, *TUNINGS, *TOUR]
+"""All pictures that this program draws."""
+
+
 def draw(name: str) -> None:
-    """Let the program draw without a display, and keep its pictures."""
+    """Draw a picture without a display."""
     with tempfile.TemporaryDirectory() as out:
-        if name in EXAMPLES:
+        if name in DRAWINGS:
+            drawn = Path(out) / "picture.png"
+            DRAWINGS[name](drawn)
+            keep_small(drawn, PICTURES / f"{name}.png")
+        elif name in EXAMPLES:
             drawn = Path(out) / "picture.png"
             subprocess.run([sys.executable, EXAMPLES[name], "--picture", drawn], check=True)
             keep_small(drawn, PICTURES / f"{name}.png")
+        elif name in LIVES:
+            draw_life(LIVES[name], Path(out) / "life.png")
+            keep_small(Path(out) / "life.png", PICTURES / f"{name}.png", colours=64)
         elif name.startswith("tour-"):
             draw_stop(name.removeprefix("tour-"), Path(out))
         elif name in TUNINGS:
@@ -68,12 +86,11 @@ def draw(name: str) -> None:
             for made in sorted(Path(out).glob(f"{name}-*.png")):
                 shutil.copyfile(made, PICTURES / made.name)
         else:
-            call("run", *RUNS[name], "--headless", "--out", out)
-            shutil.copyfile(Path(out) / f"{RUNS[name][0]}.png", PICTURES / f"{name}.png")
+            raise SystemExit(f"there is no picture {name!r}; there are {', '.join(NAMES)}")
 
 
 def draw_stop(stop: str, out: Path) -> None:
-    """Visit a stop of the tour, and keep its still or its film."""
+    """Run a stop of the tour, and save its still or its film."""
     if stop in STILLS:
         call("tour", "--only", stop, "--stills", "--out", str(out))
         keep_small(out / f"{stop}.png", PICTURES / f"tour-{stop}.png", colours=256)
@@ -84,8 +101,18 @@ def draw_stop(stop: str, out: Path) -> None:
         subprocess.run([*ffmpeg, "-filter_complex", ANIMATION, kept], check=True)
 
 
+def draw_life(matrix: str, path: Path) -> None:
+    """Draw 2,000 particles after half a minute."""
+    simulation, size = start(Settings("life", n=2_000, matrix=matrix)), (360, 360)
+    for _ in range(1_800):
+        simulation.step()
+    painter = SoftwarePainter(size)
+    Picture().draw(painter, simulation.frame(), Camera(size, simulation.view), ViewOptions())
+    save_png(painter.canvas(), path)
+
+
 def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:
-    """Keep a picture in as many colours as the eye can tell apart in it."""
+    """Save a picture with a palette of a number of colours."""
     picture = Image.open(drawn).convert("RGB")
     picture.quantize(colours, dither=Image.Dither.NONE).save(kept, optimize=True)
 
@@ -98,7 +125,7 @@ def call(*arguments: str) -> None:
 def main() -> None:
     """Draw the named pictures, or all."""
     PICTURES.mkdir(exist_ok=True)
-    for name in sys.argv[1:] or [*RUNS, *EXAMPLES, *TUNINGS, *TOUR]:
+    for name in sys.argv[1:] or NAMES:
         draw(name)
 
 

@@ -53,6 +53,8 @@ def definitions(body: list[ast.stmt], owner: object) -> Iterator[tuple[Definitio
             continue
         is_first, previous = node.name != previous, node.name
         thing = inspect.getattr_static(owner, node.name, None)
+        if isinstance(thing, staticmethod):  # its own docstring is that of the type
+            thing = thing.__func__
         if node.name.startswith("_") or thing is None:
             continue
         yield node, clean(thing.__doc__) if is_first else ""

@@ -10,7 +10,7 @@ rng = np.random.default_rng(4)
 centers = rng.uniform((0, 0), show.SIZE, (320, 2))
 radii = rng.uniform(5, 19, 320)
 
-pairs = jostle.find_pairs(centers, radii)  # (m, 2): the rows of the two, every pair once
+pairs = jostle.find_pairs(centers, radii)  # (m, 2): two rows, every pair once
 
 touching = np.unique(pairs)
 with show.axes(f"{len(centers)} discs, {len(pairs)} pairs") as axes:

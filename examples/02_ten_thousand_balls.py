@@ -19,11 +19,11 @@ world = jostle.World(
 )
 plough = world.add([(180, 158)], [(0, 0)], 36, masses=1e6)
 
-# A ball of each colour is drawn once, of middle size, and stamped: faster than 10,000 circles.
+# One ball of each colour is drawn once and copied: faster than drawing 10,000 circles.
 stamps = [pygame.Surface((8, 8), pygame.SRCALPHA) for _ in show.RAMP]
 for stamp, color in zip(stamps, show.RAMP):
     pygame.draw.aacircle(stamp, color, (4, 4), 2.5)
-column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by where it began
+column = (places[:, 0] / show.WIDTH * len(stamps)).astype(int)  # coloured by the initial position
 stamp_of = [stamps[k] for k in column]
 
 for screen in show.frames("Ten thousand balls", until=200):

@@ -1,4 +1,4 @@
-"""Bullets hit ships and nothing else: filters say who may pair, events say who just met."""
+"""Bullets hit ships and nothing else: filters select the pairs, events report the new ones."""
 
 import numpy as np
 import pygame
@@ -27,11 +27,11 @@ for screen in show.frames("Bullets and ships", until=220):
     around = out[:, ::-1] * (-1, 1)
     space.move(space.ids, space.centers() + np.where(is_ship[:, None], 2 * around - out, 6 * out))
 
-    met = np.unique(space.update().entered)  # every bullet that met a ship, and every such ship
+    met = np.unique(space.update().entered)  # bullets and ships that begin to overlap
     hit = met[space.categories(met) == SHIP]
     space.resize(hit, space.radii(hit) - 3)
     over = np.where(is_ship, space.radii() < 5, np.linalg.norm(places, axis=1) > 480)
-    space.remove(np.union1d(np.setdiff1d(met, hit), space.ids[over]))  # bullets that hit as well
+    space.remove(np.union1d(np.setdiff1d(met, hit), space.ids[over]))  # also of bullets that hit
 
     for center, radius in zip(space.centers(), space.radii()):
         color = show.YELLOW if radius < 3 else show.RED if radius < 12 else show.TEAL

@@ -1,4 +1,4 @@
-"""See what the mouse sees: rays in all directions, and how far each gets."""
+"""Line of sight from the mouse: rays in all directions, and the distance of each hit."""
 
 import numpy as np
 import pygame
@@ -22,7 +22,7 @@ glow = pygame.surfarray.make_surface((fade[:, :, None] * (110, 95, 62)).astype(n
 
 for screen in show.frames("Line of sight"):
     eye = np.array(pygame.mouse.get_pos())
-    ids, distances = tree.raycast(eye, directions, max_distance=REACH)  # nothing hit: -1 and inf
+    ids, distances = tree.raycast(eye, directions, max_distance=REACH)  # no hit: -1, inf
     seen = np.isin(np.arange(n), ids)
 
     light = pygame.Surface(show.SIZE)

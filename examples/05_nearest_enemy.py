@@ -1,4 +1,4 @@
-"""Every tower aims at the enemy nearest to it, if one is in reach: one call for all towers."""
+"""Each tower aims at the nearest enemy within its range: one call for all towers."""
 
 import numpy as np
 import pygame
@@ -17,7 +17,7 @@ for frame, screen in enumerate(show.frames("Nearest enemy")):
     enemies = np.stack([x, 240 + 130 * np.sin(x / 110) + lane], axis=1)
 
     tree = jostle.Quadtree(enemies, radii=5.0)
-    distances, ids = tree.nearest(towers, max_distance=REACH)  # (towers, 1) each; none: inf and -1
+    distances, ids = tree.nearest(towers, max_distance=REACH)  # (towers, 1); none: inf, -1
     aims = ids[:, 0]
 
     for tower in towers:

@@ -1,4 +1,4 @@
-"""Point at a disc to pick it, drag to select all that a rectangle touches."""
+"""Pick the disc under the mouse; drag to select all discs that overlap a rectangle."""
 
 import numpy as np
 import pygame
@@ -10,7 +10,7 @@ rng = np.random.default_rng(18)
 centers = rng.uniform((0, 0), show.SIZE, (300, 2))
 radii = rng.uniform(8, 24, 300)
 tree = jostle.Quadtree(centers, radii)
-corner = None  # where the drag began
+corner = None  # start of the drag
 
 for screen in show.frames("Mouse picking"):
     mouse = pygame.mouse.get_pos()
@@ -19,7 +19,7 @@ for screen in show.frames("Mouse picking"):
 
     rect = *np.minimum(corner or mouse, mouse), *np.maximum(corner or mouse, mouse)
     selected = set(tree.query_rect(rect).tolist()) if corner else set()
-    under = tree.query_point(mouse)  # ascending, so the last is the one drawn on top
+    under = tree.query_point(mouse)  # ascending, so the last one is drawn on top
     picked = under[-1] if len(under) else None
 
     for k in range(300):

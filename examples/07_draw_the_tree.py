@@ -1,4 +1,4 @@
-"""Look at the boxes of a quadtree: fine where there is much, coarse where there is little."""
+"""Draw the boxes of a quadtree: small in dense regions, large in sparse ones."""
 
 import numpy as np
 from matplotlib.collections import PolyCollection

@@ -1,4 +1,4 @@
-"""A crowd of thousands in which each keeps its distance, looks at seven neighbours and follows."""
+"""A crowd of thousands: each keeps its distance and follows its seven nearest neighbours."""
 
 import numpy as np
 import pygame
@@ -14,14 +14,14 @@ itself = np.arange(n)[:, None]
 
 for screen in show.frames("A crowd that avoids itself", until=300):
     tree = jostle.Quadtree(places)
-    distances, ids = tree.nearest(places, k=8, max_distance=24)  # the nearest is itself
-    ids = np.where(ids < 0, itself, ids)  # whoever has fewer neighbours looks at itself
+    distances, ids = tree.nearest(places, k=8, max_distance=24)  # the first is the disc itself
+    ids = np.where(ids < 0, itself, ids)  # a missing neighbour is replaced by the disc itself
 
     away = places[:, None] - places[ids]
     too_close = np.maximum(1 - distances / 8, 0)[:, :, None]
-    steps += 0.10 * (steps[ids].mean(axis=1) - steps)  # go where they go
-    steps -= 0.004 * away.mean(axis=1)  # stay with them
-    steps += 0.12 * (away * too_close).sum(axis=1)  # but not too close
+    steps += 0.10 * (steps[ids].mean(axis=1) - steps)  # alignment
+    steps -= 0.004 * away.mean(axis=1)  # cohesion
+    steps += 0.12 * (away * too_close).sum(axis=1)  # separation
     flee = places - pygame.mouse.get_pos()
     far = np.linalg.norm(flee, axis=1, keepdims=True)
     steps += 0.5 * flee / far * (far < 60)

@@ -1,11 +1,11 @@
-"""Merge two surveys of the same stars: `pairs(other)` finds which sightings are one star."""
+"""Merge two surveys of the same stars: `pairs(other)` finds the observations of the same star."""
 
 import numpy as np
 
 import jostle
 import show
 
-RADIUS = 13.0  # two sightings nearer than twice this are one star
+RADIUS = 13.0  # observations nearer than twice this are one star
 rng = np.random.default_rng(9)
 stars = np.array([(x, y) for x in range(44, 800, 79) for y in range(44, 450, 72)], float)
 stars = rng.permutation(stars + rng.uniform(-15, 15, stars.shape))

@@ -1,4 +1,4 @@
-"""Discs bounce through a hall with two goals: sensors, which report discs and do not stop them."""
+"""Discs bounce in a hall with two goals: sensors, which report discs and do not stop them."""
 
 import numpy as np
 import pygame

@@ -26,7 +26,7 @@ for frame in range(60 * seconds):
     ids = np.concatenate([pairs.pairs[:, 0], walls.ids])
     impulses = np.concatenate([pairs.normal_impulses, walls.normal_impulses])
     for id, impulse in zip(ids[impulses > 2e4], impulses[impulses > 2e4]):
-        pitch = 9000 / world.radii[id]  # small marbles sound high
+        pitch = 9000 / world.radii[id]  # small marbles have a high pitch
         start = frame * rate // 60 + rng.integers(rate // 60)
         tone = np.sin(2 * np.pi * pitch * time) * np.exp(-30 * time)
         sound[start : start + len(time)] += impulse * tone

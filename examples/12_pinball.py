@@ -22,7 +22,7 @@ angles = np.zeros(2)
 for screen in show.frames("Pinball", until=240):
     keys = pygame.key.get_pressed()
     goals = np.array([keys[pygame.K_LEFT], keys[pygame.K_RIGHT]], float)
-    if pygame.display.get_driver() == "dummy":  # without a display nobody plays
+    if pygame.display.get_driver() == "dummy":  # without a display there is no input
         goals[:] = np.sin(12 * world.time) > 0
     speeds = np.clip(60 * (goals - angles), -10, 10)  # radians per second
     angles += speeds / 60

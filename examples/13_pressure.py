@@ -11,7 +11,7 @@ grid = (np.indices((20, 20)).reshape(2, -1).T + 0.5) / 20
 
 
 def pressures(share: float) -> tuple[float, float]:
-    """Pressure of N elastic discs that cover this share of the box: measured, Henderson's."""
+    """Return the pressure of N elastic discs that cover a share of the box, and Henderson's."""
     radius = np.sqrt(share * SIDE**2 / (N * np.pi))
     box = jostle.Box(0, 0, SIDE, SIDE)
     world = jostle.World(grid * SIDE, rng.normal(0, 60, (N, 2)), radius, masses=1.0, container=box)

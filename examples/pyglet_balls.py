@@ -8,7 +8,7 @@ import pyglet
 import jostle
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--frames", type=int, help="so many frames without a display, then end")
+parser.add_argument("--frames", type=int, help="number of frames, without a display")
 parser.add_argument("--out", help="keep the last of them as a picture")
 options = parser.parse_args()
 pyglet.options.headless = options.frames is not None
@@ -36,7 +36,7 @@ world = jostle.World(
 kinds = pyglet.graphics.shader
 stages = kinds.Shader(VERTEX, "vertex"), kinds.Shader(FRAGMENT, "fragment")
 program = kinds.ShaderProgram(*stages)
-height = places[:, 1] / 1_900  # what falls first is blue
+height = places[:, 1] / 1_900  # the first balls are blue
 stops = [(0.16, 0.35, 0.55), (0.35, 0.68, 0.66), (0.99, 0.83, 0.56)]
 tints = np.column_stack([np.interp(height, (0, 0.5, 1), of) for of in zip(*stops, strict=True)])
 sizes = ("f", 2 * world.radii + 1)

@@ -1,6 +1,6 @@
-"""Discs drift, and lines join the near ones: raylib_net.py [--frames N] [--out picture.png].
+"""Moving discs, and lines between near ones: raylib_net.py [--frames N] [--out picture.png].
 
-The mouse lights up what is around it.
+The discs near the mouse are bright.
 """
 
 import argparse
@@ -11,7 +11,7 @@ from raylib import ffi, rl
 import jostle
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("--frames", type=int, help="so many frames, then end")
+parser.add_argument("--frames", type=int, help="number of frames")
 parser.add_argument("--out", help="keep the last of them as a picture")
 options = parser.parse_args()
 

@@ -38,7 +38,7 @@ if _asked.picture:
 def frames(title: str, until: int = 120) -> Iterator[Any]:
     """Open a window and yield it, cleared, sixty times a second, until it is closed.
 
-    Where only a picture is asked for, `until` is the number of frames before it is saved.
+    With `--picture`, `until` is the number of frames before it is saved.
     """
     import pygame
 
@@ -62,12 +62,12 @@ def frames(title: str, until: int = 120) -> Iterator[Any]:
         pygame.display.flip()
         if not _asked.picture:
             clock.tick(60)
-            pygame.display.set_caption(f"{title} - {clock.get_fps():.0f} frames a second")
-        pygame.event.get(exclude=pygame.QUIT, pump=False)  # what the example did not want to know
+            pygame.display.set_caption(f"{title} - {clock.get_fps():.0f} FPS")
+        pygame.event.get(exclude=pygame.QUIT, pump=False)  # discards unread events
 
 
 def _move_hand(frame: int, last: int) -> None:
-    """Press the button in the upper left, and go around the middle to the lower right."""
+    """Simulate a drag from the upper left, around the centre, to the lower right."""
     import pygame
 
     angle = math.pi * (0.75 - frame / max(last, 1))
@@ -86,7 +86,7 @@ def _font() -> Any:
 
 
 def caption(screen: Any, text: str) -> None:
-    """Write a line at the foot of the window."""
+    """Draw a line of text at the bottom of the window."""
     import pygame
 
     words = _font().render(text, True, TEXT)
@@ -101,7 +101,7 @@ def caption(screen: Any, text: str) -> None:
 
 @contextmanager
 def axes(text: str) -> Iterator[Any]:
-    """Give axes of 800 by 500 pixels, y downwards as in a window, to draw a still picture."""
+    """Yield axes of 800 by 500 pixels, with y downwards as in a window, for a still picture."""
     import matplotlib.pyplot as plt
 
     if _asked.picture:

@@ -1,4 +1,4 @@
-"""What every test stands on: no window, no sound, property tests that can be repeated."""
+"""Settings of all tests: no window, no sound, reproducible property tests."""
 
 import os
 from pathlib import Path
@@ -8,7 +8,7 @@ from hypothesis import settings
 
 from jostle import _core
 
-# Small calls use several threads, too: they are what most tests make.
+# Small calls, which most tests make, use several threads too.
 _core.wake_threads_always(True)
 
 # Files that test the simulator, the command, the repository or the physics of the compiled core,
@@ -24,6 +24,7 @@ BESIDE_THE_LIBRARY = [
     "test_interrupt.py",
     "test_inlined.py",
     "test_layers.py",
+    "test_numpydoc.py",
     "test_resting.py",
     "test_stub.py",
     "test_tune.py",
@@ -38,7 +39,7 @@ os.environ["ARCADE_HEADLESS"] = "True"
 
 # Times on a shared machine vary too much for a deadline.
 settings.register_profile("here", deadline=None, print_blob=True)
-# A failure there must come from the change at hand, so every run draws the same examples.
+# Every run uses the same examples, so that a failure comes from the tested change.
 settings.register_profile("ci", parent=settings.get_profile("here"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 

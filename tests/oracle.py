@@ -1,7 +1,7 @@
-"""What the pairs should be: the formula of the contract over all pairs, in plain NumPy.
+"""Expected pairs: the formula for overlap over all pairs, in plain NumPy.
 
-Also the shapes that are hard to get right: coincident, touching, nested, in a line, on the
-borders of cells, huge beside tiny, and very far from everything.
+Also hard cases of shapes: coincident, touching, nested, collinear, on the borders of cells, huge
+and tiny ones together, and very far ones.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Shapes(NamedTuple):
 
 
 def overlap(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
-    """Say which shapes overlap; the columns of the two are broadcast against each other."""
+    """Return which shapes overlap; the columns of the two are broadcast."""
     with np.errstate(over="ignore", under="ignore"):
         distance = np.abs(a.centers - b.centers)
         if a.half_sizes is not None or b.half_sizes is not None:
@@ -49,7 +49,7 @@ def overlap(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
 
 
 def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
-    """Say for each shape of `a` (a row) whether it overlaps each of `b` (a column)."""
+    """Return for each shape of `a` (a row) whether it overlaps each of `b` (a column)."""
     rows = Shapes(*(None if column is None else column[:, None] for column in a))
     columns = Shapes(*(None if column is None else column[None] for column in b))
     return overlap(rows, columns)
@@ -61,7 +61,7 @@ def may_pair(
     categories_b: NDArray[Any],
     masks_b: NDArray[Any],
 ) -> NDArray[np.bool_]:
-    """Say for each row and column whether the filters of both agree."""
+    """Return for each row and column whether the filters allow the pair."""
     forth = categories_a[:, None] & masks_b[None]
     back = categories_b[None] & masks_a[:, None]
     return (forth != 0) & (back != 0)
@@ -92,7 +92,7 @@ def by_row(pairs: NDArray[Any]) -> NDArray[Any]:
 
 # ---- shapes one by one ---------------------------------------------------------------------------
 
-# Small integers touch, coincide and lie on the borders of cells; powers of two even more so.
+# Small integers, and even more powers of two, touch, coincide and are on the borders of cells.
 _borders = st.one_of(
     st.integers(-8, 8).map(float),
     st.integers(-20, 20).map(lambda k: 2.0**k),
@@ -110,7 +110,7 @@ sizes = st.one_of(
 
 @st.composite
 def few_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) -> Shapes:
-    """Up to 40 shapes, each number drawn on its own."""
+    """Up to 40 shapes, each number drawn independently."""
     dtype = draw(st.sampled_from(DTYPES)) if dtype is None else dtype
     boxes = draw(st.booleans()) if boxes is None else boxes
     shape = st.tuples(coordinates, coordinates, sizes, sizes, sizes)
@@ -138,7 +138,7 @@ def _coincident(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 
 
 def _nested(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    """Ever nearer to one point, so that every subdivision leaves most in one quarter."""
+    """Points that converge to one point, so that every subdivision leaves most in one quarter."""
     return rng.choice([-1.0, 1.0], (n, 2)) * 0.5 ** rng.uniform(0, 60, (n, 1))
 
 

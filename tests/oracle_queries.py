@@ -1,7 +1,7 @@
-"""What queries should answer: the formulas of the contract for every shape, in plain NumPy.
+"""Expected results of queries: the formulas for every shape, in plain NumPy.
 
-Each function takes one question and says for all shapes at once whether it is about them, or
-how far away they are, in the dtype of the shapes.
+Each function takes one query and returns for all shapes whether they are found, or their
+distances, in the dtype of the shapes.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from oracle import Shapes
 QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
 
 
-# Beyond these, squares are too large or too small: numbers are brought into range by a power of
-# two, which costs no digit.
+# Beyond these, squares overflow or underflow: numbers are multiplied by a power of two, which does
+# not round them.
 RANGES = {"float32": (2.0**50, 2.0**-50, 2.0**90), "float64": (2.0**500, 2.0**-500, 2.0**600)}
 
 
 def into_range(largest: NDArray[Any]) -> NDArray[Any]:
-    """What numbers up to `largest` are multiplied by before they are squared."""
+    """Return the factor of numbers up to `largest` before they are squared."""
     large, small, step = RANGES[str(largest.dtype)]
     factor = np.where(largest > large, 1 / step, np.where(largest < small, step, 1.0))
     return factor.astype(largest.dtype)
@@ -71,7 +71,7 @@ def at_point(shapes: Shapes, point: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def distance(shapes: Shapes, point: NDArray[Any]) -> NDArray[Any]:
-    """How far a point is from the surface of each shape; 0 inside."""
+    """Return the distance of a point from the surface of each shape; 0 inside."""
     with np.errstate(**QUIET):
         outside = np.maximum(np.abs(shapes.centers - point) - halves(shapes), 0)
         into = into_range(outside.max(axis=1, initial=0))
@@ -82,7 +82,7 @@ def distance(shapes: Shapes, point: NDArray[Any]) -> NDArray[Any]:
 def along_ray(
     shapes: Shapes, origin: NDArray[Any], direction: NDArray[Any], radius: Any
 ) -> NDArray[Any]:
-    """How far along a ray each shape is, grown by the radius of a disc; infinity if it misses."""
+    """Return the distance along a ray to each shape, enlarged by a radius; infinity for a miss."""
     dtype = shapes.centers.dtype
     half, nothing = halves(shapes), dtype.type(0)
     with np.errstate(**QUIET):
@@ -133,7 +133,7 @@ def _to_box(m: NDArray[Any], u: NDArray[Any], half: NDArray[Any]) -> NDArray[Any
 def k_nearest(
     distances: NDArray[Any], k: int, max_distance: float
 ) -> tuple[NDArray[Any], NDArray[np.intp]]:
-    """The k smallest, of equal ones the first; infinity and -1 where there are fewer."""
+    """Return the k smallest, the first of equal ones; infinity and -1 if there are fewer."""
     order = np.lexsort((np.arange(len(distances)), distances))[:k]
     order = order[distances[order] <= max_distance]
     ids, far = np.full(k, -1), np.full(k, np.inf, distances.dtype)

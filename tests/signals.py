@@ -46,7 +46,7 @@ def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float
 
 
 def limit_memory(beyond: int) -> None:
-    """Let this process have `beyond` bytes of address space more than now, until `lift_limit`."""
+    """Limit the address space to `beyond` bytes more than now, until `lift_limit`."""
     import resource
 
     with open("/proc/self/statm", encoding="ascii") as file:
@@ -65,7 +65,7 @@ def lift_limit() -> None:
 
 
 def limit_threads() -> None:
-    """Let this process start no more threads. The superuser has no limit, so it becomes nobody."""
+    """Forbid more threads. The superuser has no limit, so the process gets the user nobody."""
     import resource
 
     if os.getuid() == 0:
@@ -74,7 +74,7 @@ def limit_threads() -> None:
 
 
 def run_child(code: str, timeout: float = 60) -> str:
-    """Run Python `code` in a process of its own; return what it prints."""
+    """Run Python `code` in a separate process; return its output."""
     tests = os.path.dirname(__file__)
     begin = f"import sys; sys.path.insert(0, {tests!r})\nimport numpy as np, jostle\n"
     begin += "jostle._core.wake_threads_always(True)\n"

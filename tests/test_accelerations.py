@@ -42,7 +42,7 @@ def test_none_ends_them() -> None:
 
 
 def test_a_magnetic_field_turns_velocities() -> None:
-    """A charge moves on a circle, and its speed stays what it is."""
+    """A charge moves on a circle with constant speed."""
     dt, omega = 1 / 200, 1.5
     charge = jostle.World([(0, 0)], [(3, 0)], 0.1)
     c, s = np.cos(omega * dt), np.sin(omega * dt)

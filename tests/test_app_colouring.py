@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,8 @@ pytest.importorskip("pygame")
 from app_overlays import frame_of
 
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.palette import FIXED_SHADE, SHADES
+from jostle.app.draw.palette import DISCS, FIXED_SHADE, SHADES, STAGE
+from jostle.app.draw.text import FONTS, font_file
 from jostle.app.draw.view_options import ColourBy
 
 PLACES = [(10, 10), (20, 20), (30, 30)]
@@ -100,3 +103,26 @@ def test_what_cannot_move_is_grey_and_does_not_stretch_the_ramp() -> None:
 @pytest.mark.parametrize("by", ColourBy)
 def test_nothing_has_no_colours(by: ColourBy) -> None:
     assert len(Colouring().shades(frame_of([]), by)) == 0
+
+
+def lightness(colours: np.ndarray) -> np.ndarray:
+    """L* of CIELAB, 0 to 100, of (n, 3) colours in sRGB."""
+    share = colours / 255
+    linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]
+    return 116 * np.cbrt(np.maximum(luminance, (6 / 29) ** 3)) - 16
+
+
+def test_the_ramp_of_discs_rises_evenly_in_lightness() -> None:
+    levels = lightness(np.array(DISCS[:SHADES], float))
+    steps = np.diff(levels)
+    assert steps.min() > 0.5 and steps.max() < 4
+    assert levels[0] > lightness(np.array([STAGE], float))[0] + 25  # visible on the background
+    assert levels[-1] - levels[0] > 40
+
+
+def test_text_has_a_font_that_comes_with_the_simulator() -> None:
+    path = font_file()
+    assert path is not None and {"imgui_bundle", "matplotlib"} & set(Path(path).parts)
+    assert font_file((("no_such_package", "a.ttf"), *FONTS)) == path
+    assert font_file((("matplotlib", "no such file"),)) is None

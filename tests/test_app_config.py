@@ -15,16 +15,14 @@ pytest.importorskip("pygame")
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.settings import (
-    GROUP_RULES,
-    LINE_RULES,
     RULES,
     Group,
     Polyline,
     Settings,
 )
 from jostle.app.simulate.start import start
+from jostle.app.simulate.validation import rules_of
 from jostle.app.simulate.wall_segments import clear_of
-from jostle.app.storage import config
 from jostle.app.storage.config import (
     WINDOW_RULES,
     Config,
@@ -73,8 +71,9 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
     shown = (field.name for field in fields(ViewOptions))
-    for name in (*RULES, *GROUP_RULES, *LINE_RULES, *WINDOW_RULES, *shown):
-        assert f"`{name}`" in page, name
+    for name in (*RULES, *rules_of(Group), *rules_of(Polyline), *WINDOW_RULES, *shown):
+        spelled = f"[[{name}]]" if name in ("particles", "walls") else name
+        assert f"`{spelled}`" in page, name
 
 
 def test_a_file_may_be_empty(tmp_path: Path) -> None:
@@ -452,7 +451,7 @@ def test_a_file_beyond_the_limits_is_refused_in_one_sentence(
 )
 def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text: str) -> None:
     """The reader gets the file once, and a line is found by single keys."""
-    toml = config._reader()
+    toml = importlib.import_module(TOML)
     loads, read = toml.loads, 0
 
     def counted(text: str, **options: object) -> object:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,17 +15,31 @@ import pytest
 pygame = pytest.importorskip("pygame")
 
 from jostle.app.draw import background_render, screen  # noqa: E402
-from jostle.app.draw.background_render import BackgroundRenderer  # noqa: E402
+from jostle.app.draw.background_render import LONG, BackgroundRenderer  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.palette import GROUND  # noqa: E402
+from jostle.app.draw.picture import Picture  # noqa: E402
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.simulation import (  # noqa: E402
+    FrameContacts,
+    FrameRequest,
+    TreeBoxes,
+)
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 FRAME = 1 / 60
 SIZE = (640, 360)
+KINDS = [
+    Settings("pile", 60, on_touch="merge"),
+    Settings("springs", 40),
+    Settings("galton", 30),
+    Settings("brownian", 30, container="torus"),
+    Settings("article", 40, method="article-quadtree"),
+]
 
 
 @pytest.fixture
@@ -101,7 +117,7 @@ def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> Non
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
     )
-    monkeypatch.setattr(cli, "_has_display", lambda: True)
+    monkeypatch.setattr(cli, "has_display", lambda: True)
     monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
     with pytest.raises(SystemExit):
         cli.main()
@@ -218,7 +234,7 @@ def test_panels_without_events_are_built_every_other_frame(open_window, renderer
 
 @pytest.fixture
 def background(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
-    """A backdrop to which every picture is a long one."""
+    """A background renderer for which every picture is slow."""
     monkeypatch.setattr(background_render, "FEW", -1)
     monkeypatch.setattr(background_render, "MANY", -1)
     monkeypatch.setattr(background_render, "LONG", -1.0)
@@ -274,7 +290,7 @@ def test_an_error_of_the_worker_thread_is_raised(background: BackgroundRenderer)
 def test_few_particles_are_always_drawn_at_once() -> None:
     quick = BackgroundRenderer()
     painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
-    quick._seconds = 10.0
+    quick.draw(painter, camera, 100, lambda target, seer: time.sleep(2 * LONG))
     quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
     assert (picture_of(painter) == 9).all() and not quick.in_background
 
@@ -283,9 +299,51 @@ def test_few_particles_are_always_drawn_at_once() -> None:
 def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
     window = open_window(200_000, renderer=renderer)
     window.frame(FRAME)
-    assert window._background.in_background  # later pictures may be quick enough for the window
+    assert window.background.in_background  # later pictures may be quick enough for the window
     for _ in range(2):
         window.frame(FRAME)
-    window._background.wait()
+    window.background.wait()
     window.frame(FRAME)
     assert picture_of(window.painter).std() > 1
+
+
+# ---- drawing changes nothing ---------------------------------------------------------------------
+
+EVERYTHING = ViewOptions(
+    tree=TreeView.OUTLINE, contacts=True, forces=True, velocities=True, trails=True, labels=True
+)
+EVERY_PART = FrameRequest(tree=True, contacts=True, energies=True)
+
+
+def arrays_of(record: object) -> Iterator[np.ndarray]:
+    """All arrays of a frame and of its parts."""
+    for value in vars(record).values():
+        if isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, (TreeBoxes, FrameContacts)):
+            yield from arrays_of(value)
+
+
+@pytest.mark.parametrize("settings", KINDS, ids=lambda settings: settings.scene)
+def test_a_frame_cannot_be_changed(settings: Settings) -> None:
+    simulation = start(settings)
+    for _ in range(3):
+        simulation.step()
+    arrays = list(arrays_of(simulation.frame(EVERY_PART)))
+    assert len(arrays) >= 11
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+@pytest.mark.parametrize("settings", KINDS, ids=lambda settings: settings.scene)
+def test_drawing_changes_no_state(settings: Settings) -> None:
+    simulation, painter, picture = start(settings), SoftwarePainter(SIZE), Picture()
+    camera = Camera(SIZE, simulation.view)
+    for tree in TreeView:
+        simulation.step()
+        before = simulation.save()
+        for by in ColourBy:
+            options = replace(EVERYTHING, tree=tree, colour_by=by)
+            picture.draw(painter, simulation.frame(EVERY_PART), camera, options)
+        assert simulation.save() == before

@@ -18,6 +18,7 @@ from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.simulation import Frame, FrameRequest  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
+from jostle.app.window import Window  # noqa: E402
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
 TREE = FrameRequest(tree=True)
@@ -98,7 +99,7 @@ def test_leaves_that_are_apart_part_what_they_hold() -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_whoever_touches_is_not_parted_by_the_tree(seed: int) -> None:
+def test_the_tree_finds_all_that_touch(seed: int) -> None:
     """What the sentences say of the tree agrees with the pairs that overlap."""
     chance = np.random.default_rng(seed)
     places, radii = chance.uniform(0, 100, (60, 2)), chance.uniform(1, 8, 60)
@@ -116,7 +117,7 @@ def test_whoever_touches_is_not_parted_by_the_tree(seed: int) -> None:
 
 
 def test_nothing_is_said_of_what_a_step_has_tested() -> None:
-    """Its tree is built around ways to come; this one around places."""
+    """Its tree is built of swept bounds; this one of current positions."""
     simulation = start(Settings("gas", 60))
     simulation.step()
     frame = simulation.frame(TREE)
@@ -185,3 +186,22 @@ def test_the_answer_is_drawn(size) -> None:
     painter = SoftwarePainter(size)
     draw_explanation(painter, why, Camera(size, VIEW))
     assert len(np.unique(pygame.surfarray.array2d(painter.canvas()))) > 2
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (640, 360)])
+@pytest.mark.parametrize("pair", ["highest", "lowest"])
+def test_the_sentences_are_on_the_screen_and_not_over_the_pair(size, pair: str) -> None:
+    window = Window(start(Settings("gas", 300)), size, renderer="software", synchronous=True)
+    session = window.session
+    session.runner.paused = True
+    order = np.argsort(session.frame.positions[:, 1])
+    chosen = order[:2] if pair == "highest" else order[-2:]
+    session.interaction.selection.take(session.frame.tags[chosen])
+    session.explain()
+    for _ in range(4):
+        window.frame(1 / 60)
+    card = window.gui.marks["explanation"]
+    x, y = session.camera.to_screen(session.frame.positions[chosen])
+    window.close()
+    assert pygame.Rect((0, 0), size).contains(card)
+    assert not any(card.collidepoint(place) for place in zip(x, y, strict=True))

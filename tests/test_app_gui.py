@@ -16,7 +16,7 @@ from jostle.app.draw import palette  # noqa: E402
 from jostle.app.draw.painter import Painter  # noqa: E402
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.gui.host import Gui  # noqa: E402
-from jostle.app.gui.shapes import coverage, outlines_of  # noqa: E402
+from jostle.app.gui.shapes import Shapes, coverage, outlines_of  # noqa: E402
 
 SIZE = (400, 300)
 FRAME = 1 / 60
@@ -167,16 +167,21 @@ def test_panels_have_their_colours_and_text(panel: Panel) -> None:
     assert 0.01 < inked < 0.3
 
 
-def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is() -> None:
+def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     screen = Screen(SIZE, "software")
     panel = Panel(screen.painter)
     for _ in range(3):
         before = panel.frame()
-    sheets = dict(panel.gui._drawing._sheets)
+    painted = []
+    draw = Shapes.draw
+    monkeypatch.setattr(Shapes, "draw", lambda *what: painted.append(draw(*what)))
     assert (panel.frame() == before).all()
-    assert all(panel.gui._drawing._sheets[key] is sheet for key, sheet in sheets.items())
+    assert not painted
     panel.mouse(pygame.MOUSEMOTION, panel.gui.marks["press"].center)
     assert (panel.frame() != before).any()
+    assert painted
     panel.gui.close()
     screen.close()
 
@@ -207,8 +212,11 @@ def test_triangles_become_outlines_again() -> None:
 
 def test_coverage_is_the_area() -> None:
     square = np.array([(1.5, 1.0), (5.5, 1.0), (5.5, 4.0), (1.5, 4.0)])
-    assert coverage(square).sum() / 255 == pytest.approx(12, abs=0.05)
-    assert coverage(square)[1, 2] == pytest.approx(128, abs=1)
+    covered = coverage([square], (7, 6))
+    assert covered.sum() / 255 == pytest.approx(12, abs=0.05)
+    assert covered[1, 2] == pytest.approx(128, abs=1)
     turns = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     circle = 10 + 8 * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    assert coverage(circle).sum() / 255 == pytest.approx(np.pi * 64, rel=0.01)
+    assert coverage([circle], (20, 20)).sum() / 255 == pytest.approx(np.pi * 64, rel=0.01)
+    both = coverage([square, circle + 20], (40, 40)).sum() / 255
+    assert both == pytest.approx(12 + np.pi * 64, rel=0.01)

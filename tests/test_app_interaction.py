@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -38,7 +39,7 @@ def test_a_held_particle_that_vanishes_is_dropped(make) -> None:
     driver.down((200, 250))
     assert driver.session.interaction.drag_tool.held == 0
     driver.session.engine.edit(lambda simulation: simulation.remove([0]))
-    driver.session.engine.step()  # before anybody has noticed
+    driver.session.engine.step()  # before the session is notified
     driver.frames(1)
     assert driver.session.interaction.drag_tool.held is None
     driver.up((300, 250))
@@ -285,7 +286,7 @@ def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None
     simulation.step()
     (force,) = simulation.world.forces
     assert force.particle == 1 and simulation.frame().attractors == (Attractor(4.0, tag=1),)
-    simulation.attract((Attractor(4.0, tag=2),))  # from somebody who has not seen that yet
+    simulation.attract((Attractor(4.0, tag=2),))  # from a caller with an older frame
     assert simulation.frame().attractors == (Attractor(4.0, tag=1),)
     assert len(simulation.world.forces) == 1
     simulation.attract(())
@@ -451,9 +452,8 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
     driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
     driver.session.runner.paused = paused
     driver.session.interaction.commands.delete(np.array([1]))
-    job = driver.session.engine._job
-    assert job is not None
-    job.exception(30)
+    while driver.session.engine.busy:
+        time.sleep(0.001)
     driver.frames(1)
     assert len(driver.session.frame) == 1
 

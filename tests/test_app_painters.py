@@ -24,7 +24,7 @@ from jostle.app.draw.palette import (  # noqa: E402
     level_colour,
 )
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
-from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.draw.stamps import MEMORY_LIMIT, Stamps  # noqa: E402
 from jostle.app.draw.tree_overlay import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.simulate.simulation import Frame, TreeBoxes  # noqa: E402
 
@@ -115,6 +115,17 @@ def test_discs_half_outside_are_cut_and_those_outside_leave_no_trace(painter) ->
         assert (draw(painter, frame_of(far, radius)) == STAGE).all()
 
 
+def test_a_fill_covers_everything_after_a_clip(painter) -> None:
+    painter.clip(pygame.Rect(50, 60, 100, 80))
+    painter.fill((200, 0, 0))
+    painter.lines(np.array([[0.0, 0.0, 320.0, 240.0]]), np.array([[0, 200, 0]], np.uint8), 2.0)
+    inside = pygame.surfarray.array3d(painter.canvas())[50:150, 60:140]
+    assert inside.any(axis=2).all() and (inside[:, :, 1] > 100).any()
+    painter.clip(None)
+    painter.fill((0, 0, 200))
+    assert (pygame.surfarray.array3d(painter.canvas()) == (0, 0, 200)).all()
+
+
 def test_no_particles_no_ink(painter) -> None:
     assert (draw(painter, frame_of(np.empty((0, 2)), 1.0)) == STAGE).all()
 
@@ -149,11 +160,12 @@ def test_a_million_particles_are_drawn(painter) -> None:
 
 
 def test_the_store_of_stamps_stays_small() -> None:
-    painter = SoftwarePainter(SIZE)
+    stamps, target = Stamps(), pygame.Surface(SIZE)
+    place = np.array([100.0])
     for radius in np.linspace(2, 47, 40):
         for shade in range(SHADES):
-            draw(painter, frame_of([(100, 100)], radius), shade=shade)
-    assert painter._stamps._bytes < 2 * 96 * 2**20
+            stamps.blit(target, place, place, np.array([radius]), np.array([shade], np.uint8))
+    assert 0 < stamps.bytes < 2 * MEMORY_LIMIT
 
 
 def test_drawing_leaves_the_frame_alone(painter) -> None:

@@ -34,13 +34,13 @@ class Desk:
         self.painter = SoftwarePainter(size)
         self.gui = Gui(self.painter)
         self.taken: list[bool] = []
-        drawing = self.gui._drawing
-        self._draw, drawing.draw = drawing.draw, drawing._update_font_atlas
+        drawing = self.gui.drawing
+        self._draw, drawing.draw = drawing.draw, drawing.update_font_atlas
         self.frame(3)
 
     def paint(self) -> None:
         """From now on paint each frame."""
-        self.gui._drawing.draw = self._draw
+        self.gui.drawing.draw = self._draw
         self.frame()
 
     def frame(self, count: int = 1) -> None:
@@ -353,7 +353,7 @@ def test_drift_can_be_measured_from_now_on(desk) -> None:
 def test_drift_says_how_long_it_was_measured_or_why_not(desk, scene: str, words: str) -> None:
     here = desk(scene)
     here.frame(60)
-    assert panels.statistics_panel._drift(here.session, "+0.00 %") == words
+    assert panels.statistics_panel.change_text(here.session, "+0.00 %") == words
 
 
 def test_statistics_fold_and_the_camera_takes_their_room(desk) -> None:

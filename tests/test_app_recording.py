@@ -212,11 +212,13 @@ def test_closing_the_window_while_recording_leaves_a_film_that_plays(tmp_path: P
     assert len(frames_of(film.path)) == film.written >= 15
 
 
-def test_an_encoder_that_dies_becomes_a_notice(session: Session) -> None:
-    session.files.toggle_recording()
-    run(session, 0.1)
-    film = session.files.recording
-    film._encoder._process.kill()
+def test_an_encoder_that_dies_becomes_a_notice(session: Session, monkeypatch, tmp_path) -> None:
+    dying = tmp_path / "ffmpeg"
+    dying.write_text("#!/bin/sh\nhead -c 1000 > /dev/null\nexit 1\n")
+    dying.chmod(0o755)
+    with monkeypatch.context() as patched:
+        patched.setattr(imageio_ffmpeg, "get_ffmpeg_exe", lambda: str(dying))
+        session.files.toggle_recording()
     for _ in range(200):
         run(session, 0.1)
         if session.files.recording is None:

@@ -35,7 +35,7 @@ def test_galton_counts_the_balls_in_each_bin() -> None:
     frame = frame_of(places, board.ball_radius, scene="galton", begun_with=100)
     notes, camera = Notes((1280, 720)), Camera((1280, 720), (-300, -100, 300, board.floor))
     said = SceneOverlays().draw_above(notes, frame, camera)
-    assert said == ["5 of 6 balls are in bins; line: binomial distribution"]
+    assert said == ["5 of 6 in bins; line: binomial"]
     assert len(notes.sheets_drawn()) == board.rows + 1
     ends = notes.lines_drawn()
     peak = ends[np.argmin(ends[:, 1]), 0]

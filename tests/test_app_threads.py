@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -32,7 +33,7 @@ def closed() -> Iterator[None]:
 
 
 def held_up(driver: Driver) -> Callable[[], None]:
-    """Go on until a step is under way, which waits until the answer is called."""
+    """Continue until a step is in progress, which waits until the returned function is called."""
     simulation = driver.session.engine.simulation
     gate, begun, step = threading.Event(), threading.Event(), simulation.step
 
@@ -95,7 +96,7 @@ def test_the_drag_state_of_a_step_never_changes() -> None:
     assert thrown.tag == 3 and drag_tool.state.tag == 4
 
 
-def test_a_drag_in_a_pause_leaves_one_edit_waiting() -> None:
+def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
     driver = Driver(world_of(TWO), synchronous=False)
     driver.session.runner.paused = True
     gate = threading.Event()
@@ -104,9 +105,13 @@ def test_a_drag_in_a_pause_leaves_one_edit_waiting() -> None:
     for x in (220, 240, 260):
         driver.move(driver.pixel((x, 250)))
         driver.frames(3)
-    assert len(driver.session.engine._edits) == 1
+    moved, change = [], WorldSimulation.change
+    monkeypatch.setattr(
+        WorldSimulation, "change", lambda *what, **named: moved.append(change(*what, **named))
+    )
     gate.set()
     driver.session.engine.wait()
+    assert len(moved) == 1
     assert driver.world.positions[0] == pytest.approx((260, 250), abs=2)
     driver.window.close()
 
@@ -191,7 +196,7 @@ def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     monkeypatch.setattr(driver.session.engine, "close", fail)
     for name, part in [
         ("files", driver.session.files),
-        ("background", driver.window._background),
+        ("background", driver.window.background),
         ("screen", driver.window.screen),
     ]:
         close = part.close
@@ -327,10 +332,13 @@ def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> 
 
 
 def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> None:
+    before = threading.enumerate()
     driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, old = driver.session, driver.session.engine.simulation
     release = held_up(driver)
-    abandoned = session.engine._job
+    new = (thread for thread in threading.enumerate() if thread not in before)
+    abandoned = [thread for thread in new if thread.name.startswith("jostle-step")]
+    assert abandoned
     history = session.runner.history
     session.runner.restart()
     session.runner.loader.wait()
@@ -338,7 +346,8 @@ def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> No
     driver.frames(1)
     assert session.engine.simulation is not old and not session.engine.busy
     release()
-    abandoned.result(30)
+    for thread in abandoned:
+        thread.join(30)
     driver.frames(2)
     assert session.engine.steps == 0 and session.frame.stats.time == 0
     assert len(session.runner.history.moments) == 1 < len(history.moments)
@@ -369,14 +378,11 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
     watch(jostle.scenes, "create")
 
     def rest() -> None:
-        """Let what is under way end, without doing anything of it here."""
-        for job in (
-            session.runner.loader._job,
-            session.engine._job,
-            driver.window._background._job,
-        ):
-            if job is not None:
-                job.exception(60)
+        """Wait for the current jobs, without applying their results."""
+        session.runner.loader.wait()
+        while session.engine.busy:
+            time.sleep(0.001)
+        driver.window.background.wait()
         driver.frames(2)
 
     driver.frames(3)

@@ -12,10 +12,10 @@ pygame = pytest.importorskip("pygame")
 import jostle  # noqa: E402
 from jostle.app.draw.view_options import TreeView  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
-from jostle.app.simulate.settings import Settings  # noqa: E402
+from jostle.app.simulate.settings import MOST_RUNNING, Settings  # noqa: E402
 from jostle.app.simulate.simulation import Simulation  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
-from jostle.app.simulate.world_simulation import BRUTE_LIMIT, WorldSimulation  # noqa: E402
+from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 FRAME = 1 / 60
@@ -178,7 +178,7 @@ def test_b_switches_brute_force_and_tree(open_window, names) -> None:
 
 
 def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene(Settings("gas", BRUTE_LIMIT + 1)))
+    window = open_window(WorldSimulation.of_scene(Settings("gas", MOST_RUNNING["brute"] + 1)))
     window.session.runner.paused = True
     press(window, pygame.K_b)
     assert (

@@ -1,4 +1,4 @@
-"""`jostle.arcade` answers what arcade answers, in the order of the list."""
+"""`jostle.arcade` has the results of arcade, in the order of the list."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ arcade = pytest.importorskip(
 
 import jostle.arcade as ours  # noqa: E402
 
-EVERYTHING = 3  # arcade's method that looks at all sprites in turn
+EVERYTHING = 3  # arcade's method that tests all sprites in turn
 
-# Some that are not convex, some that are hardly there.
+# Some are not convex, some are very small.
 HIT_BOXES: list[Any] = [
     None,
     [(-9, -9), (9, -9), (0, 9)],
@@ -30,7 +30,7 @@ HIT_BOXES: list[Any] = [
 
 
 def sprite(rng: np.random.Generator, spread: float) -> Any:
-    """A sprite like those of games: on whole numbers or turned, scaled, flipped."""
+    """Return a sprite like those of games: at integers, or rotated, scaled and flipped."""
     x, y = rng.uniform(0, spread, 2).round(rng.integers(0, 3))
     made = arcade.SpriteSolidColor(*rng.integers(1, 30, 2).tolist(), float(x), float(y))
     shape = HIT_BOXES[rng.choice(len(HIT_BOXES), p=[0.7, *[0.05] * 6])]
@@ -44,7 +44,7 @@ def sprite(rng: np.random.Generator, spread: float) -> Any:
 
 
 def sprites(seed: int, most: int = 60) -> Any:
-    """A list of random sprites that needs no window."""
+    """Return a list of random sprites that needs no window."""
     rng = np.random.default_rng(seed)
     made = arcade.SpriteList(lazy=True)
     spread = rng.choice([20, 100, 300])
@@ -93,7 +93,7 @@ def test_points_and_rectangles(seed: int) -> None:
     now = ours.Snapshot(a)
     rng = np.random.default_rng(seed)
     points = [tuple(point) for point in rng.uniform(-10, 110, (20, 2)).round(1).tolist()]
-    # Corners, and beside them: where arcade miscounts.
+    # Corners, and points beside them: where arcade miscounts.
     for one in list(a)[:10]:
         points += [one.position, *one.hit_box.get_adjusted_points()]
         points += [(x - 40.5, y) for x, y in one.hit_box.get_adjusted_points()]

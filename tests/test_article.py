@@ -1,4 +1,4 @@
-"""The article's rules: against values worked out by hand, and each fault as its docstring shows."""
+"""The article's rules, compared with values computed by hand, and the demonstrations of faults."""
 
 from __future__ import annotations
 
@@ -285,7 +285,7 @@ def test_a_held_particle_follows_the_cursor_until_it_is_thrown(method: str) -> N
     assert particle.speed == pytest.approx(speed, rel=0.05)
 
 
-# What is refused
+# Errors
 
 
 @pytest.mark.parametrize("n", [-1, 2.0, math.nan, "3", None, True])

@@ -1,4 +1,4 @@
-"""The benchmark: that it compares before it times, and times what it says; never how fast."""
+"""The benchmark compares before it times, and times what it says. No test depends on a time."""
 
 from __future__ import annotations
 
@@ -353,7 +353,7 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
 def test_stages_have_the_colours_of_the_app() -> None:
     pytest.importorskip("imgui_bundle")
     run_benchmarks(
-        code="import plot; from jostle.app.panels.theme import STAGES\n"
+        code="import plot; from jostle.app.panels.statistics_panel import STAGES\n"
         "for stage, colour in plot.STAGES.items():\n"
         "    assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage"
     )

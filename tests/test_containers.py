@@ -1,4 +1,4 @@
-"""`jostle.Box`, `jostle.Circle`, `jostle.Torus`: values that say where the walls are."""
+"""`jostle.Box`, `jostle.Circle`, `jostle.Torus`: values that describe the region of a world."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The app's emitters: what is due comes, the oldest go, and all of it can be repeated."""
+"""The app's emitters add due drops, remove the oldest ones, and are reproducible."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def test_a_long_step_emits_no_more_than_the_cap() -> None:
     assert emitters.emitted > 10 * N
 
 
-# ---- the chance in it ----------------------------------------------------------------------------
+# ---- random numbers -----------------------------------------------------------------------------
 
 
 def test_points_are_spread_evenly_over_a_disc() -> None:

@@ -1,4 +1,4 @@
-"""Every example runs without a display, draws something, is short, and is shown to the reader."""
+"""Every example runs without a display, draws something, is short, and is in the gallery."""
 
 import ast
 import os
@@ -16,8 +16,8 @@ FOLDER = ROOT / "examples"
 PICTURES = ROOT / "docs" / "pictures"
 EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py"))
 ALLOWED = {"jostle", "matplotlib", "numpy", "pygame", "show", *sys.stdlib_module_names}
-# Until something has happened: the first bullet hits after some seventy. A step of the ten
-# thousand takes up to a second while they still overlap as they were placed.
+# Frames until there is something to see: the first bullet hits after about seventy. A step of the
+# ten thousand balls takes up to a second while they still overlap from their placement.
 FRAMES = {"02_ten_thousand_balls": "3", "03_bullets_and_ships": "90"}
 each_example = pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 
@@ -32,7 +32,7 @@ def pixels(picture: Path) -> np.ndarray:
 
 
 def run(*arguments: str) -> None:
-    """Run Python where no display is, and see that it ends well and without complaint."""
+    """Run Python without a display, and check that it ends without errors and warnings."""
     environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(FOLDER)}
     command = [sys.executable, "-W", "error::DeprecationWarning:__main__", *arguments]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
@@ -50,7 +50,7 @@ def test_draws_a_picture_without_a_display(example: Path, tmp_path: Path) -> Non
     run(str(example), "--picture", str(picture), "--frames", FRAMES.get(example.stem, "10"))
     drawn = pixels(picture)
     assert drawn.shape == (800, 500, 3)
-    drawn = drawn[:, :450]  # without the line at the foot
+    drawn = drawn[:, :450]  # without the line at the bottom
     ground = (drawn == np.array([0x10, 0x14, 0x1A])).all(axis=2)
     assert ground.mean() < 0.998
 

@@ -1,4 +1,4 @@
-"""`jostle.find_pairs`: against brute force in NumPy and SciPy's tree, and what it refuses."""
+"""`jostle.find_pairs` against brute force in NumPy and SciPy's tree, and its errors."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_rectangles_overlap_by_their_insides() -> None:
     assert jostle.find_pairs(inside, half_sizes=[(5, 5), (1, 1)]).tolist() == [[0, 1]]
     cross = [(0, 0), (0, 0)]
     assert jostle.find_pairs(cross, half_sizes=[(5, 1), (1, 5)]).tolist() == [[0, 1]]
-    flat = [(0, 0), (1, 0)]  # on the same line, so neither has an inside to share
+    flat = [(0, 0), (1, 0)]  # on the same line, so neither has an interior
     assert len(jostle.find_pairs(flat, half_sizes=(5, 0))) == 0
 
 
@@ -124,14 +124,14 @@ def test_a_permuted_input_permutes_the_answer(shapes: Shapes, random: Any) -> No
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_threads_change_nothing(method: Any, dtype: Any) -> None:
-    # Enough for the work to be shared.
+    # Enough for several threads.
     centers = discs(20_000, dtype)
     answers = [jostle.find_pairs(centers, 0.5, method=method, threads=k) for k in (1, 2, 8)]
     np.testing.assert_array_equal(answers[0], answers[1])
     np.testing.assert_array_equal(answers[0], answers[2])
 
 
-# ---- what goes in --------------------------------------------------------------------------------
+# ---- arguments ----------------------------------------------------------------------------------
 
 POINTS = np.array([(0, 0), (3, 0), (4, 0), (4, 1), (-7, 2)])
 EXPECTED = [[1, 2], [1, 3], [2, 3]]
@@ -222,7 +222,7 @@ def test_the_input_stays_as_it_was() -> None:
     np.testing.assert_array_equal(radii, before[1])
 
 
-# ---- what is refused -----------------------------------------------------------------------------
+# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 WRONG_VALUES = [
@@ -333,7 +333,7 @@ def test_no_pairs_need_no_room() -> None:
     assert jostle.find_pairs([(0, 0), (9, 9)], 1.0, max_pairs=0).shape == (0, 2)
 
 
-# ---- how it behaves ------------------------------------------------------------------------------
+# ---- behaviour ----------------------------------------------------------------------------------
 
 
 def longest_pause(call: Any) -> tuple[float, float]:
@@ -382,5 +382,5 @@ def test_its_signature_shows_its_defaults() -> None:
         "max_pairs": 2**27,
         "threads": None,
     }
-    # They are the real ones.
+    # They are the actual defaults.
     assert jostle.find_pairs(POINTS, **defaults).tolist() == jostle.find_pairs(POINTS).tolist()

@@ -1,4 +1,4 @@
-"""A forked process can go on: the parent's threads do not come along."""
+"""A forked process, which does not have the threads of its parent, can use jostle."""
 
 import os
 import signal
@@ -96,7 +96,7 @@ def test_a_child_can_use_what_no_other_thread_was_using() -> None:
     def work() -> None:
         assert len(space.update().entered) == 1
         world.step(0.5)
-        # Threads of the child share them as they do elsewhere.
+        # Threads of the child share them as in other processes.
         thread = threading.Thread(target=lambda: [space.update() for _ in range(100)])
         thread.start()
         assert all(len(space.pairs()) == 1 for _ in range(100))

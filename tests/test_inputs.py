@@ -51,7 +51,7 @@ def test_objects_with_sides_are_rectangles() -> None:
     assert [len(ids) for ids in TREE.query_rect([jostle.Box(8, 8, 10, 10), RECT]).lists()] == [1, 2]
 
 
-# ---- more rows than there can be -----------------------------------------------------------------
+# ---- more rows than memory allows ----------------------------------------------------------------
 
 MANY = 5_000_000_000
 NUMBERS = np.broadcast_to(1.0, (MANY,))

@@ -101,7 +101,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
 ) -> None:
     pytest.importorskip("imgui_bundle")
     from jostle.app import window as windows
-    from jostle.app.panels import sliders
+    from jostle.app.panels import settings_panel
     from jostle.app.simulate.settings import Settings
     from jostle.app.simulate.start import start
     from jostle.app.window import Window
@@ -124,11 +124,11 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     if moment in ("begin", "end"):
         monkeypatch.setattr(window.gui, moment, pressing(getattr(window.gui, moment)))
     elif moment == "build":
-        monkeypatch.setattr(sliders, "_track", pressing(sliders._track))
+        monkeypatch.setattr(settings_panel, "slider", pressing(settings_panel.slider))
     elif moment == "step":
         window.session.engine.before.append(pressing(lambda simulation: None))
     else:
-        monkeypatch.setattr(windows, "draw_hint", pressing(windows.draw_hint))
+        monkeypatch.setattr(windows, "draw_interaction", pressing(windows.draw_interaction))
     with pytest.raises(KeyboardInterrupt), interrupt.raised():
         window.run()
     assert len(closed) == 1

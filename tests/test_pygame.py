@@ -1,7 +1,8 @@
-"""`jostle.pygame` beside pygame's own functions: the same answers, in the same order.
+"""`jostle.pygame` compared with pygame's own functions: the same answers, in the same order.
 
-Every scene is made twice from one seed, because kills and stored radii change it: pygame
-answers on the first, jostle on the second, and all that is left behind is compared too.
+Every scene is made twice from one seed, because kills and stored radii change it. The functions of
+pygame are called on the first, those of jostle on the second. The states after the calls are
+compared too.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ RECTS = ["ints", "floats", "mixed"]
 
 
 class Named(Sprite):
-    """A sprite that says who it is in a failing test."""
+    """A sprite with a name for the messages of failing tests."""
 
     def __init__(self, name: str, rect: Any) -> None:
         super().__init__()
@@ -75,13 +76,13 @@ class Scene:
         self.b = theirs.Group(s for s in self.every if draw.random() < 0.6)
 
     def state(self) -> Any:
-        """Return whatever a call may have changed."""
+        """Return everything that a call may have changed."""
         radii = [(type(r), r) for r in (getattr(s, "radius", None) for s in self.every)]
         return names(self.a), names(self.b), radii, [repr(s.rect) for s in self.every]
 
 
 def some_rect(draw: random.Random, kind: str, spread: int) -> Any:
-    """Return a rect that often touches, has no area or runs backwards."""
+    """Return a rect that often touches others, has no area or negative sizes."""
     if kind == "mixed":
         kind = draw.choice(RECTS[:2])
     if kind == "ints":
@@ -125,7 +126,7 @@ BUILT_IN: dict[str, Collided] = {
     "prefilter": ours.prefilter(odd, reach=2.5),
 }
 
-# ---- beside pygame -------------------------------------------------------------------------------
+# ---- comparisons -------------------------------------------------------------------------------
 
 
 def same_groupcollide(
@@ -182,19 +183,19 @@ def test_groups_of_hundreds(rule: str, kind: str, kill: bool) -> None:
 @pytest.mark.parametrize("kind", RECTS)
 @pytest.mark.parametrize("rule", [rule for rule in BUILT_IN if rule != "rect"])
 def test_pygame_has_nothing_to_do(rule: str, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Equal answers prove little if pygame itself gives them."""
+    """The answers must not come from pygame's own functions."""
     for scene in (Scene(3, kind, largest=150), Scene(5, kind)):
         collided = BUILT_IN[rule]
         want = named(theirs.groupcollide(scene.a, scene.b, False, False, collided))
         with monkeypatch.context() as patch:
             patch.setattr(ours, "_their_groupcollide", None)
-            patch.setattr(ours, "_their_spritecollide", against_nobody)
+            patch.setattr(ours, "_their_spritecollide", against_no_sprite)
             assert named(ours.groupcollide(scene.a, scene.b, False, False, collided)) == want
             ours.groupcollide(scene.a, scene.b, False, True, collided)
 
 
-def against_nobody(sprite: Any, group: Any, *more: Any) -> list[Any]:
-    """Stand in for pygame's function where a group has died out."""
+def against_no_sprite(sprite: Any, group: Any, *more: Any) -> list[Any]:
+    """Replace pygame's function for an empty group."""
     assert len(group) == 0
     return []
 
@@ -232,7 +233,7 @@ def test_any_rects_at_all(
     kill_a: bool,
     kill_b: bool,
 ) -> None:
-    """What pygame answers, or the kind of error that it raises."""
+    """Return the result of pygame, or the type of its exception."""
 
     def run(library: Any) -> Any:
         every = [Named(f"s{row}", rect) for row, rect in enumerate([*left, *right])]
@@ -272,7 +273,7 @@ def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
     assert ours.collide_rect_lists(asked, things) == [[], [0], [1]]
 
 
-# ---- masks and functions of one's own ------------------------------------------------------------
+# ---- masks and the user's functions -----------------------------------------------------------
 
 
 def with_masks(seed: int, kind: str) -> Scene:
@@ -389,7 +390,7 @@ def test_a_function_may_accept_pairs_beyond_the_rects(collided: Any, broad_phase
         ((11, 12, 5, 5), 2, True),
         ((-7, 3, 5, 5), 2, True),
         ((-7, 3, 5, 5), 1.999, False),
-        ((19, 0, -5, 5), 4, True),  # backwards: from 14 to 19
+        ((19, 0, -5, 5), 4, True),  # negative size: from 14 to 19
         ((19, 0, -5, 5), 3.999, False),
         ((12, 5, 0, 0), 2, True),  # without area
         ((12, 5, 0, 0), 1.5, False),
@@ -451,7 +452,7 @@ def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
     assert len(ours.selfcollide(b, shorter)) == 1
 
 
-# ---- what is killed ------------------------------------------------------------------------------
+# ---- kills -------------------------------------------------------------------------------------
 
 
 def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
@@ -472,7 +473,7 @@ def test_who_is_killed(library: Any) -> None:
     assert library.groupcollide(a, b, True, False) == {hunter: hunted}
     assert (len(a), len(b)) == (0, 3)
     assert library.groupcollide(b, b, False, False) == dict.fromkeys(hunted, hunted)
-    # The first kills all, itself included; nothing is left for the others.
+    # The first kills all sprites, itself included.
     assert library.groupcollide(b, b, True, True) == {hunted[0]: hunted}
     assert len(b) == 0
 
@@ -482,7 +483,7 @@ def test_who_is_killed(library: Any) -> None:
 )
 @pytest.mark.parametrize("kill_b", [False, True])
 def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) -> None:
-    """Here it moves others, lets some of them into the group, and may refuse to die."""
+    """This `kill` moves other sprites, adds some of them to the group, and may do nothing."""
 
     class Bomb(Named):
         group: Any
@@ -512,7 +513,7 @@ def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) ->
 
 def test_groups_of_ones_own_may_do_anything() -> None:
     class Restless(theirs.Group):
-        """Moves all when one leaves."""
+        """Moves all sprites when one is removed."""
 
         def remove_internal(self, sprite: Any) -> None:
             super().remove_internal(sprite)
@@ -520,7 +521,7 @@ def test_groups_of_ones_own_may_do_anything() -> None:
                 other.rect.x -= 2
 
     class Half(theirs.Group):
-        """Shows every second sprite."""
+        """Iterates over every second sprite."""
 
         def sprites(self) -> list[Any]:
             return super().sprites()[::2]
@@ -538,7 +539,7 @@ def test_groups_of_ones_own_may_do_anything() -> None:
 
 @pytest.mark.parametrize("kind", [theirs.Group, LayeredUpdates, GroupSingle, ours.Group, list, set])
 def test_kinds_of_groups(kind: Any) -> None:
-    """Whatever can be gone through twice; what cannot is pygame's."""
+    """Collections can be iterated twice; for other iterables pygame's function is called."""
     for library, kill in product((theirs, ours), (False, True)):
         hunters, hunted = one_place(3), one_place(3)
         grouped = issubclass(kind, AbstractGroup)
@@ -559,7 +560,7 @@ def test_duplicates_in_lists() -> None:
     assert ours.selfcollide([x, y, x]) == [(x, y), (x, x), (y, x)]
 
 
-# ---- rects of all sorts --------------------------------------------------------------------------
+# ---- kinds of rects ----------------------------------------------------------------------------
 
 
 class Plain(Rect):
@@ -569,20 +570,20 @@ class Plain(Rect):
 
 
 class Never(Rect):
-    """A subclass with an opinion."""
+    """A subclass with its own `colliderect`."""
 
     def colliderect(self, *arguments: Any) -> bool:
         return False
 
 
 class Wide(FRect):
-    """A subclass that says other sizes than it has."""
+    """A subclass whose attributes differ from its sizes."""
 
     width = property(lambda self: 50.0)
 
 
 class Elsewhere(Rect):
-    """A subclass that pygame sees elsewhere."""
+    """A subclass whose attributes differ from its position."""
 
     def __getitem__(self, index: Any) -> Any:
         return 1000
@@ -736,7 +737,7 @@ def test_query_rect(rects: list[Any], asked: Any) -> None:
 
 
 def gap_to(point: tuple[float, float], rect: Any) -> float:
-    """Return how far a rect is from a point."""
+    """Return the distance of a rect from a point."""
     away = [
         max(min(side, side + size) - at, at - max(side, side + size), 0)
         for at, side, size in zip(point, rect[:2], rect[2:], strict=True)
@@ -759,10 +760,10 @@ def test_nearest(rects: list[Any], point: Any, k: int, reach: float) -> None:
 
 @given(st.lists(ints | halves, max_size=9), places)
 def test_raycast_along_an_axis(rects: list[Any], origin: Any) -> None:
-    """A rect is hit where the ray runs through its inside."""
+    """A rect is hit if the ray crosses its interior."""
     sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
     sprites = [sprite for sprite in sprites if all(sprite.rect.size)]
-    for rect in (sprite.rect for sprite in sprites):  # edges are the tree's own affair
+    for rect in (sprite.rect for sprite in sprites):  # edges are tested with the tree
         assume(origin[1] not in (rect.top, rect.bottom))
         assume(origin[0] not in (rect.left, rect.right))
     crossed = []
@@ -792,7 +793,7 @@ def test_a_group_is_asked_about_the_present() -> None:
     assert group.nearest((22.5, 1)) == [first]
     first.rect, second.rect = second.rect, first.rect
     assert group.nearest((22.5, 1)) == [second]
-    # The same rects, the other way round: the tree may stay, the answer may not.
+    # The same rects in reverse order: the tree may be the same, the answer may not.
     group.empty()
     group.add(second, first)
     assert group.nearest((22.5, 1)) == [second]

@@ -14,7 +14,7 @@ pygame = pytest.importorskip("pygame")
 if not getattr(pygame, "IS_CE", False):
     pytest.skip("pygame is not pygame-ce", allow_module_level=True)
 
-# In a process of its own, because the tests initialise pygame.
+# In a separate process, because the tests initialise pygame.
 PROGRAM = """
 import json, sys, unittest
 import pygame, jostle.pygame

@@ -1,4 +1,4 @@
-"""`jostle.pyqtree.Index` answers what the package pyqtree answers."""
+"""`jostle.pyqtree.Index` has the results of the package pyqtree."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ pyqtree = pytest.importorskip("pyqtree", reason="pyqtree is not installed to com
 
 AREA = (0, 0, 16, 16)
 
-# Few values, so that edges meet; neighbours of them, so that they just do not.
+# Few values, so that edges coincide, and adjacent numbers, so that they almost do.
 places = st.integers(-3, 20) | st.integers(0, 64).map(lambda k: k / 4)
 next_to_them = st.builds(math.nextafter, places, st.sampled_from([-math.inf, math.inf]))
 floats = [0.1, 0.3, 5e-324, 1e-30, 1e30, -1e30, 1e200, 1.7e308, math.inf, -math.inf, math.nan]
@@ -29,7 +29,7 @@ others = [2**53 + 1, 2**1023, Fraction(1, 3), np.float64(0.1), True]
 hard = st.sampled_from([*floats, *others])
 numbers = places | next_to_them | st.floats(-40, 40) | hard
 boxes = st.tuples(numbers, numbers, numbers, numbers) | st.tuples(numbers, numbers)
-# Equal but not the same, the same and equal, and what cannot be hashed.
+# Equal objects, identical objects, and objects that are not hashable.
 ITEMS: list[Any] = [1, 1.0, "duck", [1], [1], {}, None, (1000,), 10**30, 10**30 + 0]
 steps = st.tuples(
     st.sampled_from(["insert"] * 5 + ["remove", "remove", "ask", "ask many"]),
@@ -39,7 +39,7 @@ steps = st.tuples(
 
 
 class Both:
-    """An index of either kind, told and asked the same."""
+    """An index of either kind, with the same calls."""
 
     def __init__(self, **settings: Any) -> None:
         self.theirs, self.ours = pyqtree.Index(AREA, **settings), Index(AREA, **settings)
@@ -57,7 +57,7 @@ class Both:
                 index.remove(item, box)
             except ValueError:
                 refused.append(index)
-        # Once it has split, pyqtree does not say that a box of NaN is unknown.
+        # After a split, pyqtree does not refuse to remove an unknown box of NaN.
         nan = any(value != value for value in box)
         assert refused in ([], [self.theirs, self.ours]) or (nan and refused == [self.ours])
 
@@ -85,7 +85,7 @@ def test_the_same_calls_give_the_same_answers(
         else:
             asked = [box, last, *(box for _, box in both.inserted)]
             assert both.ours.intersect_many(asked) == [both.ours.intersect(b) for b in asked]
-    for _ in range(6):  # before and after the tree is built anew
+    for _ in range(6):  # before and after the tree is built again
         both.ask(last)
     for _, box in both.inserted:
         both.ask(box)
@@ -93,7 +93,7 @@ def test_the_same_calls_give_the_same_answers(
 
 @pytest.mark.parametrize("unit", [1.0, 0.1, 0.3])
 def test_many_boxes_on_a_grid(unit: float) -> None:
-    """Enough for several levels, every edge in line with others."""
+    """Enough for several levels, every edge aligned with others."""
     rng = np.random.default_rng(0)
     corners = rng.integers(0, 40, (300, 2))
     table = np.hstack([corners, corners + rng.integers(0, 4, (300, 2))]) * unit
@@ -109,7 +109,7 @@ def test_many_boxes_on_a_grid(unit: float) -> None:
 
 @pytest.mark.parametrize("n", [3, 60])
 def test_what_just_does_not_touch_is_left_out(n: int) -> None:
-    """The middle of such a box is rounded, so the tree alone would find it."""
+    """The centre of such a box is rounded, so the tree alone would find it."""
     index = Index(AREA)
     for number in range(n):
         index.insert(number, (-3.0, 0, -2.6, 0))

@@ -1,4 +1,4 @@
-"""`jostle.Quadtree`: its pairs, filters, contacts and boxes, and how much work they are."""
+"""`jostle.Quadtree`: pairs, filters, contacts, boxes, and the number of tests."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_a_tree_with_itself_as_the_other(shapes: Shapes) -> None:
 
 @given(any_shapes(), st.randoms(use_true_random=False))
 def test_a_permuted_input_permutes_the_answer_and_nothing_else(shapes: Shapes, random: Any) -> None:
-    """Even the order of the pairs stays, as long as no two shapes are the same."""
+    """Even the order of the pairs is the same, unless two shapes are equal."""
     shapes = shapes.distinct()
     order = np.arange(len(shapes.radii))
     random.shuffle(order)
@@ -90,7 +90,7 @@ def test_a_permuted_input_permutes_the_answer_and_nothing_else(shapes: Shapes, r
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("kind", ["discs", "boxes", "filters"])
 def test_threads_change_nothing(dtype: Any, kind: str) -> None:
-    centers = uniform(20_000, dtype)  # enough for the work to be shared
+    centers = uniform(20_000, dtype)  # enough for several threads
     more: dict[str, Any] = {
         "discs": {"radii": 0.5},
         "boxes": {"half_sizes": (0.5, 0.25)},
@@ -185,7 +185,7 @@ def test_filters_between_two_trees(dtype: Any, data: st.DataObject) -> None:
     other = jostle.Quadtree(*b, categories=of_b[0], masks=of_b[1])
     expected = pairs_between(a, b, may_pair(*of_a, *of_b))
     np.testing.assert_array_equal(filtered.pairs(other, sort=True), expected)
-    # Without filters a shape is of category 1 and meets everything.
+    # Without filters a shape has category 1 and may pair with all.
     plain = np.array([[1], [ALL_BITS]], np.uint32).repeat(len(b.radii), axis=1)
     expected = pairs_between(a, b, may_pair(*of_a, *plain))
     np.testing.assert_array_equal(filtered.pairs(jostle.Quadtree(*b), sort=True), expected)
@@ -262,11 +262,11 @@ def test_contacts_by_hand(dtype: Any) -> None:
     assert contact([(0, 0), (3, 4)], [4, 2]) == pytest.approx((0.6, 0.8, 1))
     assert contact([(3, 4), (0, 0)], [4, 2]) == pytest.approx((-0.6, -0.8, 1))
     assert contact([(5, 5), (5, 5)], [1, 2]) == (1, 0, 3)  # coincident: +x
-    # Two rectangles part along the shorter way, a circle from a corner along the diagonal.
+    # The axis of least penetration for two rectangles, the diagonal for a circle at a corner.
     assert contact([(0, 0), (1, 1.5)], [0, 0], [(2, 1), (2, 1)]) == (0, 1, 0.5)
     assert contact([(0, 0), (-3, 0.5)], [0, 0], [(2, 1), (2, 1)]) == (-1, 0, 1)
     assert contact([(0, 0), (5, 5)], [0, 6], [(2, 1), (0, 0)]) == pytest.approx((0.6, 0.8, 1))
-    # The centre of the circle lies in the rectangle: out by the nearer side and its radius.
+    # The centre of the circle is in the rectangle: out by the nearer side and its radius.
     assert contact([(0, 0), (0, -0.5)], [0, 1], [(2, 1), (0, 0)]) == (0, -1, 1.5)
 
 
@@ -332,7 +332,7 @@ def test_the_boxes_make_a_tree(shapes: Shapes, leaf_capacity: int, max_depth: in
     assert (k == 0) == (n == 0)
     if n == 0:
         return
-    # The root holds all; every level holds what no leaf above it has kept.
+    # The root contains all; every level contains all shapes that are not in a leaf above it.
     assert (levels[0], counts[0]) == (0, n)
     for level in range(1, levels.max() + 1):
         kept = counts[is_leaf & (levels < level)].sum()
@@ -344,8 +344,8 @@ def test_the_boxes_make_a_tree(shapes: Shapes, leaf_capacity: int, max_depth: in
     for box, count in zip(boxes[crowded], counts[crowded], strict=True):
         assert count <= 8 or (box[:2] == box[2:]).all() or holds_one_place(shapes, box, count)
     assert (counts[~is_leaf] > leaf_capacity).all()
-    # Every box but the root lies in one that stands before it, one subdivision up, and a box
-    # holds at least as many centres as it has shapes.
+    # Every box but the root is in an earlier box, one subdivision up, and contains at least as
+    # many centres as it has shapes.
     centers = shapes.centers.astype(np.float64)
     for here in range(k):
         inside = (centers >= boxes[here, :2]).all(axis=1) & (centers <= boxes[here, 2:]).all(axis=1)
@@ -356,7 +356,7 @@ def test_the_boxes_make_a_tree(shapes: Shapes, leaf_capacity: int, max_depth: in
 
 
 def test_boxes_by_hand() -> None:
-    """Four quarters of [0, 8]², then those of the lower left one, skipping what parts nothing."""
+    """Four quarters of [0, 8]², then those of the lower left one, without useless subdivisions."""
     centers = [(0, 0), (1, 0), (0, 1), (7, 0), (0, 7), (7, 7), (3, 3)]
     tree = jostle.Quadtree(centers, 0.1, leaf_capacity=3)
     nodes = tree.nodes()
@@ -391,12 +391,12 @@ def test_boxes_of_a_small_tree_in_order() -> None:
 @pytest.mark.parametrize("centers", [uniform(2000), np.zeros((2000, 2))], ids=["spread", "same"])
 def test_max_depth_allows_so_many_subdivisions(max_depth: int, centers: Any) -> None:
     tree = jostle.Quadtree(centers, leaf_capacity=1, max_depth=max_depth)
-    deepest = max_depth if len(np.unique(centers)) > 1 else 0  # one place is one box
+    deepest = max_depth if len(np.unique(centers)) > 1 else 0  # coincident shapes are one box
     assert tree.stats.depth == tree.nodes().depths.max() == deepest
     assert tree.stats.nodes <= (4 ** (max_depth + 1) - 1) // 3
 
 
-# ---- how much work it is -------------------------------------------------------------------------
+# ---- number of tests -----------------------------------------------------------------------------
 
 
 def test_stats_are_of_the_last_call() -> None:
@@ -465,7 +465,7 @@ def test_a_line_does_not_blow_up(direction: tuple[float, float]) -> None:
 
 
 def test_ever_smaller_steps_do_not_blow_up() -> None:
-    """Each point is half as far from the origin as the one before, down to the last float64."""
+    """Each point is half as far from the origin as the previous one, down to subnormal numbers."""
     points = np.outer(0.5 ** np.arange(1070), (1, 1))
     tree = jostle.Quadtree(points, leaf_capacity=1)
     assert len(tree.pairs()) == 0
@@ -473,7 +473,7 @@ def test_ever_smaller_steps_do_not_blow_up() -> None:
     assert tree.stats.nodes < 3 * 1070
 
 
-# ---- what is refused -----------------------------------------------------------------------------
+# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 BITS = "it must be a set of 32 bits: between 0 and 4294967295, or a negative"

@@ -1,4 +1,4 @@
-"""The questions to `jostle.Quadtree`: regions, neighbours, rays and thrown discs."""
+"""The queries of `jostle.Quadtree`: regions, neighbours, rays and moving discs."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def scaled(shapes: Shapes, scale: Any) -> Shapes:
 
 @st.composite
 def asked(draw: st.DrawFn) -> tuple[Shapes, NDArray[Any] | None, int | None, NDArray[Any], Any]:
-    """Shapes, their categories, a mask, places in the same dtype, and a tree."""
+    """Shapes, their categories, a mask, points of the same dtype, and a tree."""
     shapes = draw(any_shapes())
     scale = shapes.centers.dtype.type(draw(st.sampled_from(SCALES)))
     if scale != 1 and max(np.abs(x).max(initial=0) for x in shapes if x is not None) < 1e6:
@@ -50,13 +50,13 @@ def asked(draw: st.DrawFn) -> tuple[Shapes, NDArray[Any] | None, int | None, NDA
     tree = jostle.Quadtree(*shapes, categories=categories, leaf_capacity=draw(capacities))
     points = np.array(draw(places), np.float64).astype(shapes.centers.dtype)
     points *= scale if np.abs(points).max() < 1e6 else 1
-    if len(shapes.radii):  # Some of them on a shape, to the bit.
+    if len(shapes.radii):  # Some of them exactly on a shape.
         points[0] = shapes.centers[draw(st.integers(0, len(shapes.radii) - 1))]
     return shapes, categories, draw(masks), points, tree
 
 
 def selected(shapes: Shapes, categories: NDArray[Any] | None, mask: int | None) -> NDArray[Any]:
-    """Which shapes a question with this mask is about."""
+    """Return which shapes a query with this mask includes."""
     if mask is None:
         return np.ones(len(shapes.radii), bool)
     of = np.ones(len(shapes.radii), np.uint32) if categories is None else categories
@@ -64,7 +64,7 @@ def selected(shapes: Shapes, categories: NDArray[Any] | None, mask: int | None) 
 
 
 def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.bool_]]) -> None:
-    """Compare the answers to each question, asked alone and asked together."""
+    """Compare the answers of single queries and of all in one call."""
     hits = many(questions)
     assert isinstance(hits, jostle.Hits)
     assert hits.offsets[0] == 0 and hits.offsets[-1] == len(hits.ids)
@@ -217,7 +217,7 @@ def test_rays_and_thrown_discs(asked: Any, ways: Any, radius: float, reach: floa
 @pytest.mark.parametrize("radius", [0.0, 0.7])
 @pytest.mark.parametrize("boxes", [False, True])
 def test_the_first_hit_is_the_first(boxes: bool, radius: float) -> None:
-    """Walk along each ray in small steps: nothing is touched before, and something just behind."""
+    """Steps along each ray: no shape is touched before the hit, and one is just after it."""
     rng = np.random.default_rng(8)
     half_sizes = rng.uniform(0, 1, (300, 2)) if boxes else None
     tree = jostle.Quadtree(rng.uniform(0, 50, (300, 2)), rng.uniform(0.1, 1, 300), half_sizes)
@@ -294,7 +294,7 @@ def test_pairs_of_some_categories(shapes: Shapes, capacity: int, mask: int) -> N
     np.testing.assert_array_equal(other[other[:, 0] < other[:, 1]], expected)
 
 
-# ---- many questions ------------------------------------------------------------------------------
+# ---- many queries --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -323,7 +323,7 @@ def test_hardly_any_shapes(n: int) -> None:
 
 
 def test_work_grows_slowly() -> None:
-    """A window of a few shapes costs the same in a hundred times as many."""
+    """A query of a few shapes needs the same tests among a hundred times as many."""
     rng = np.random.default_rng(2)
 
     def tests(n: int) -> list[int]:
@@ -342,7 +342,7 @@ def test_work_grows_slowly() -> None:
     assert many[2] < 30 * few[2]
 
 
-# ---- refusals ------------------------------------------------------------------------------------
+# ---- errors --------------------------------------------------------------------------------------
 
 TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
 
@@ -395,7 +395,7 @@ def test_refusals_name_argument_index_and_value(call: Any, sentence: str) -> Non
 
 
 class Sides:
-    """A rectangle as pygame has it: unpacked it is x, y, width and height."""
+    """A rectangle as in pygame: unpacked it is x, y, width and height."""
 
     left, top, right, bottom = 2, -1, 6, 3
 

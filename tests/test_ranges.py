@@ -1,4 +1,4 @@
-"""The smallest and the largest numbers: they give right answers or are refused."""
+"""The smallest and the largest numbers give right answers or are refused."""
 
 from __future__ import annotations
 

@@ -14,9 +14,9 @@ from jostle import scenes
 NAMES = [
     *("article", "gas", "pile", "rain", "mixed", "clusters", "shots", "billiards", "orbit"),
     *("springs", "stars", "thermostat", "sand", "galton", "brownian", "emitters", "heap"),
-    *("mill", "conveyor", "piston", "pinball"),
+    *("mill", "conveyor", "piston", "pinball", "life", "flock", "fluid"),
 ]
-# With immovable discs that do not count.
+# With immovable discs, which are additional.
 WITH_FIXED = {"galton", "emitters", "heap", "mill", "conveyor", "pinball"}
 
 
@@ -64,7 +64,7 @@ def test_the_view_shows_something(name: str, n: int | None) -> None:
     if n is None:
         assert world.state_hash() == scenes.create(name, scenes.default_count(name)).state_hash()
     x, y = world.positions.T
-    # Rain and piles begin above what is shown and fall into it.
+    # Rain and piles start above the view and fall into it.
     assert (x >= min_x).all()
     assert (x <= max_x).all()
     assert (y <= max_y).all()
@@ -215,7 +215,7 @@ def test_the_piston_heats_the_gas_and_cools_it() -> None:
     world.step(1 / 60, steps=480)
     assert world.walls[0, 0, 0] == pytest.approx(length / 2, rel=1e-4)
     assert (world.positions[:, 0] < world.walls[0, 0, 0]).all()
-    # For points an adiabat gives 2; from a fifth to two fifths of covered area it gives more.
+    # For points the adiabatic factor is 2; it is larger for a covered area of 1/5 to 2/5.
     assert 3 < world.kinetic_energy / energy < 5
     world.step(1 / 60, steps=480)
     assert 0.8 < world.kinetic_energy / energy < 1.4
@@ -234,7 +234,7 @@ def test_a_wall_of_beads() -> None:
 NO_SCENE = (
     "name is 'chess'; the scenes are article, gas, pile, rain, mixed, clusters, shots, "
     "billiards, orbit, springs, stars, thermostat, sand, galton, brownian, emitters, heap, "
-    "mill, conveyor, piston, pinball"
+    "mill, conveyor, piston, pinball, life, flock, fluid"
 )
 
 

@@ -19,7 +19,7 @@ STEP = 1 / 60
 
 
 def pile() -> jostle.World:
-    """Discs that lean on each other, with a force and unlike settings."""
+    """Discs in resting contact, with a force and various settings."""
     world = jostle.scenes.create("pile", n=200)
     world.forces = [
         jostle.Springs([(3, 4), (5, 6)], 20, 5, damping=0.1, max_stretch=[1e-3, 500]),
@@ -214,7 +214,7 @@ def test_files_raise_what_python_raises(tmp_path: Path) -> None:
 def test_a_file_is_replaced_by_a_whole_one(tmp_path: Path) -> None:
     path = tmp_path / "world.jostle"
     path.write_text("old")
-    (tmp_path / "world.jostle.0.part").write_text("somebody else's")
+    (tmp_path / "world.jostle.0.part").write_text("of another process")
     world = pile()
     world.save(path)
     assert path.read_bytes() == world.snapshot()

@@ -1,4 +1,4 @@
-"""`jostle.Space`: shapes that come, move, change and go, the events of their pairs, and ids."""
+"""`jostle.Space`: shapes that are added, moved, changed and removed; events and ids."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ masks = st.none() | st.sampled_from([1, 2, ALL_BITS])
 
 
 class LivingSpace(RuleBasedStateMachine):
-    """Beside the space a plain dict of its shapes and the set of pairs of the last update."""
+    """A space, a plain dict of its shapes, and the set of pairs of the last update."""
 
     @initialize(
         dtype=st.sampled_from(DTYPES), capacity=st.integers(1, 8), threads=st.integers(1, 2)
@@ -53,20 +53,20 @@ class LivingSpace(RuleBasedStateMachine):
         return ids, Shapes(*pairs), *filters
 
     def touching(self) -> set[Pair]:
-        """Return all pairs of now, by brute force."""
+        """Return all current pairs, by brute force."""
         ids, shapes, own, wanted = self.columns()
         hits = np.triu(overlaps(shapes, shapes) & may_pair(own, wanted, own, wanted), k=1)
         return {(ids[i], ids[j]) for i, j in np.argwhere(hits)}
 
     def some(self, data: st.DataObject) -> list[int]:
-        """Draw ids of shapes that are there, each once, in any order."""
+        """Draw ids of existing shapes, each once, in any order."""
         if not self.shapes:
             return []
         return data.draw(st.lists(st.sampled_from(sorted(self.shapes)), unique=True, max_size=12))
 
     @rule(new=st.lists(new_shapes, max_size=12), plain=st.booleans())
     def add(self, new: list[Any], plain: bool) -> None:
-        if plain:  # circles without filters are spared the columns of the others
+        if plain:  # circles without filters have fewer columns
             new = [(center, radius, (0.0, 0.0), 1, ALL_BITS) for center, radius, *_ in new]
             ids = self.space.add([row[0] for row in new], [row[1] for row in new])
         else:
@@ -143,7 +143,7 @@ class LivingSpace(RuleBasedStateMachine):
     @precondition(lambda self: self.events is not None)
     @rule()
     def stayed(self) -> None:
-        """Whatever has happened since the update, it is about the states at the updates."""
+        """It compares the states at the updates, whatever has changed since."""
         expected = sorted(self.before - self.entered)
         assert self.events.stayed.tolist() == [list(pair) for pair in expected]
         self.was_asked = True
@@ -167,7 +167,7 @@ class LivingSpace(RuleBasedStateMachine):
 
     @rule(at=points, size=st.floats(0.125, 8), mask=masks)
     def ask(self, at: Any, size: float, mask: int | None) -> None:
-        """The same shapes in a tree of their own answer the same."""
+        """A tree of the same shapes has the same answers."""
         ids, shapes, own, wanted = self.columns()
         tree = jostle.Quadtree(*shapes, categories=own, masks=wanted)
         named = np.array([*ids, -1])
@@ -251,7 +251,7 @@ LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50
 TestLivingSpace = LivingSpace.TestCase
 
 
-# ---- one sentence of the documentation after the other -------------------------------------------
+# ---- sentences of the documentation --------------------------------------------------------------
 
 
 def uniform(n: int, seed: int = 0) -> NDArray[np.float64]:
@@ -342,7 +342,7 @@ def test_a_question_after_a_change_sees_it() -> None:
 
 
 def test_of_shapes_as_near_the_smaller_id_comes_first() -> None:
-    """Whichever trees they are in."""
+    """In whichever trees they are."""
     space = jostle.Space()
     space.add([(0, 0)] * 500, 1.0)
     space.update()
@@ -367,7 +367,7 @@ def test_events_unpack_and_are_kept() -> None:
     assert events.entered is events.entered and events.stayed is events.stayed
     space.remove(0)
     space.update()
-    assert events.stayed.tolist() == [[0, 1]]  # it was asked for in time
+    assert events.stayed.tolist() == [[0, 1]]  # it was read in time
 
 
 def test_stayed_is_about_the_states_at_the_updates() -> None:
@@ -443,7 +443,7 @@ def test_sizes_and_filters_count_as_changes() -> None:
 
 @pytest.mark.parametrize("updates", [False, True])
 def test_endless_coming_and_going(updates: bool) -> None:
-    """The ids may become large, the answers stay right."""
+    """With large ids the answers are right."""
     space = jostle.Space()
     still = space.add(uniform(300), 0.5)
     for round in range(200):
@@ -534,7 +534,7 @@ def test_too_many_pairs_leave_the_last_update_the_last() -> None:
     with pytest.raises(ValueError, match="more than max_pairs = 1224 pairs overlap"):
         space.update(max_pairs=1224)
     assert len(space.update(max_pairs=1225).entered) == 1225
-    # What does not change is not counted, nor is what is not there any more.
+    # Unchanged and removed shapes are not counted.
     space.move(0, (0.5, 0))
     space.remove(range(40, 50))
     assert len(space.update(max_pairs=39).left) == 1225 - 780

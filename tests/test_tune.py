@@ -1,4 +1,4 @@
-"""`jostle tune`: the protocol under a false clock, then the command with the least to do."""
+"""`jostle tune`: the protocol with a simulated clock, then the command with minimal work."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TINY = Effort(rounds=2, seconds=60.0, limit=0.5, most=100)
 
 
 class FalseTime:
-    """A clock that stands still but for the calls that take their time."""
+    """A clock that advances only by the durations of the calls."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -49,7 +49,7 @@ class FalseTime:
         return self.now
 
     def takes(self, name: str, *seconds: float, **options: object) -> Candidate:
-        """Something that takes so long at its first, second … and every later call."""
+        """A call with given durations at its first, second … and every later call."""
         left = list(seconds)
 
         def call() -> None:
@@ -164,7 +164,7 @@ def test_a_ratio_within_the_noise_says_so() -> None:
     noise = [1.0, 1.2, 0.9, 1.1, 1.3, 0.8, 1.0, 1.1, 0.9, 1.2]
     drifting = Outcome([(k + 1) * 1.1 for k in range(10)])
     steady = Outcome([k + 1.0 for k in range(10)])
-    # Round by round the one is a tenth slower, though both spread by a factor of ten.
+    # In every round one is a tenth slower, though both vary by a factor of ten.
     assert not compare(drifting, steady).within_noise
     assert compare(drifting, steady).median == pytest.approx(1.1)
     assert compare(Outcome(noise), Outcome(noise[::-1])).within_noise
@@ -188,7 +188,7 @@ def test_the_range_of_a_median_holds_it_as_often_as_it_says() -> None:
     assert 0.95 <= np.mean(held) <= 0.98  # 15 rounds: ranks 4 to 12, 96.5 %
 
 
-# ---- what is timed -------------------------------------------------------------------------------
+# ---- candidates ---------------------------------------------------------------------------------
 
 
 def test_a_world_of_another_size_has_the_same_particles_further_apart() -> None:

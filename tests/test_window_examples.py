@@ -1,4 +1,4 @@
-"""The programs in examples/ run, and draw something, for a few frames without anybody watching."""
+"""The programs in examples/ run and draw something for a few frames, without a display."""
 
 from __future__ import annotations
 

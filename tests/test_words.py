@@ -30,9 +30,21 @@ def test_a_replaced_term_is_found_everywhere(text: str, line: int) -> None:
 
 
 @pytest.mark.parametrize("text", ["session.deeds", "_deeds = 1", "Beside the window", "DEED"])
-def test_some_terms_are_found_in_the_app_alone(text: str) -> None:
-    assert len(list(check_words.findings(APP_FILE, text))) == 1
-    assert not list(check_words.findings("README.md", text))
+def test_identifiers_and_any_case_are_found(text: str) -> None:
+    for name in (APP_FILE, "README.md", "crates/jostle/src/lib.rs"):
+        assert len(list(check_words.findings(name, text))) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "inside", "outside"),
+    [
+        ("a drag grip", APP_FILE, "README.md"),
+        ("built anew", "docs/physics.md", "crates/jostle/src/lib.rs"),
+    ],
+)
+def test_some_terms_are_found_in_some_folders_alone(text: str, inside: str, outside: str) -> None:
+    assert len(list(check_words.findings(inside, text))) == 1
+    assert not list(check_words.findings(outside, text))
 
 
 @pytest.mark.parametrize("text", ["indeed", "shortway", "Col_.resize_grip", "a push", "seams"])

@@ -1,6 +1,6 @@
-"""`jostle.World` as an object: its columns, settings, answers, and what it refuses.
+"""`jostle.World` as an object: its columns, settings, results and errors.
 
-What its particles do is tested in test_physics*.py.
+The physics is tested in test_exact_step.py, test_resting.py, test_gas.py and in crates/jostle.
 """
 
 from __future__ import annotations
@@ -450,7 +450,7 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
 def test_substeps_are_as_many_as_the_scene_needs_unless_given() -> None:
     assert inspect.signature(jostle.World).parameters["substeps"].default is None
     assert three().substeps == 1
-    assert three(restitution=0.5).substeps == 1  # nothing presses particles against each other
+    assert three(restitution=0.5).substeps == 1  # no particles are pressed against each other
     assert three(restitution=0.5, gravity=(0, 1)).substeps == 4
     assert three(gravity=(0, 1)).substeps == 1
     assert three(forces=[jostle.Gravitation(1.0)]).substeps == 4
@@ -587,7 +587,7 @@ def test_what_touches_merges_and_ids_can_be_followed() -> None:
 def test_ids_are_followed_through_long_calls() -> None:
     world = gas(3000, on_touch="merge")
     masses = world.masses
-    world.step(1 / 600, steps=300)  # the call looks up in between
+    world.step(1 / 600, steps=300)  # the call checks for it in between
     ids = world.renumbered
     assert ids is not None
     assert 0 < len(world) < 1000
@@ -637,7 +637,7 @@ def test_a_long_call_can_be_interrupted() -> None:
     world = gas(50)
     assert reaction_to_ctrl_c(lambda: world.step(1 / 60, steps=10**7)) < 1
     assert world.time > 0
-    world.step(1 / 60)  # and it is still in order
+    world.step(1 / 60)  # and it is still usable
 
 
 def test_one_id_may_be_given_instead_of_many() -> None:
@@ -653,7 +653,7 @@ def test_one_id_may_be_given_instead_of_many() -> None:
     assert one.state_hash() == many.state_hash()
 
 
-# ---- what is refused -----------------------------------------------------------------------------
+# ---- errors -------------------------------------------------------------------------------------
 
 NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: w.step(0), ValueError, "dt is 0; it must be finite and above 0"),
@@ -850,7 +850,7 @@ def test_signatures() -> None:
 
 
 def test_given_positions_have_no_residual() -> None:
-    """Also where they are those that the world has."""
+    """Also if they are equal to the current ones."""
     world = jostle.World([(0, 0), (3, 0)], [(0.1, 0), (0, 0)], radii=1.0)
     world.step(1 / 60, steps=7)
     positions, velocities = world.positions, world.velocities

@@ -1,4 +1,4 @@
-"""`World.save` and `World.load`: permissions, links, failures, and what is wrong with a file."""
+"""`World.save` and `World.load`: permissions, links, failures and damaged files."""
 
 from __future__ import annotations
 

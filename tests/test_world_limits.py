@@ -27,7 +27,7 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-# ---- numbers that no world can hold --------------------------------------------------------------
+# ---- numbers out of range ------------------------------------------------------------------------
 
 
 def overflowing() -> jostle.World:
@@ -217,7 +217,7 @@ def test_one_long_step_is_interrupted_and_undone() -> None:
     assert world.time == 0
     timer.join()
     world.substeps = 1
-    world.step(dt)  # and it is still in order
+    world.step(dt)  # and it is still usable
     assert world.time == dt
 
 

@@ -12,9 +12,10 @@
 `World`
     Particles that move and collide in a `Box`, a `Circle` or a periodic `Torus`;
     `jostle.scenes` has ready-made worlds. `Attractor`, `Gravitation`, `Springs`,
-    `Thermostat`, `ThermalWalls`, `AndersenThermostat` and `Motor` are its forces.
-    `polyline` makes walls.
-`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `Nodes`, `Stats`
+    `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls`, `AndersenThermostat` and
+    `Motor` are its forces. `polyline` makes walls. `jostle.life` has matrices for
+    particle life.
+`Contacts`, `Hits`, `Neighbors`, `RayHit`, `RayHits`, `RayHitLists`, `Nodes`, `Stats`
     The results of queries.
 `Separated`, `Slide`, `Slides`
     The results of `separate` and `Space.move_and_slide`.
@@ -26,15 +27,17 @@
     The two programs of the article of 2015, in plain Python, with their faults.
 """
 
-from jostle import article, scenes
+from jostle import article, life, scenes
 from jostle._core import (
     AndersenThermostat,
     Attractor,
     Box,
     Circle,
     Events,
+    Flocking,
     Gravitation,
     Motor,
+    PairForce,
     Quadtree,
     Space,
     Springs,
@@ -52,6 +55,7 @@ from jostle.results import (
     Neighbors,
     Nodes,
     RayHit,
+    RayHitLists,
     RayHits,
     Separated,
     Slide,
@@ -75,13 +79,16 @@ __all__ = [
     "Circle",
     "Contacts",
     "Events",
+    "Flocking",
     "Gravitation",
     "Hits",
     "Motor",
     "Neighbors",
     "Nodes",
+    "PairForce",
     "Quadtree",
     "RayHit",
+    "RayHitLists",
     "RayHits",
     "Separated",
     "Slide",
@@ -103,6 +110,7 @@ __all__ = [
     "__version__",
     "article",
     "find_pairs",
+    "life",
     "polyline",
     "scenes",
     "separate",

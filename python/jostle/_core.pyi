@@ -27,6 +27,7 @@ from jostle.results import (
     Nodes,
     Nozzle,
     RayHit,
+    RayHitLists,
     RayHits,
     Separated,
     Slide,
@@ -47,8 +48,10 @@ __all__ = [
     "Box",
     "Circle",
     "Events",
+    "Flocking",
     "Gravitation",
     "Motor",
+    "PairForce",
     "Quadtree",
     "Space",
     "Springs",
@@ -62,6 +65,8 @@ __all__ = [
     "describe_scene",
     "find_pairs",
     "instructions",
+    "restore_events",
+    "restore_space",
     "scene_default_count",
     "scene_fountains",
     "scene_galton_board",
@@ -133,9 +138,18 @@ _Vectors: TypeAlias = ArrayLike | _Vector | Sequence[_Vector]
 _Boxes: TypeAlias = ArrayLike | Sequence[_Rect]
 _Ids: TypeAlias = NDArray[np.int64]
 _Pairs: TypeAlias = NDArray[np.int64]
+_Period: TypeAlias = _Number | tuple[_Number | None, _Number | None] | Sequence[_Number] | _Array
 _Container: TypeAlias = Box | Circle | Torus
 _Force: TypeAlias = (
-    Attractor | Gravitation | Springs | Thermostat | ThermalWalls | AndersenThermostat | Motor
+    Attractor
+    | Gravitation
+    | Springs
+    | Thermostat
+    | ThermalWalls
+    | AndersenThermostat
+    | Motor
+    | PairForce
+    | Flocking
 )
 
 def abandon_threads() -> None:
@@ -157,6 +171,8 @@ def find_pairs(
     boxes: None = None,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
@@ -177,7 +193,7 @@ def find_pairs(
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -214,16 +230,26 @@ def find_pairs(
     MemoryError
         If there is no memory for the pairs.
 
+    See Also
+    --------
+    Quadtree : A tree of the same shapes, for several queries.
+    Space : Shapes that move, with ids and events.
+
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the given
-    arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+    given arrays.
 
     Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
+
+    References
+    ----------
+    T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using R-trees*,
+    SIGMOD (1993): the traversal of two trees at once.
 
     Examples
     --------
@@ -246,11 +272,15 @@ def find_pairs(
     boxes: _Boxes,
     categories: ArrayLike | None = None,
     masks: ArrayLike | None = None,
+    distance: _Number = 0.0,
+    period: _Period | None = None,
     method: Literal["auto", "brute", "quadtree"] = "auto",
     sort: bool = False,
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
+def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events: ...
+def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space: ...
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -433,7 +463,7 @@ class Quadtree:
     half_sizes : array_like, a number, shape (2,) or (n, 2), optional
         Half widths and half heights. If omitted, every shape is a circle.
     boxes : array_like, shape (n, 4), optional
-        min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+        Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
         Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
         are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
         width and height. The four numbers are compared without rounding:
@@ -464,16 +494,28 @@ class Quadtree:
     ValueError
         If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 
+    See Also
+    --------
+    find_pairs : The pairs alone, in one call.
+    Space : Shapes that are added, moved and removed.
+    World.quadtree : A tree of particles.
+
     Notes
     -----
-    Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-    number, or a plain pair of half sizes, takes the precision of the given
-    arrays.
+    Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+    count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+    given arrays.
 
     Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
     1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
     is at most an eighth of the largest number of the type, a box at most twice as wide and
     high as that.
+
+    References
+    ----------
+    H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
+    T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
+    Performance Graphics (2012).
 
     Examples
     --------
@@ -495,6 +537,7 @@ class Quadtree:
         boxes: None = None,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -509,6 +552,7 @@ class Quadtree:
         boxes: _Boxes,
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -520,6 +564,7 @@ class Quadtree:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes in this tree, or between it and another.
 
@@ -550,6 +595,11 @@ class Quadtree:
         ValueError
             If more than `max_pairs` pairs overlap.
 
+        See Also
+        --------
+        contacts : The same with normals and depths.
+        find_pairs : The pairs of arrays, without a tree.
+
         Examples
         --------
         >>> import jostle
@@ -558,7 +608,14 @@ class Quadtree:
         >>> rocks.pairs(shots)
         array([[0, 0]])
         """
-    def contacts(self, *, max_pairs: SupportsIndex = 134217728) -> Contacts:
+    def contacts(
+        self,
+        other: Quadtree | None = None,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts:
         """Find every pair of overlapping shapes, and how each overlaps.
 
         Parameters
@@ -570,6 +627,8 @@ class Quadtree:
         Returns
         -------
         Contacts
+            Three arrays:
+
             pairs : ndarray of int64, shape (m, 2)
                 As from :meth:`pairs`, in the order of the tree.
             normals : ndarray of the tree's dtype, shape (m, 2)
@@ -585,6 +644,11 @@ class Quadtree:
             If more than `max_pairs` pairs overlap.
         MemoryError
             If there is no memory for the contacts.
+
+        See Also
+        --------
+        pairs : The pairs alone.
+        World.contacts : The contacts of particles, with impulses.
 
         Examples
         --------
@@ -605,7 +669,7 @@ class Quadtree:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             in a list.
@@ -623,6 +687,11 @@ class Quadtree:
         ValueError
             If a number is not finite, a minimum is above its maximum, or there are more
             than 134217728 ids.
+
+        See Also
+        --------
+        query_circle, query_polygon : Other regions.
+        query_point : The shapes that contain a point.
 
         Notes
         -----
@@ -680,6 +749,11 @@ class Quadtree:
             If a number is not finite, a radius is out of range, or there are more than
             134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_polygon : Other regions.
+        nearest : The shapes nearest to a point, with distances.
+
         Examples
         --------
         >>> import jostle
@@ -732,6 +806,11 @@ class Quadtree:
         ValueError
             If a coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_circle : The shapes near a point.
+        nearest : The shapes nearest to a point.
+
         Examples
         --------
         >>> import jostle
@@ -772,6 +851,10 @@ class Quadtree:
             If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_circle : Other regions.
+
         Examples
         --------
         >>> import jostle
@@ -796,7 +879,7 @@ class Quadtree:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -830,6 +913,15 @@ class Quadtree:
         ValueError
             If a coordinate is not finite, k is less than 1, k times the number of points is
             more than 134217728, or `max_distance` is negative.
+
+        See Also
+        --------
+        query_circle : All shapes within a distance.
+        raycast : The first shape in a direction.
+
+        References
+        ----------
+        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
 
         Examples
         --------
@@ -876,6 +968,11 @@ class Quadtree:
         ValueError
             If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
 
+        See Also
+        --------
+        circle_cast : The first shape that a moving disc hits.
+        nearest : The nearest shape in any direction.
+
         Examples
         --------
         >>> import jostle
@@ -891,7 +988,7 @@ class Quadtree:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -900,7 +997,7 @@ class Quadtree:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -918,7 +1015,7 @@ class Quadtree:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -957,6 +1054,10 @@ class Quadtree:
             If a number is not finite, a direction is (0, 0), a radius is out of range, or
             `max_distance` is negative.
 
+        See Also
+        --------
+        raycast : The same for a point.
+
         Examples
         --------
         >>> import jostle
@@ -971,7 +1072,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -981,7 +1082,7 @@ class Quadtree:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -991,7 +1092,7 @@ class Quadtree:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1011,15 +1112,118 @@ class Quadtree:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
         Returns
         -------
         Nodes
+            Four arrays:
+
             boxes : ndarray of float64, shape (k, 4)
                 min_x, min_y, max_x, max_y of each box. It contains the centres of its
                 shapes; a shape may extend beyond it. Quarters without shapes
@@ -1034,6 +1238,10 @@ class Quadtree:
 
             Parents precede their children; the first box is the root. A tree
             without shapes has no boxes.
+
+        See Also
+        --------
+        stats : The number of boxes and their depth.
 
         Examples
         --------
@@ -1052,7 +1260,28 @@ class Quadtree:
         split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
         the last query tested, against another shape or against the query; 0 before
         the first query).
+
+        See Also
+        --------
+        nodes : The boxes.
         """
+    @property
+    def centers(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def radii(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def half_sizes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def boxes(self) -> NDArray[np.floating[Any]]: ...
+    @property
+    def categories(self) -> NDArray[np.uint32]: ...
+    @property
+    def masks(self) -> NDArray[np.uint32]: ...
+    @property
+    def period(self) -> tuple[float, float]: ...
+    @property
+    def dtype(self) -> Literal["float32", "float64"]: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
     def __len__(self) -> int: ...
 
 @final
@@ -1086,6 +1315,11 @@ class Space:
     ValueError
         If a setting is out of range.
 
+    See Also
+    --------
+    Quadtree : An index of shapes that do not change.
+    World : Particles that move and collide; in other libraries this may be called a space.
+
     Notes
     -----
     Where ids are an argument, one id may be given instead of an array; then the other arguments
@@ -1108,6 +1342,7 @@ class Space:
         cls,
         *,
         dtype: DTypeLike = "float64",
+        period: _Period | None = None,
         leaf_capacity: SupportsIndex = 96,
         max_depth: SupportsIndex = 4096,
         threads: SupportsIndex | None = None,
@@ -1134,7 +1369,7 @@ class Space:
         half_sizes : array_like, a number, shape (2,) or (k, 2), optional
             Half widths and half heights. If omitted, the shapes are circles.
         boxes : array_like, shape (k, 4) or (4,), optional
-            min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+            Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
             Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
             are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
             x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -1160,6 +1395,13 @@ class Space:
         ValueError
             If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
             or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
+
+        See Also
+        --------
+        move : Change centres or boxes.
+        resize : Change radii or half sizes.
+        set_filter : Change categories and masks.
+        remove : Remove shapes.
 
         Examples
         --------
@@ -1264,7 +1506,7 @@ class Space:
             ``center ± half_size`` from then on, with half the size of its box, and its sides are
             rounded. Give `boxes` to keep them exact.
         boxes : array_like, shape (k, 4), or (4,) for one id, optional
-            In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+            In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
             as in :meth:`add`. The size may change too. Radii stay the same.
 
         Raises
@@ -1275,6 +1517,11 @@ class Space:
         ValueError
             If an id does not exist or is given twice, a coordinate is not finite, or a
             minimum is above its maximum; then nothing moves.
+
+        See Also
+        --------
+        resize : Change radii or half sizes.
+        update : The pairs that enter and leave by it.
 
         Examples
         --------
@@ -1428,6 +1675,10 @@ class Space:
             If an id does not exist or is given twice, or a size is not finite or out of
             range; then nothing changes.
 
+        See Also
+        --------
+        move : Change centres or boxes.
+
         Examples
         --------
         >>> import jostle
@@ -1459,6 +1710,10 @@ class Space:
             If an id does not exist or is given twice, or a set of bits has more than 32;
             then nothing changes.
 
+        See Also
+        --------
+        categories, masks : The present ones.
+
         Examples
         --------
         >>> import jostle
@@ -1482,6 +1737,10 @@ class Space:
             If `ids` does not hold integers.
         ValueError
             If an id does not exist or is given twice; then none is removed.
+
+        See Also
+        --------
+        add : Add shapes.
 
         Examples
         --------
@@ -1507,6 +1766,8 @@ class Space:
         Returns
         -------
         Events
+            Three arrays:
+
             entered, stayed, left : ndarray of int64, shape (m, 2)
                 Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
                 shapes. `stayed` is computed when it is first read.
@@ -1515,6 +1776,10 @@ class Space:
         ------
         ValueError
             If there are more than `max_pairs`; then the call has no effect.
+
+        See Also
+        --------
+        pairs : All overlapping pairs, without events.
 
         Examples
         --------
@@ -1535,6 +1800,7 @@ class Space:
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
+        distance: _Number = 0.0,
     ) -> _Pairs:
         """Find every pair of overlapping shapes.
 
@@ -1558,6 +1824,10 @@ class Space:
         ValueError
             If more than `max_pairs` pairs overlap.
 
+        See Also
+        --------
+        update : The pairs that entered and left.
+
         Examples
         --------
         >>> import jostle
@@ -1578,7 +1848,7 @@ class Space:
         Parameters
         ----------
         rect : array_like, shape (4,) or (k, 4)
-            min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             in a list.
@@ -1596,6 +1866,11 @@ class Space:
         ValueError
             If a number is not finite, a minimum is above its maximum, or there are more
             than 134217728 ids.
+
+        See Also
+        --------
+        query_circle, query_polygon : Other regions.
+        query_point : The shapes that contain a point.
 
         Notes
         -----
@@ -1654,6 +1929,11 @@ class Space:
             If a number is not finite, a radius is out of range, or there are more than
             134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_polygon : Other regions.
+        nearest : The shapes nearest to a point, with distances.
+
         Examples
         --------
         >>> import jostle
@@ -1707,6 +1987,11 @@ class Space:
         ValueError
             If a coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_circle : The shapes near a point.
+        nearest : The shapes nearest to a point.
+
         Examples
         --------
         >>> import jostle
@@ -1748,6 +2033,10 @@ class Space:
             If a polygon has fewer than three corners, is not convex or has no area, if a
             coordinate is not finite, or there are more than 134217728 ids.
 
+        See Also
+        --------
+        query_rect, query_circle : Other regions.
+
         Examples
         --------
         >>> import jostle
@@ -1773,7 +2062,7 @@ class Space:
         point: _OneOrMorePoints,
         k: SupportsIndex = 1,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Number | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> Neighbors:
         """Find the shapes nearest to a point, or to each of many.
@@ -1807,6 +2096,15 @@ class Space:
         ValueError
             If a coordinate is not finite, k is less than 1, k times the number of points is
             more than 134217728, or `max_distance` is negative.
+
+        See Also
+        --------
+        query_circle : All shapes within a distance.
+        raycast : The first shape in a direction.
+
+        References
+        ----------
+        N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
 
         Examples
         --------
@@ -1854,6 +2152,11 @@ class Space:
         ValueError
             If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
 
+        See Also
+        --------
+        circle_cast : The first shape that a moving disc hits.
+        nearest : The nearest shape in any direction.
+
         Examples
         --------
         >>> import jostle
@@ -1870,7 +2173,7 @@ class Space:
         origin: _Points,
         direction: _OneOrMorePoints,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1879,7 +2182,7 @@ class Space:
         origin: _OneOrMorePoints,
         direction: _Points,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1897,7 +2200,7 @@ class Space:
         origin: _AnyPoint | _Undecided,
         direction: _AnyPoint | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
     @overload
@@ -1936,6 +2239,10 @@ class Space:
             If a number is not finite, a direction is (0, 0), a radius is out of range, or
             `max_distance` is negative.
 
+        See Also
+        --------
+        raycast : The same for a point.
+
         Examples
         --------
         >>> import jostle
@@ -1951,7 +2258,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1961,7 +2268,7 @@ class Space:
         direction: _Points,
         radius: _Real | _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1971,7 +2278,7 @@ class Space:
         direction: _OneOrMorePoints,
         radius: _Reals,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHits: ...
     @overload
@@ -1991,9 +2298,117 @@ class Space:
         direction: _AnyPoint | _Undecided,
         radius: _Real | _Undecided,
         *,
-        max_distance: _Number = math.inf,
+        max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Point,
+        direction: _Point,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHitLists: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def raycast_all(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits | RayHitLists | Any: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Point,
+        direction: _Point,
+        half_size: _Real | _Point,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _Points,
+        direction: _OneOrMorePoints,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _OneOrMorePoints,
+        direction: _Points,
+        half_size: _Real | _OneOrMorePoints,
+        radius: _Real | _Reals = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHits: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint,
+        direction: _AnyPoint,
+        half_size: _Real | _AnyPoint,
+        radius: _Real = 0.0,
+        *,
+        max_distance: _Real = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit: ...
+    @overload
+    def box_cast(
+        self,
+        origin: _AnyPoint | _Undecided,
+        direction: _AnyPoint | _Undecided,
+        half_size: _Real | _OneOrMorePoints | _Undecided,
+        radius: _Real | _Reals | _Undecided = 0.0,
+        *,
+        max_distance: _Real | _Reals = math.inf,
+        mask: SupportsIndex | None = None,
+    ) -> RayHit | RayHits | Any: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
+    def contacts(
+        self,
+        *,
+        sort: bool = False,
+        max_pairs: SupportsIndex = 134217728,
+        mask: SupportsIndex | None = None,
+    ) -> Contacts: ...
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return centres; ``(min + max) / 2`` for shapes given as boxes.
 
@@ -2011,6 +2426,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        boxes : Sides instead of centres.
+        half_sizes, radii : The sizes.
 
         Examples
         --------
@@ -2038,6 +2458,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        boxes : Sides, without rounding.
+        radii : The radii.
         """
     def boxes(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return boxes: the sides of the shapes without their radii.
@@ -2057,6 +2482,10 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        centers, half_sizes : The same as centres and half sizes.
 
         Examples
         --------
@@ -2084,6 +2513,10 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        half_sizes : Half widths and half heights.
         """
     @overload
     def radii(self, ids: _IdList | None = None) -> NDArray[np.floating[Any]]: ...
@@ -2107,6 +2540,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        masks : The categories that each shape may pair with.
+        set_filter : Change them.
         """
     @overload
     def categories(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -2130,6 +2568,11 @@ class Space:
         ------
         ValueError
             If an id does not exist.
+
+        See Also
+        --------
+        categories : The categories of each shape.
+        set_filter : Change them.
         """
     @overload
     def masks(self, ids: _IdList | None = None) -> NDArray[np.uint32]: ...
@@ -2141,6 +2584,11 @@ class Space:
     @property
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
+    @property
+    def period(self) -> tuple[float, float]: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, memo: Any, /) -> Self: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __contains__(self, id: object, /) -> bool: ...
     def __len__(self) -> int: ...
 
@@ -2151,6 +2599,11 @@ class Events:
     Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
     Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
     for every pair in the space; to avoid it, read the other attributes by name.
+
+    See Also
+    --------
+    Space.update : Returns it.
+    WorldEvents : The same for particles.
 
     Examples
     --------
@@ -2179,6 +2632,7 @@ class Events:
         """Pairs that overlapped at the previous update and do not now, also because a shape was
         removed: ndarray of int64, shape (m, 2).
         """
+    def __reduce__(self) -> tuple[Any, ...]: ...
     def __iter__(self) -> Iterator[_Pairs]: ...
 
 @final
@@ -2260,8 +2714,8 @@ class World:
         Coefficients of friction of the walls. A contact has the square root of the product with
         that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
     forces : sequence of forces, default ()
-        `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-        `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+        `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
+        `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
     on_touch : {"bounce", "merge", "ignore"}, default "bounce"
         What happens to particles that touch. "merge" merges them at the end of the
         step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -2281,8 +2735,8 @@ class World:
         Maximum number of subdivisions of the tree; the default never prevents a split.
     substeps : int, optional
         Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-        default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-        with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+        default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+        accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
         divided into parts, which share the sub-steps; each part has at least one.
     sleeping : bool, default True
         Whether islands of touching particles that rest fall asleep under gravity, if the
@@ -2304,12 +2758,21 @@ class World:
     jostle.scenes.create : The world of a named scene.
     WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 
+    Notes
+    -----
+    Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by
+    `accelerations`. Surfaces that touch and approach at the normal speed u separate at e u, where e
+    is the coefficient of restitution. An impulse P along the normal allows a friction impulse of at
+    most μ P, where μ is the coefficient of friction.
+
     References
     ----------
     O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
     in: Particulate Two-Phase Flow (1993), for friction in bounces.
     E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
     resting contacts.
+    B. D. Lubachevsky, *How to Simulate Billiards and Similar Systems*, Journal of Computational
+    Physics 94 (1991), for collisions in the order of time.
 
     Examples
     --------
@@ -2388,6 +2851,12 @@ class World:
         KeyboardInterrupt
             After Ctrl-C, within a fraction of a second also during a long step.
 
+        See Also
+        --------
+        events : The pairs that began and ceased to touch.
+        contacts, wall_contacts : What touched, with impulses.
+        profile : The time of each stage.
+
         Examples
         --------
         >>> import jostle
@@ -2413,6 +2882,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int:
         """Add one particle or many, after the others.
 
@@ -2423,6 +2893,7 @@ class World:
         Parameters
         ----------
         positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+            Centres in units of length, and velocities in units of length per second.
         radii : array_like, a number or shape (k,), optional
             Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
@@ -2434,12 +2905,17 @@ class World:
             1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
             of all contacts anyway.
         movable : array_like of bool, one or shape (k,), default True
+            Whether contacts and forces can change the velocity.
         friction : array_like, a number or shape (k,), optional
             0.0 if no number was given for all particles.
         angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+            In radians and in radians per second, positive from +x to +y.
         categories, masks : array_like of int, a number or shape (k,), optional
             1 and all bits if no number was given for all particles.
         sensors : array_like of bool, one or shape (k,), default False
+            Whether the particle is a sensor.
+        kinds : array_like of int, a number or shape (k,), default 0
+            Their kind in each `PairForce` of the world.
 
         Returns
         -------
@@ -2451,6 +2927,11 @@ class World:
         ------
         TypeError, ValueError
             As for a new world; then nothing is added.
+
+        See Also
+        --------
+        set : Change particles.
+        remove : Remove particles.
 
         Examples
         --------
@@ -2480,6 +2961,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> _Ids: ...
     @overload
     def add(
@@ -2498,6 +2980,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int: ...
     @overload
     def add(
@@ -2516,6 +2999,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> int | _Ids | Any: ...
     def remove(self, ids: ArrayLike) -> None:
         """Remove particles. Their ids are never used again.
@@ -2532,6 +3016,11 @@ class World:
         ------
         ValueError
             If an id does not exist or is given twice; then none is removed.
+
+        See Also
+        --------
+        add : Add particles.
+        rows : The rows that the others have then.
 
         Examples
         --------
@@ -2563,24 +3052,35 @@ class World:
     ) -> None:
         """Change some columns of some particles.
 
+        Columns that are omitted stay the same. The arguments are those of :meth:`add`.
+
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
             The particles, each at most once.
         positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
+            Centres in units of length, and velocities in units of length per second.
         radii, masses, restitutions : array_like, a number or shape (k,), optional
             A new radius does not change the mass.
         movable : array_like of bool, one or shape (k,), optional
+            Whether contacts and forces can change the velocity.
         friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+            Coefficients of friction; radians, and radians per second.
         categories, masks : array_like of int, a number or shape (k,), optional
+            Bit sets of 32 bits.
         sensors : array_like of bool, one or shape (k,), optional
-            Omitted columns stay the same.
+            Whether the particle is a sensor.
 
         Raises
         ------
         TypeError, ValueError
             As for a new world, or if an id does not exist or is given twice; then nothing
             is changed.
+
+        See Also
+        --------
+        add : Add particles.
+        rows : The rows of ids in the columns.
 
         Examples
         --------
@@ -2968,7 +3468,13 @@ class World:
     def restitution(self, value: _Number) -> None: ...
     @property
     def container(self) -> _Container | None:
-        """The region of the particles: a Box, Circle, Torus or None."""
+        """The region of the particles: a Box, Circle, Torus or None.
+
+        See Also
+        --------
+        walls : Line segments.
+        container_restitution : The coefficients of its sides.
+        """
     @container.setter
     def container(self, value: _Container | None) -> None: ...
     @property
@@ -3081,7 +3587,8 @@ class World:
     def wall_friction(self, value: ArrayLike | None) -> None: ...
     @property
     def forces(self) -> tuple[_Force, ...]:
-        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+        """The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
+        `Thermostat`, `ThermalWalls`,
         `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
         id. If a particle is removed, its attractors and springs are removed too, and motors drive
         the others. If particles merge, forces refer to the merged particle, and a spring between
@@ -3148,6 +3655,10 @@ class World:
     def substeps(self) -> int:
         """Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
         for the latter.
+
+        See Also
+        --------
+        step : Advances the simulation.
         """
     @substeps.setter
     def substeps(self, value: SupportsIndex | None) -> None: ...
@@ -3228,6 +3739,12 @@ class World:
         its end, negative for pairs that had separated, and the sums of the impulses of the step
         along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
         `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+
+        See Also
+        --------
+        wall_contacts : The contacts with walls.
+        events : The pairs that began and ceased to touch.
+        Quadtree.contacts : The overlaps of shapes.
         """
     @property
     def wall_contacts(self) -> WallContacts:
@@ -3327,13 +3844,23 @@ class World:
         """Sum of mass times velocity, (x, y)."""
     @property
     def kinetic_energy(self) -> float:
-        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2."""
+        """Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+
+        See Also
+        --------
+        potential_energy : The energy of gravity and forces.
+        """
     @property
     def potential_energy(self) -> float:
         """Energy of all movable particles in the fields of gravity (0 at the origin) and of
         attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-        springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
-        Barnes and Hut's method if there are many particles).
+        springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
+        Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
+        are equal and opposite (0 at its cutoff).
+
+        See Also
+        --------
+        kinetic_energy : The energy of motion.
         """
     @property
     def time(self) -> float:
@@ -3342,6 +3869,10 @@ class World:
     def profile(self) -> dict[str, float]:
         """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
         "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+
+        See Also
+        --------
+        stats : The work of the last step, in numbers.
         """
     @property
     def stats(self) -> WorldStats:
@@ -3349,6 +3880,10 @@ class World:
         `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
         that had too many collisions and stood still for the rest of the step. All are 0 before the
         first step, and after `restore` and `load`.
+
+        See Also
+        --------
+        profile : The time of each stage.
         """
     def state_hash(self) -> int:
         """Return a 64-bit hash of all particles.
@@ -3357,6 +3892,10 @@ class World:
         -------
         int
             The same for the same particles, on every machine.
+
+        See Also
+        --------
+        snapshot : The whole state.
 
         Examples
         --------
@@ -3374,6 +3913,11 @@ class World:
             Particles, settings, forces, the time, and the resting contacts, the same bytes on
             every machine. A world that `restore` makes from them continues with the same bits.
 
+        See Also
+        --------
+        restore : Makes a world from the bytes.
+        save : Writes them into a file.
+
         Examples
         --------
         >>> import jostle
@@ -3390,10 +3934,12 @@ class World:
         Parameters
         ----------
         data : bytes, bytearray or memoryview
+            The bytes.
 
         Returns
         -------
         World
+            A world that continues with the same bits.
 
         Raises
         ------
@@ -3401,6 +3947,10 @@ class World:
             If `data` is not bytes.
         ValueError
             If they are not from `snapshot`, or are truncated or damaged.
+
+        See Also
+        --------
+        snapshot : Returns the bytes.
 
         Examples
         --------
@@ -3425,6 +3975,11 @@ class World:
         OSError
             If the file cannot be written; then an existing one is unchanged.
 
+        See Also
+        --------
+        load : Reads the file.
+        snapshot : The same in memory.
+
         Examples
         --------
         >>> import jostle, os, tempfile
@@ -3440,10 +3995,12 @@ class World:
         Parameters
         ----------
         path : str or os.PathLike
+            The file.
 
         Returns
         -------
         World
+            A world that continues with the same bits.
 
         Raises
         ------
@@ -3452,6 +4009,10 @@ class World:
         ValueError
             If it does not contain a world, or is truncated or damaged; the message names the
             file.
+
+        See Also
+        --------
+        save : Writes the file.
 
         Examples
         --------
@@ -3467,7 +4028,9 @@ class World:
 
 @final
 class Box:
-    """Four walls around a rectangle.
+    """Four walls around a rectangle: a container of a `World`.
+
+    It is not a shape. Rectangles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 
     Parameters
     ----------
@@ -3480,6 +4043,11 @@ class Box:
         If an argument is not a number.
     ValueError
         If a side is not finite or min is not below max.
+
+    See Also
+    --------
+    Circle, Torus : Other containers.
+    World.walls : Line segments anywhere.
 
     Examples
     --------
@@ -3510,7 +4078,9 @@ class Box:
 
 @final
 class Circle:
-    """A circular wall.
+    """A circular wall: a container of a `World`.
+
+    It is not a shape. Circles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 
     Parameters
     ----------
@@ -3525,6 +4095,10 @@ class Circle:
         If an argument does not hold numbers.
     ValueError
         If a number is not finite or the radius not above 0.
+
+    See Also
+    --------
+    Box, Torus : Other containers.
 
     Examples
     --------
@@ -3561,6 +4135,10 @@ class Torus:
         If an argument is not a number.
     ValueError
         If a side is not finite and above 0.
+
+    See Also
+    --------
+    Box, Circle : Containers with walls.
 
     Examples
     --------
@@ -3608,6 +4186,11 @@ class Attractor:
         If not exactly one of `point` and `particle` is given, or it does not hold numbers.
     ValueError
         If a number is not finite, or there is no such law.
+
+    See Also
+    --------
+    Gravitation : Attraction between all particles.
+    World.force : Forces from NumPy.
 
     Examples
     --------
@@ -3737,6 +4320,10 @@ class Springs:
     ValueError
         If a shape is wrong or a number is out of range; the message says which.
 
+    See Also
+    --------
+    Attractor : A force towards a point.
+
     Examples
     --------
     >>> import jostle
@@ -3777,7 +4364,271 @@ class Springs:
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs__(self) -> tuple[NDArray[Any], ...]: ...
+    def __getnewargs__(
+        self,
+    ) -> tuple[
+        _Pairs,
+        NDArray[np.float32],
+        NDArray[np.float32],
+        NDArray[np.float32],
+        NDArray[np.float32],
+    ]: ...
+
+@final
+class PairForce:
+    """Forces between kinds of particles within a cutoff.
+
+    The force on a particle of kind a by one of kind b is a function of their distance. It is given
+    at m equally spaced distances from 0 to `cutoff`, and linear between. The forces on each other
+    need not be equal and opposite. The constructors `particle_life`, `lennard_jones` and
+    `soft_discs` make well-known tables.
+
+    Parameters
+    ----------
+    kinds : array_like of int, shape (n,)
+        The kind of each particle of the world, from 0 to K - 1.
+    table : array_like, shape (K, K, m)
+        ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
+        It is positive if kind a is repelled. K is at most 64, m at least 2.
+    cutoff : float
+        Distance from which there is no force, in units of length. On a torus at most half of each
+        side.
+    damping : float, default 0.0
+        Force that resists a relative speed of 1 along the line between two particles, at distance 0;
+        at the distance d it is ``damping * (1 - d / cutoff)**2``.
+
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
+        assigned to `World.forces`, also if there is not one kind for each particle, or the cutoff is
+        too large for the torus.
+
+    See Also
+    --------
+    Flocking : Another force between neighbours.
+    Gravitation : A force without a cutoff.
+
+    Notes
+    -----
+    Particles keep their kind when others are added or removed. Those that `World.add` adds have kind
+    0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
+    act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
+    its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
+    length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
+    includes forces that are equal and opposite for all kinds.
+
+    Examples
+    --------
+    Kind 0 follows kind 1, which flees:
+
+    >>> import jostle
+    >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
+    >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
+    >>> world = jostle.World([(0, 0), (2, 0)], [(0, 0)] * 2, 0.1, masses=1.0, forces=[force])
+    >>> world.step(0.1, steps=10)
+    >>> world.velocities.round(3)
+    array([[1., 0.],
+           [1., 0.]], dtype=float32)
+    """
+
+    __match_args__: Final = ("kinds", "table", "cutoff", "damping")
+    def __new__(
+        cls, kinds: ArrayLike, table: ArrayLike, cutoff: _Number, damping: _Number = 0.0
+    ) -> Self: ...
+    @staticmethod
+    def particle_life(
+        kinds: ArrayLike,
+        matrix: ArrayLike,
+        cutoff: _Number,
+        core: _Number = 0.3,
+        *,
+        strength: _Number = 1.0,
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @staticmethod
+    def lennard_jones(
+        kinds: ArrayLike, epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @staticmethod
+    def soft_discs(
+        kinds: ArrayLike, stiffness: ArrayLike, diameters: ArrayLike, damping: _Number = 0.0
+    ) -> PairForce:
+        """staticmethod(function) -> method
+
+        Convert a function to be a static method.
+
+        A static method does not receive an implicit first argument.
+        To declare a static method, use this idiom:
+
+             class C:
+                 @staticmethod
+                 def f(arg1, arg2, argN):
+                     ...
+
+        It can be called either on the class (e.g. C.f()) or on an instance
+        (e.g. C().f()). Both the class and the instance are ignored, and
+        neither is passed implicitly as the first argument to the method.
+
+        Static methods in Python are similar to those found in Java or C++.
+        For a more advanced concept, see the classmethod builtin.
+        """
+    @property
+    def kinds(self) -> NDArray[np.uint8]:
+        """The kind of each particle: read-only ndarray of uint8, shape (n,)."""
+    @property
+    def table(self) -> NDArray[np.float32]:
+        """The forces: read-only ndarray of float32, shape (K, K, m)."""
+    @property
+    def cutoff(self) -> float:
+        """Distance from which there is no force, in units of length."""
+    @property
+    def damping(self) -> float:
+        """Force that resists a relative speed of 1 at distance 0."""
+    @property
+    def reciprocal(self) -> bool:
+        """Whether all kinds act on each other with equal and opposite forces, so that momentum is
+        conserved: bool.
+        """
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __getnewargs__(
+        self,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float32], float, float]: ...
+
+@final
+class Flocking:
+    """Flocking: separation, alignment and cohesion.
+
+    The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over
+    these of ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of
+    velocities, and ``cohesion`` times the offset. Forces keep the speed within limits.
+
+    Parameters
+    ----------
+    cutoff : float
+        Distance below which particles are neighbours, in units of length. On a torus at most half of
+        each side.
+    separation : float
+        Acceleration away from a neighbour at distance 0, at least 0.
+    alignment : float
+        Rate at which velocities become equal, per second, at least 0.
+    cohesion : float
+        Acceleration towards a neighbour per unit of distance, at least 0.
+    max_speed : float
+        Limit of the speed, in units of length per second; may be infinite.
+    min_speed : float, default 0.0
+        Lower limit of the speed of particles that move.
+
+    Raises
+    ------
+    TypeError
+        If an argument is not a number.
+    ValueError
+        If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too
+        large for the torus.
+
+    See Also
+    --------
+    PairForce : Forces between kinds of particles.
+
+    Notes
+    -----
+    The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy
+    are not conserved.
+
+    References
+    ----------
+    C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
+
+    Examples
+    --------
+    >>> import jostle
+    >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
+    >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+    >>> world.step(0.1, steps=100)
+    >>> world.velocities.round(3)
+    array([[2., 0.],
+           [2., 0.]], dtype=float32)
+    """
+
+    __match_args__: Final = (
+        "cutoff",
+        "separation",
+        "alignment",
+        "cohesion",
+        "max_speed",
+        "min_speed",
+    )
+    def __new__(
+        cls,
+        cutoff: _Number,
+        separation: _Number,
+        alignment: _Number,
+        cohesion: _Number,
+        max_speed: _Number,
+        min_speed: _Number = 0.0,
+    ) -> Self: ...
+    @property
+    def cutoff(self) -> float:
+        """Distance below which particles are neighbours, in units of length."""
+    @property
+    def separation(self) -> float:
+        """Acceleration away from a neighbour at distance 0."""
+    @property
+    def alignment(self) -> float:
+        """Rate at which velocities become equal, per second."""
+    @property
+    def cohesion(self) -> float:
+        """Acceleration towards a neighbour per unit of distance."""
+    @property
+    def max_speed(self) -> float:
+        """Limit of the speed."""
+    @property
+    def min_speed(self) -> float:
+        """Lower limit of the speed of particles that move."""
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __getnewargs__(self) -> tuple[float, float, float, float, float, float]: ...
 
 @final
 class Motor:
@@ -3873,7 +4724,7 @@ class Motor:
         """Period in seconds; None if the motion is not reversed."""
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
-    def __getnewargs_ex__(self) -> tuple[tuple[Any, ...], dict[str, Any]]: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[_Ids], dict[str, object]]: ...
 
 @final
 class Thermostat:
@@ -4071,6 +4922,11 @@ def scene_names() -> list[str]:
     list of str
         Their names.
 
+    See Also
+    --------
+    create : The world of a scene.
+    describe : A description of a scene.
+
     Examples
     --------
     >>> import jostle
@@ -4095,6 +4951,10 @@ def describe_scene(name: str) -> str:
     ------
     ValueError
         If there is no such scene.
+
+    See Also
+    --------
+    names : All scenes.
 
     Examples
     --------
@@ -4128,6 +4988,12 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     ValueError
         If there is no such scene, or `n` or `seed` is out of range.
 
+    See Also
+    --------
+    view : The part of it to display.
+    default_count : The default number of particles.
+    describe : A description.
+
     Examples
     --------
     >>> import jostle
@@ -4150,12 +5016,16 @@ def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float,
     Returns
     -------
     tuple of float
-        min_x, min_y, max_x, max_y, in pixels.
+        Sides min_x, min_y, max_x, max_y, in pixels.
 
     Raises
     ------
     ValueError
         If there is no such scene or `n` is out of range.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -4181,6 +5051,10 @@ def scene_default_count(name: str) -> int:
     ------
     ValueError
         If there is no such scene.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -4210,6 +5084,10 @@ def scene_fountains(n: SupportsIndex | None = None) -> list[Nozzle]:
     ValueError
         If `n` is out of range.
 
+    See Also
+    --------
+    create : The world of the scene.
+
     Examples
     --------
     >>> import jostle
@@ -4229,12 +5107,16 @@ def scene_galton_board(n: SupportsIndex | None = None) -> GaltonBoard:
     Returns
     -------
     GaltonBoard
-        rows, bin_edges, bin_top, floor and ball_radius.
+        With rows, bin_edges, bin_top, floor and ball_radius.
 
     Raises
     ------
     ValueError
         If `n` is out of range.
+
+    See Also
+    --------
+    create : The world of the scene.
 
     Examples
     --------
@@ -4268,6 +5150,10 @@ def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float3
     ValueError
         If a number is not finite, `radius` is not above 0, or the wall would have more than a
         million discs.
+
+    See Also
+    --------
+    jostle.polyline : Walls without discs, for `World.walls`.
 
     Examples
     --------

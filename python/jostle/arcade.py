@@ -1,9 +1,9 @@
-"""arcade's collision functions for thousands of sprites: all at once, or from a snapshot.
+"""arcade's collision functions for thousands of sprites: all pairs in one call, or from a snapshot.
 
 `check_for_collisions_between`, `selfcollide`
     Every pair of colliding sprites of two lists, or of one, in a single call.
 `Snapshot`
-    The sprites of a list as they are now. The functions below take one in place of a list.
+    The sprites of a list at one moment. The functions below take it in place of a list.
 `check_for_collision_with_list`, `check_for_collision_with_lists`, `get_sprites_at_point`,
 `get_sprites_at_exact_point`, `get_sprites_in_rect`, `get_closest_sprite`
     As in arcade, with the same answers in the order of the list.
@@ -12,8 +12,8 @@
 `PhysicsEngineSimple`, `PhysicsEnginePlatformer`
     arcade's engines with continuous motion, on `jostle.Space.move_and_slide`.
 
-Asked once, a list has to be read whole, and that is what arcade does; so with a list these
-functions are arcade's own. A snapshot is read once and then asked as often as there are sprites.
+A single query has to read the whole list, as arcade does. So for a list these functions call
+arcade's own. A snapshot reads the list once, for any number of queries.
 """
 
 from __future__ import annotations
@@ -49,17 +49,17 @@ __all__ = [
 _Floats: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = NDArray[np.int64]
 
-# arcade lets two sprites pass whose middles are farther apart than the sum of these parts of their
-# longer sides. A little more here: the tree may find too much, never too little.
+# arcade ignores two sprites whose centres are farther apart than the sum of this fraction of their
+# longer sides. Slightly larger here: the tree may find too many candidates, never too few.
 _PART = 0.71 * (1 + 1e-12)
 _SLACK = 1e-9
 
 
 class Snapshot:
-    """The sprites of a list, as they are at this moment.
+    """The sprites of a list at one moment.
 
-    What moves, turns or changes its size afterwards is still found where it was, and then checked
-    where it is; so take a new snapshot in each frame.
+    A sprite that moves, turns or changes its size afterwards is searched for at its old place, and
+    tested at its new one. So make a new snapshot in each frame.
 
     Parameters
     ----------
@@ -90,19 +90,19 @@ class Snapshot:
 
     @cached_property
     def _circles(self) -> Quadtree:
-        """The discs that arcade compares before it looks at hit boxes."""
+        """The discs that arcade compares before it tests hit boxes."""
         return Quadtree(self._positions, _reach(self._sides))
 
     @cached_property
-    def _middles(self) -> Quadtree:
+    def _centers(self) -> Quadtree:
         return Quadtree(self._positions)
 
     @cached_property
-    def _numbers(self) -> dict[Any, list[int]]:
-        """Which sprites are at each position."""
+    def _rows(self) -> dict[Any, list[int]]:
+        """The rows of the sprites at each position."""
         found: dict[Any, list[int]] = {}
-        for number, sprite in enumerate(self.sprites):
-            found.setdefault(sprite.position, []).append(number)
+        for row, sprite in enumerate(self.sprites):
+            found.setdefault(sprite.position, []).append(row)
         return found
 
     @cached_property
@@ -111,14 +111,14 @@ class Snapshot:
 
     @cached_property
     def _boxes(self) -> Quadtree:
-        """What surrounds each hit box, and a little more."""
+        """The bounds of each hit box, slightly enlarged."""
         low, high = self._polygons.bounds()
-        middles, half_sizes = (low + high) / 2, (high - low) / 2
-        return Quadtree(middles, 0.0, half_sizes + _SLACK * (1 + np.abs(middles) + half_sizes))
+        centers, half_sizes = (low + high) / 2, (high - low) / 2
+        return Quadtree(centers, 0.0, half_sizes + _SLACK * (1 + np.abs(centers) + half_sizes))
 
     @cached_property
     def _heights(self) -> tuple[_Floats, _Rows]:
-        """The y of every corner, ascending, and whose it is."""
+        """The y of every corner, ascending, and the row of its sprite."""
         heights = self._polygons.points[:, 1]
         order = np.argsort(heights, kind="stable")
         return heights[order], self._polygons.owners[order]
@@ -139,6 +139,10 @@ def selfcollide(sprites: Iterable[Any]) -> list[tuple[Any, Any]]:
     -------
     list of tuple
         Two sprites for each pair, every pair once, in the order of the list.
+
+    See Also
+    --------
+    check_for_collisions_between : The pairs of two lists.
 
     Examples
     --------
@@ -168,6 +172,10 @@ def check_for_collisions_between(
         A sprite of the first list and one of the second for each pair, in the order of the
         first list, then of the second.
 
+    See Also
+    --------
+    selfcollide : The pairs within one list.
+
     Examples
     --------
     >>> import arcade, jostle.arcade
@@ -192,7 +200,7 @@ def check_for_collision_with_list(sprite: Any, sprite_list: Any, method: int = 0
     sprite_list : SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; a snapshot has but one.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -227,7 +235,7 @@ def check_for_collision_with_lists(
     sprite_lists : iterable of SpriteList or Snapshot
         The sprites to check.
     method : int, default 0
-        arcade's choice of method; a snapshot has but one.
+        The choice of method of arcade; it has no effect on a snapshot.
 
     Returns
     -------
@@ -239,24 +247,24 @@ def check_for_collision_with_lists(
 
 
 def get_sprites_at_point(point: Any, sprite_list: Any) -> list[Any]:
-    """Find the sprites whose hit box a point is in.
+    """Find the sprites whose hit boxes contain a point.
 
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
     Returns
     -------
     list of Sprite
-        Those that have the point in them, in the order of the list.
+        Those that contain the point, in the order of the list.
 
     Notes
     -----
-    arcade's test counts crossings of a line to the right, and miscounts where the point is
-    exactly as high as one corner: it may then find a sprite far away. So does this.
+    arcade counts crossings of a ray to the right. If the point is exactly as high as a corner,
+    the count may be wrong, and a sprite far away may be found. This function gives the same answer.
     """
     if not isinstance(sprite_list, Snapshot):
         return list(arcade.get_sprites_at_point(point, sprite_list))
@@ -277,7 +285,7 @@ def get_sprites_at_exact_point(point: Any, sprite_list: Any) -> list[Any]:
     Parameters
     ----------
     point : tuple of float
-        x and y.
+        Its x and y.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
@@ -289,7 +297,7 @@ def get_sprites_at_exact_point(point: Any, sprite_list: Any) -> list[Any]:
     if not isinstance(sprite_list, Snapshot):
         return list(arcade.get_sprites_at_exact_point(point, sprite_list))
     # A list is never equal to a position, which is a tuple.
-    return sprite_list._at(sprite_list._numbers.get(point, ()) if isinstance(point, tuple) else ())
+    return sprite_list._at(sprite_list._rows.get(point, ()) if isinstance(point, tuple) else ())
 
 
 def get_sprites_in_rect(rect: Any, sprite_list: Any) -> list[Any]:
@@ -320,27 +328,27 @@ def get_sprites_in_rect(rect: Any, sprite_list: Any) -> list[Any]:
 
 
 def get_closest_sprite(sprite: Any, sprite_list: Any) -> tuple[Any, float] | None:
-    """Find the sprite of a list whose middle is nearest to that of a sprite.
+    """Find the sprite of a list whose centre is nearest to that of a sprite.
 
     Parameters
     ----------
     sprite : Sprite
-        The sprite. If it is in the list, it is its own nearest.
+        The sprite. If it is in the list, the result is the sprite itself.
     sprite_list : SpriteList or Snapshot
         The sprites to check.
 
     Returns
     -------
     tuple of Sprite and float, or None
-        The first of the nearest and how far it is; None if the list is empty.
+        The first of the nearest and its distance; None if the list is empty.
     """
     if not isinstance(sprite_list, Snapshot):
         return cast("tuple[Any, float] | None", arcade.get_closest_sprite(sprite, sprite_list))
     if not len(sprite_list):
         return None
-    # The tree may round in another way than arcade: all that are about as near are compared.
-    nearest = sprite_list._middles.nearest(sprite.position).distances.item()
-    near = sprite_list._middles.query_circle(sprite.position, nearest * (1 + _SLACK) + _SLACK)
+    # The tree may round differently from arcade, so arcade's distances of all candidates decide.
+    nearest = sprite_list._centers.nearest(sprite.position).distances.item()
+    near = sprite_list._centers.query_circle(sprite.position, nearest * (1 + _SLACK) + _SLACK)
     found = sprite_list._at(near.tolist())
     distances = [arcade.get_distance_between_sprites(sprite, other) for other in found]
     least = min(distances)
@@ -356,18 +364,18 @@ def _snapshot(sprites: Iterable[Any]) -> Snapshot:
 
 
 def _reach(sides: _Floats) -> _Floats:
-    """Return the radii of the discs that hold all that arcade lets through.
+    """Return the radii of discs that overlap if arcade tests the hit boxes of two sprites.
 
-    Its sides may be negative, and it squares their sum.
+    Sides may be negative; arcade squares their sum.
     """
     return np.abs(sides) * _PART + _SLACK
 
 
-# ---- arcade's check, for many pairs at once ------------------------------------------------------
+# ---- arcade's test, for many pairs at once -------------------------------------------------------
 
 
 class _Polygons:
-    """The hit boxes of some sprites, one list of corners behind the other."""
+    """The hit boxes of some sprites: their corners, concatenated."""
 
     def __init__(self, sprites: Iterable[Any]) -> None:
         corners = [sprite.hit_box.get_adjusted_points() for sprite in sprites]
@@ -377,12 +385,12 @@ class _Polygons:
         self.owners = np.repeat(np.arange(len(corners)), self.counts)
 
     def of(self, rows: _Rows, count: int) -> _Floats:
-        """Return the corners of those of some rows that have so many, shape (rows, count, 2)."""
+        """Return the corners of rows that have `count` corners each, shape (rows, count, 2)."""
         corners: _Floats = self.points[self.starts[rows, None] + np.arange(count)]
         return corners
 
     def bounds(self) -> tuple[_Floats, _Floats]:
-        """Return the lower and the upper corner around each; (0, 0) around none."""
+        """Return the minimum and the maximum corner of each; (0, 0) without corners."""
         low, high = np.zeros((2, len(self.counts), 2))
         some = self.counts > 0
         if some.any():
@@ -392,9 +400,9 @@ class _Polygons:
 
 
 def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> list[tuple[Any, Any]]:
-    """Return those of some pairs that collide."""
+    """Return the pairs that collide."""
     first, second = pairs[_near(a, b, pairs)].T
-    # Only the hit boxes of sprites that are near another are worth being worked out.
+    # Hit boxes are slow to compute, so only those of sprites in candidate pairs are.
     rows, at = np.unique(first, return_inverse=True)
     polygons = _Polygons(a._at(rows.tolist()))
     other_rows, other_at = np.unique(second, return_inverse=True)
@@ -404,44 +412,44 @@ def _colliding(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> list[tuple
 
 
 def _near(a: Snapshot, b: Snapshot, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which pairs arcade looks at more closely, in the arithmetic of its own check."""
+    """Return for which pairs arcade tests hit boxes, in arcade's own arithmetic."""
     first, second = pairs.T
     reach = (a._sides[first] + b._sides[second]) * 0.71
-    apart = a._positions[first] - b._positions[second]
-    squares = apart * apart
+    difference = a._positions[first] - b._positions[second]
+    squares = difference * difference
     near: NDArray[np.bool_] = squares[:, 0] + squares[:, 1] <= reach * reach
     return near
 
 
 def _intersecting(a: _Polygons, rows: _Rows, b: _Polygons, other_rows: _Rows) -> NDArray[np.bool_]:
-    """Return which polygons overlap their partners, those with as many corners together."""
+    """Return which polygons overlap their partners; equal numbers of corners are tested at once."""
     hit = np.zeros(len(rows), np.bool_)
     counts = np.column_stack([a.counts[rows], b.counts[other_rows]])
     for count, other_count in np.unique(counts, axis=0):
         if count and other_count:
             these = np.flatnonzero((counts == (count, other_count)).all(axis=1))
             one, other = a.of(rows[these], count), b.of(other_rows[these], other_count)
-            hit[these] = ~(_parted(one, one, other) | _parted(other, one, other))
+            hit[these] = ~(_separated(one, one, other) | _separated(other, one, other))
     return hit
 
 
-def _parted(sides: _Floats, one: _Floats, other: _Floats) -> NDArray[np.bool_]:
-    """Return which polygons lie on either side of a line along one of the sides.
+def _separated(sides: _Floats, one: _Floats, other: _Floats) -> NDArray[np.bool_]:
+    """Return which polygons a line along one of the sides separates.
 
-    arcade's `are_polygons_intersecting` does the same sums in the same order, so that the answer is
+    The sums are those of arcade's `are_polygons_intersecting`, in the same order, so the answer is
     the same to the last bit, also for hit boxes that are not convex.
     """
     found = np.zeros(len(one), np.bool_)
     for side in np.moveaxis(sides - np.roll(sides, -1, axis=1), 1, 0):
         normal = (-side[:, 1, None], side[:, 0, None])
-        low, high = _shadow(normal, one)
-        other_low, other_high = _shadow(normal, other)
+        low, high = _projection(normal, one)
+        other_low, other_high = _projection(normal, other)
         found |= (high <= other_low) | (other_high <= low)
     return found
 
 
-def _shadow(normal: tuple[_Floats, _Floats], polygons: _Floats) -> tuple[_Floats, _Floats]:
-    """Return the least and the greatest height of each polygon along its normal."""
+def _projection(normal: tuple[_Floats, _Floats], polygons: _Floats) -> tuple[_Floats, _Floats]:
+    """Return the minimum and the maximum of each polygon along its normal."""
     along = normal[0] * polygons[:, :, 0] + normal[1] * polygons[:, :, 1]
     return along.min(axis=1), along.max(axis=1)
 

@@ -1,10 +1,10 @@
-"""The two programs of the 2015 article in plain Python, with all their faults.
+"""The two programs of the article of 2015 in plain Python, with all their faults.
 
-This is the picture "before": `Simulation` runs the article's brute force or its quadtree by the
-article's own formulas, so that `jostle.World` can be set beside it. Units are pixels and frames,
-y grows downwards, and an angle of 0 is up and turns clockwise. It needs no NumPy and no window.
+`Simulation` runs the article's brute force or its quadtree with the article's own formulas, for
+comparison with `jostle.World`. Units are pixels and frames, and y grows downwards. An angle of 0 is
+up, and positive angles are clockwise. It needs neither NumPy nor a window.
 
-Each of its eleven faults, shown:
+Each of its eleven faults, demonstrated:
 
 >>> from math import pi
 >>> right, left = pi / 2, 3 * pi / 2
@@ -14,9 +14,9 @@ Each of its eleven faults, shown:
 ...         simulation.frame()
 ...     return simulation
 
-**1. Wrong physics.** A ball of the same mass hits a resting one without loss, and both stop, even
-if it only grazes. With the arguments swapped the energy doubles, and a ball that is already
-leaving kicks the other:
+**1. Wrong physics.** With a restitution of 1, a ball hits a resting ball of the same mass: both
+stop, even if the hit is grazing. With swapped arguments the energy doubles. Balls that already move
+apart get an impulse:
 
 >>> def speeds(x, y, angle, swap=False):
 ...     pair = [Particle(x, y, 10, 1, speed=4, angle=angle), Particle(119, 100, 10, 1)]
@@ -27,8 +27,8 @@ leaving kicks the other:
 >>> speeds(100, 100, right, swap=True), speeds(100, 100, left, swap=True)
 ([4.0, 4.0], [4.0, 4.0])
 
-**2. Halves are cut to whole pixels,** and so are the rectangles of particles. 20 of 500 pixel rows
-lie in no leaf, and of the 9,344 overlaps in ten crowds of 1,000 balls 27 are never tested:
+**2. Child rectangles are truncated** to whole pixels, and so are the rectangles of particles. 20 of
+500 pixel rows are in no leaf, and of 9,344 overlaps in ten scenes of 1,000 balls 27 are not tested:
 
 >>> boxes = [(0, 0, 800, 500)]
 >>> for _ in range(5):
@@ -42,17 +42,18 @@ lie in no leaf, and of the 9,344 overlaps in ten crowds of 1,000 balls 27 are ne
 >>> missed, found
 (27, 9344)
 
-**3. Work is done twice:** a ball lies in several leaves, and each tests it. Per cent of tests:
+**3. Pairs are tested more than once,** because a ball is in several leaves. Repeated tests in per
+cent, for 500, 1,000, 2,000 and 4,000 balls:
 
 >>> [round(100 * tree.repeats / tree.tests) for tree in map(settle, (500, 1000, 2000, 4000))]
 [30, 33, 33, 33]
 
-**4. One subdivision too many:** `level <= MAX_LEVEL` splits a fifth time.
+**4. One subdivision too many:** `level <= MAX_LEVEL` allows a fifth one.
 
 >>> MAX_LEVEL, max(level for *_, level in settle(500).leaves)
 (4, 5)
 
-**5. What leaves the display is lost** as soon as the first box splits:
+**5. Balls outside the display are lost** when the first box splits:
 
 >>> balls = [Particle(x, 250, 10, 1) for x in (900, 910, 100, 200, 300)]
 >>> overlapped = (0, 1) in overlaps(balls)
@@ -60,14 +61,14 @@ lie in no leaf, and of the 9,344 overlaps in ten crowds of 1,000 balls 27 are ne
 >>> overlapped, (0, 1) in tree.tested
 (True, False)
 
-**6. Coincident balls cost six times brute force** where they lie in six leaves:
+**6. Coincident balls cost six times as much as brute force** if they are in six leaves:
 
 >>> tree = Simulation.of([Particle(400, 242, 10, 1) for _ in range(500)], "quadtree")
 >>> tree.frame(); tree.tests / (500 * 499 / 2)
 6.0
 
-**7. Rectangles are a frame old.** One ball pushes a second over the middle line, onto a third:
-brute force handles both overlaps. And if the list is reversed, another scene results:
+**7. Rectangles are one frame old.** One ball pushes a second one over the middle line, onto a third
+one. Brute force finds both overlaps, the tree one. And the result depends on the order of the list:
 
 >>> def push(method, order=1):
 ...     balls = [Particle(x, 250, 10, 1) for x in (372, 389, 410, 700)][::order]
@@ -78,7 +79,7 @@ brute force handles both overlaps. And if the list is reversed, another scene re
 >>> push("brute")[1], push("brute", order=-1)[1]
 ([370.0, 390.0, 411.0, 700.0], [370.0, 391.0, 410.0, 700.0])
 
-**8. Fast balls tunnel:** of 60 throws at 60 pixels a frame, each from one pixel further, 39 hit.
+**8. Fast balls tunnel:** of 60 throws at 60 pixels per frame, each from one pixel further, 39 hit.
 
 >>> def throw(gap):
 ...     balls = [Particle(400 - gap, 250, 10, 20, 60, right), Particle(400, 250, 10, 20)]
@@ -87,19 +88,19 @@ brute force handles both overlaps. And if the list is reversed, another scene re
 >>> sum(throw(gap) for gap in range(31, 91))
 39
 
-**9. Piles never rest** and overlap deeply (after 100 frames, in pixels and hits a frame):
+**9. Piles never rest** and overlap deeply (after 100 frames, in pixels and hits per frame):
 
 >>> pile = settle(1000, frames=100)
 >>> max(overlaps(pile.particles).values()) > 8, pile.hits > 1000
 (True, True)
 
-**10. It answers no question:** no range, nearest, ray, layers, events or ids.
+**10. It has no queries:** no ranges, neighbours, rays, filters, events or ids.
 
 >>> [name for name in vars(Simulation) if not name.startswith("_")]
 ['of', 'frame', 'grab', 'drag_to', 'release']
 
-**11. It is slow.** The limit of subdivisions keeps the work quadratic: twice the balls, four times
-the tests, and brute force makes 124,750 for 500:
+**11. It is slow.** Because of the limit of subdivisions the number of tests grows with the square
+of the number of balls. Brute force makes 124,750 tests for 500 balls:
 
 >>> settle(500).tests, settle(1000).tests, settle(2000).tests, settle(4000).tests
 (1157, 4176, 17072, 68661)
@@ -127,31 +128,31 @@ GRAVITY: Vector = (math.pi, 0.5)
 MOUSE_PULL = 0.1
 MAX_PER_BOX = 3
 MAX_LEVEL = 4  # the whole display is level 0
-SMALLEST_SIDE = 32  # anything less would be halved to no pixels at all
+SMALLEST_SIDE = 32  # a smaller one would be halved to no pixels
 METHODS = ("brute", "quadtree")
 
 
 @dataclass(slots=True, eq=False)
 class Particle:
-    """A ball of the article: it falls, is slowed by the air and bounces off the walls.
+    """A ball of the article, with gravity, air drag and walls.
 
     Parameters
     ----------
     x, y : float
         The centre, in pixels.
     radius, density : int
-        At least 1; the article draws 5 to 10 and 1 to 20.
+        At least 1; random integers from 5 to 10 and from 1 to 20 in the article.
     speed, angle : float
-        Pixels a frame; radians clockwise from up.
+        Pixels per frame; radians clockwise from up.
 
     Attributes
     ----------
     mass : int
         density * radius ** 2.
     drag : float
-        What the air leaves of the speed each frame.
+        Factor of the speed in each frame.
     rectangle : tuple of int
-        x, y, width and height, as the tree last saw them: cut to whole pixels.
+        x, y, width and height when the tree was last built, truncated to whole pixels.
 
     Examples
     --------
@@ -183,14 +184,20 @@ class Particle:
         self.update_rectangle()
 
     def move(self) -> None:
-        """Add gravity to the velocity and the velocity to the position, then lose speed to air."""
+        """Add gravity to the velocity and the velocity to the position, then apply drag."""
         self.angle, self.speed = add_vectors((self.angle, self.speed), GRAVITY)
         self.x += math.sin(self.angle) * self.speed
         self.y -= math.cos(self.angle) * self.speed
         self.speed *= self.drag
 
     def bounce(self, width: int, height: int) -> None:
-        """Reflect off the walls of the display, once each way; right and bottom come first."""
+        """Reflect off the walls of the display, once along each axis; right and bottom come first.
+
+        Parameters
+        ----------
+        width, height : int
+            Size of the display, in pixels.
+        """
         near, right, bottom = self.radius, width - self.radius, height - self.radius
         if self.x > right:
             self._reflect(2 * right - self.x, self.y, -self.angle)
@@ -206,12 +213,18 @@ class Particle:
         self.speed *= ELASTICITY
 
     def head_for(self, x: float, y: float) -> None:
-        """Turn towards a point, with a tenth of the distance as the speed."""
+        """Set the velocity towards a point: the speed is a tenth of the distance per frame.
+
+        Parameters
+        ----------
+        x, y : float
+            The point, in pixels.
+        """
         self.angle = _direction(x - self.x, y - self.y)
         self.speed = MOUSE_PULL * math.hypot(x - self.x, y - self.y)
 
     def update_rectangle(self) -> None:
-        """Let the tree see where the particle now is."""
+        """Compute the rectangle that the tree uses from the position."""
         side = 2 * self.radius
         self.rectangle = int(self.x - self.radius), int(self.y - self.radius), side, side
 
@@ -222,26 +235,35 @@ class Simulation:
     Parameters
     ----------
     n : int
-        How many particles to scatter; the article has 10 (brute force) or 500 (quadtree).
-    method : {"brute", "quadtree"}
-        Which program. It may be changed between frames.
-    seed : int
-        The same seed and display give the same particles to both methods.
-    width, height : int
-        The display in pixels, at least 32 each way.
+        Number of random particles; the article has 10 (brute force) or 500 (quadtree).
+    method : {"brute", "quadtree"}, default "brute"
+        The program. It may be changed between frames.
+    seed : int, default 0
+        The same seed and display give the same particles for both methods.
+    width, height : int, default 800 and 500
+        Size of the display in pixels, each at least 32.
 
     Attributes
     ----------
     particles : list of Particle
-        In list order, on which the results depend.
+        The results depend on their order.
     held : Particle or None
-        The one that the mouse holds.
+        The particle that the mouse drags.
     tests, repeats, hits : int
-        Of the last frame: pairs tested, those of them tested before in it, overlaps handled.
+        Of the last frame: tests of pairs, repeated tests of the same pair, overlaps found.
     leaves : list of tuple
-        Of the last frame's tree: x, y, width, height, level. Empty for brute force.
+        Leaves of the last frame's tree: x, y, width, height, level. Empty for brute force.
     tested : set of tuple
-        Pairs of list positions that the last frame's tree tested. Empty for brute force.
+        Pairs of list indices that the last frame's tree tested. Empty for brute force.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range.
+
+    See Also
+    --------
+    jostle.World : The same with right physics.
 
     Examples
     --------
@@ -274,7 +296,21 @@ class Simulation:
         width: int = 800,
         height: int = 500,
     ) -> Simulation:
-        """Simulate these particles (themselves, not copies), in this order.
+        """Return a simulation of given particles, without copying them.
+
+        Parameters
+        ----------
+        particles : iterable of Particle
+            In the order of the list.
+        method : {"brute", "quadtree"}, default "brute"
+            The program.
+        width, height : int, default 800 and 500
+            Size of the display in pixels, each at least 32.
+
+        Returns
+        -------
+        Simulation
+            A simulation of these particles.
 
         Examples
         --------
@@ -288,25 +324,42 @@ class Simulation:
         return simulation
 
     def frame(self) -> None:
-        """Advance by one frame. A held particle is first turned towards the cursor."""
+        """Advance by one frame. The velocity of a held particle is first set towards the cursor."""
         self._clear_counters()
         if self.held is not None:
             self.held.head_for(*self._cursor)
         {"brute": self._brute_frame, "quadtree": self._quadtree_frame}[self.method]()
 
     def grab(self, x: float, y: float) -> Particle | None:
-        """Hold the first particle in list order under the cursor, if there is one."""
+        """Drag the first particle of the list that is under the cursor, if there is one.
+
+        Parameters
+        ----------
+        x, y : float
+            Position of the cursor, in pixels.
+
+        Returns
+        -------
+        Particle or None
+            The particle that is held.
+        """
         self.drag_to(x, y)
         under = (p for p in self.particles if math.hypot(x - p.x, y - p.y) <= p.radius)
         self.held = next(under, None)
         return self.held
 
     def drag_to(self, x: float, y: float) -> None:
-        """Move the cursor, which the held particle follows at each frame."""
+        """Move the cursor, which the held particle follows in each frame.
+
+        Parameters
+        ----------
+        x, y : float
+            Position of the cursor, in pixels.
+        """
         self._cursor = _check_finite("x", x), _check_finite("y", y)
 
     def release(self) -> None:
-        """Let go of the held particle, which flies on."""
+        """Release the held particle; it keeps its velocity."""
         self.held = None
 
     def _clear_counters(self) -> None:
@@ -322,7 +375,7 @@ class Simulation:
             self.tests += len(others)
             self.hits += sum(collide(particle, other) for other in others)
         for particle in self.particles:
-            particle.update_rectangle()  # unused, unless the method is changed
+            particle.update_rectangle()  # used only if the method is changed
 
     def _quadtree_frame(self) -> None:
         self._build((0, 0, self.width, self.height), 0, list(range(len(self.particles))))
@@ -333,7 +386,7 @@ class Simulation:
             particle.update_rectangle()
 
     def _build(self, box: Box, level: int, members: list[int]) -> None:
-        """Split the box among its quarters, or collide all pairs in it at once."""
+        """Split the box into quarters, or collide all pairs in it."""
         particles = self.particles
         if len(members) > MAX_PER_BOX and level <= MAX_LEVEL:
             for quarter in quarters(box):
@@ -348,11 +401,17 @@ class Simulation:
 
 
 def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -> bool:
-    """Change the velocities of two particles that overlap and push them a pixel apart.
+    """Change the velocities of two particles that overlap, and move them one pixel apart.
 
-    The article's elasticity is 0.75; another serves only to show what is wrong. It took the
-    direction between the centres from ``atan2``, which is 0 for coincident ones: these part
-    along x, the first to the right.
+    The direction between the centres comes from ``atan2``, which returns 0 for coincident ones:
+    these are moved apart along x, the first to the right.
+
+    Parameters
+    ----------
+    first, second : Particle
+        The result depends on their order.
+    elasticity : float, default 0.75
+        Factor of both speeds; the default is the article's.
 
     Returns
     -------
@@ -390,6 +449,16 @@ def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -
 def add_vectors(first: Vector, second: Vector) -> Vector:
     """Add two vectors, each an angle and a length.
 
+    Parameters
+    ----------
+    first, second : tuple of float
+        Angle, in radians clockwise from up, and length.
+
+    Returns
+    -------
+    tuple of float
+        Angle and length of the sum.
+
     Examples
     --------
     >>> angle, length = add_vectors((0, 3), (math.pi / 2, 4))
@@ -403,7 +472,17 @@ def add_vectors(first: Vector, second: Vector) -> Vector:
 
 
 def quarters(box: Box) -> list[Box]:
-    """Split a box into four of half its sides, cut to whole pixels, row by row.
+    """Split a box into four of half its sides, truncated to whole pixels, row by row.
+
+    Parameters
+    ----------
+    box : tuple of int
+        Its x, y, width and height, in pixels.
+
+    Returns
+    -------
+    list of tuple of int
+        The four boxes.
 
     Examples
     --------
@@ -415,12 +494,17 @@ def quarters(box: Box) -> list[Box]:
 
 
 def overlaps(particles: Iterable[Particle]) -> dict[tuple[int, int], float]:
-    """Find every pair that overlaps now, whatever the article's programs find of them.
+    """Find every pair that overlaps, also those that the article's tree does not find.
+
+    Parameters
+    ----------
+    particles : iterable of Particle
+        The particles.
 
     Returns
     -------
-    dict
-        From each pair of list positions to how deep it overlaps, in pixels.
+    dict of tuple of int to float
+        The depth of the overlap in pixels, for each pair of list indices.
 
     Examples
     --------
@@ -436,14 +520,14 @@ def overlaps(particles: Iterable[Particle]) -> dict[tuple[int, int], float]:
 
 
 def _random_particle(rng: random.Random, width: int, height: int) -> Particle:
-    """Draw a particle that lies within the display."""
+    """Return a random particle within the display."""
     radius, density = rng.randint(5, 10), rng.randint(1, 20)
     x, y = rng.uniform(radius, width - radius), rng.uniform(radius, height - radius)
     return Particle(x, y, radius, density, rng.random(), rng.uniform(0, 2 * math.pi))
 
 
 def _direction(dx: float, dy: float) -> float:
-    """Give the angle, clockwise from up, of a vector on a screen where y grows downwards."""
+    """Return the angle of a vector, clockwise from up; y grows downwards."""
     return math.pi / 2 + math.atan2(dy, dx)
 
 

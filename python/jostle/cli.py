@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib.util
 import io
 import os
@@ -24,6 +23,7 @@ except ImportError as missing:
 import jostle
 from jostle import interrupt
 from jostle.app.simulate.settings import (
+    FIXED_BY_ARTICLE,
     METHODS,
     RENDERERS,
     RULES,
@@ -34,7 +34,7 @@ from jostle.app.simulate.settings import (
 )
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
-from jostle.app.simulate.validation import Rule, check, one_of, whole
+from jostle.app.simulate.validation import AnyRule, check, one_of, similar, whole
 
 if TYPE_CHECKING:
     from jostle.app.storage.config import Config
@@ -92,7 +92,7 @@ def run(
         typer.Option("-n", help="Number of particles; the default of the scene if not given."),
     ] = None,
     method: Annotated[
-        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {METHODS[0]}]")
+        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {Settings.method}]")
     ] = None,
     leaf_capacity: Annotated[
         int | None, typer.Option(help="Maximum number of particles in a leaf of the tree.")
@@ -132,13 +132,14 @@ def run(
     _check_extra()
     config = _read_config(config_file)
     settings = replace(config.settings, **given)
-    if settings.by_article and not settings.leaf_capacity is settings.max_depth is None:
-        _refuse("--leaf-capacity and --max-depth are for quadtree; the article's are fixed")
+    for name in FIXED_BY_ARTICLE if settings.by_article else ():
+        if name in given or name in config.given:
+            _refuse(f"{_option(name)} cannot be set here: the article's are fixed")
     why_no_window = None
     if not headless:
         why_no_window = (
             _show(settings, steps, renderer or config.renderer or RENDERERS[0], config)
-            if _has_display()
+            if has_display()
             else "there is no display"
         )
         if why_no_window is None:
@@ -329,7 +330,7 @@ def _start(settings: Settings, config: Config) -> Simulation:
         _refuse(f"{config.name}: {why}" if config.name else why)
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
     """Return whether there is a display; on Linux the environment says so."""
     if os.environ.get("SDL_VIDEODRIVER") in ("dummy", "offscreen"):
         return False
@@ -341,16 +342,19 @@ def _has_display() -> bool:
 def _check_scene(scene: str) -> None:
     names = jostle.scenes.names()
     if scene not in names:
-        alike = difflib.get_close_matches(scene, names, 1, 0.5)
-        hint = f"did you mean {alike[0]}? " if alike else ""
+        alike = similar(scene, names)
+        hint = f"did you mean {alike}? " if alike else ""
         _refuse(f"there is no scene {scene!r}; {hint}the scenes are {', '.join(names)}")
 
 
-def _check(name: str, value: object, rule: Rule) -> None:
+def _check(name: str, value: object, rule: AnyRule) -> None:
     """Exit with a message if an option breaks its rule."""
-    option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
-    if value is not None and (refusal := check(option, value, rule)):
+    if value is not None and (refusal := check(_option(name), value, rule)):
         _refuse(refusal)
+
+
+def _option(name: str) -> str:
+    return f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
 
 
 def _check_folder(out: Path, *, make: bool = True) -> None:

@@ -46,6 +46,7 @@ def handled() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = hook
+        _state = _State()  # whoever calls `check` later is not interrupted
         if signal.getsignal(signal.SIGINT) is _press:
             signal.signal(signal.SIGINT, before)
 

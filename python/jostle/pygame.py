@@ -422,10 +422,23 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
 
 
 class Snapshot:
-    """The sprites of a `Group` with their rects as they were at one moment.
+    """The sprites of a `Group` with their rects at one moment.
 
     `Group.snapshot` makes it. Its queries do not read the rects again, so many single queries
     are fast. Later changes of the sprites or of the group do not change the answers.
+
+    Parameters
+    ----------
+    sprites : list of sprite
+        The sprites.
+    sides : ndarray of float64, shape (n, 4)
+        Position and size of each rect: x, y, width and height.
+    tree : Quadtree, optional
+        A tree of these rects; if omitted, it is built.
+
+    See Also
+    --------
+    Group.snapshot : Returns it.
 
     Examples
     --------
@@ -465,7 +478,7 @@ class Snapshot:
         Parameters
         ----------
         rect : pygame.Rect, pygame.FRect or what an FRect can be made of, or many of them
-            The sprites to test.
+            The rects to test.
 
         Returns
         -------

@@ -1,10 +1,10 @@
 """`Index` with the calls and the answers of the package pyqtree, on a jostle quadtree.
 
 Change ``from pyqtree import Index`` into ``from jostle.pyqtree import Index``; pyqtree itself is
-not needed. Boxes that only touch intersect, as they do there.
+not needed. Boxes that only touch intersect, as in pyqtree.
 
-A `Quadtree` never changes, so the index keeps what came since it was built in a short list that
-each question reads through. Once that reading has taken as long as building, it builds anew.
+A `Quadtree` never changes, so items that are inserted later are in a list that each query reads.
+When reading this list has taken as long as building a tree, the tree is built again.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ __all__ = ["Index", "Quad"]
 
 # Beyond this the width of a box might overflow.
 _FAR = 1e300
-# Up to so many boxes a loop in Python is quicker than NumPy.
+# Up to this number of boxes a loop in Python is faster than NumPy.
 _FEW = 24
-# To build a box into a tree takes about as long as to read it so often.
-_PATIENCE = 3
+# Building a box into a tree takes about as long as reading it this many times.
+_READS_PER_BUILD = 3
 
 
 class Quad(NamedTuple):
-    """A box of the tree, to look at.
+    """A box of the tree.
 
     Attributes
     ----------
     center : tuple of float
-        x and y of its middle.
+        Its centre, x and y.
     width, height : float
         Its size.
     """
@@ -45,23 +45,32 @@ class Quad(NamedTuple):
 
 
 class Index:
-    """A spatial index of anything that has a bounding box.
+    """A spatial index of items with bounding boxes.
 
-    Give either `bbox` or all of `x`, `y`, `width` and `height`, as pyqtree wants it. They decide
-    nothing here: a jostle tree finds its own bounds, and an item outside costs no more than one
-    inside.
+    As in pyqtree, either `bbox` or all of `x`, `y`, `width` and `height` are required. They have no
+    effect: a jostle tree has no bounds, so items may be anywhere.
 
     Parameters
     ----------
     bbox : sequence of 4 numbers, optional
-        min_x, min_y, max_x, max_y of the area.
+        Sides min_x, min_y, max_x, max_y of the area.
     x, y : float, optional
-        Its middle.
+        Centre of the area.
     width, height : float, optional
-        Its size.
+        Size of the area.
     max_items : int, default 10
+        Maximum number of items in a quad of pyqtree; no effect.
     max_depth : int, default 20
-        pyqtree's limits for a quad; jostle keeps to its own.
+        Maximum depth of pyqtree's tree; no effect.
+
+    Raises
+    ------
+    TypeError
+        If neither `bbox` nor all of `x`, `y`, `width` and `height` are given.
+
+    See Also
+    --------
+    jostle.Space : A dynamic index with arrays, ids and events.
 
     Examples
     --------
@@ -93,24 +102,25 @@ class Index:
         self.center = (x, y)
         self.width, self.height = width, height
         self.max_items, self.max_depth = max_items, max_depth
-        # Items are numbered as they come; a number is never used again.
+        # Items are numbered in the order of insertion; a number is never used again.
         self._next = 0
         self._items: dict[int, Any] = {}
         self._numbers: dict[_Box, list[int]] = {}
-        # Not in the tree: what came since it was built, and what it could not hold exactly.
+        # Not in the tree: boxes that were inserted since it was built, and boxes that float64
+        # would round.
         self._recent: dict[int, _Box] = {}
         self._odd: dict[int, _Box] = {}
-        self._read = 0  # boxes of `_recent` that questions have read since then
+        self._read = 0  # boxes of `_recent` that queries have read since then
         self._built = _Built(np.empty(0, np.int64), np.empty((0, 4)))
 
     def insert(self, item: Any, bbox: Sequence[Any]) -> None:
-        """Put an item into the index.
+        """Insert an item.
 
         Parameters
         ----------
         item : object
-            Anything; it need not be hashable. The same object may come again, with the same
-            box or another.
+            Any object; it need not be hashable. It may be inserted again, with the same box or
+            another.
         bbox : sequence of 4 numbers, or of 2
             Two opposite corners, or one point.
 
@@ -132,19 +142,19 @@ class Index:
         self._next += 1
 
     def remove(self, item: Any, bbox: Sequence[Any]) -> None:
-        """Take an item out of the index.
+        """Remove an item.
 
         Parameters
         ----------
         item : object
-            The item, or what is equal to it. Of several the one that came first is removed.
+            The item, or an equal object. If there are several, the first inserted one is removed.
         bbox : sequence of 4 numbers, or of 2
-            The box that it was put in with.
+            The box with which it was inserted.
 
         Raises
         ------
         ValueError
-            If it is not in the index with this box.
+            If the index does not contain the item with this box.
 
         Examples
         --------
@@ -167,7 +177,7 @@ class Index:
             self._built.forget(number)
 
     def intersect(self, bbox: Sequence[Any]) -> list[Any]:
-        """Find the items whose boxes a box meets, edges included.
+        """Find the items whose boxes overlap or touch a box.
 
         Parameters
         ----------
@@ -177,7 +187,11 @@ class Index:
         Returns
         -------
         list
-            The items in the order in which they came, each object once.
+            The items in the order of insertion, each object once.
+
+        See Also
+        --------
+        intersect_many : The same for many boxes in one call.
 
         Examples
         --------
@@ -190,22 +204,22 @@ class Index:
         box = _box(bbox)
         exact = _as_floats(box)
         if exact is None:
-            return self._items_of(_meeting(self._boxes(), box))
-        self._refresh(questions=1)
-        return self._items_of(self._built.meeting(exact) + self._meeting_outside(exact))
+            return self._items_of(_touching(self._boxes(), box))
+        self._refresh(queries=1)
+        return self._items_of(self._built.touching(exact) + self._touching_outside(exact))
 
     def intersect_many(self, bboxes: Iterable[Sequence[Any]]) -> list[list[Any]]:
-        """Answer `intersect` for many boxes, on all cores.
+        """Find the items of `intersect` for each of many boxes, on all cores.
 
         Parameters
         ----------
         bboxes : iterable of sequences of 4 numbers, or of 2
-            One box for each question.
+            One box for each query.
 
         Returns
         -------
         list of list
-            What `intersect` would answer to each.
+            The result of `intersect` for each box.
 
         Examples
         --------
@@ -219,25 +233,25 @@ class Index:
         exact = [floats for floats in map(_as_floats, boxes) if floats]
         if len(exact) < len(boxes):
             return [self.intersect(box) for box in boxes]
-        self._refresh(questions=len(boxes))
-        answers = self._built.meeting_each(exact)
-        for numbers, box in zip(answers, exact, strict=True):
-            numbers += self._meeting_outside(box)
-        return list(map(self._items_of, answers))
+        self._refresh(queries=len(boxes))
+        results = self._built.touching_each(exact)
+        for numbers, box in zip(results, exact, strict=True):
+            numbers += self._touching_outside(box)
+        return list(map(self._items_of, results))
 
     def __len__(self) -> int:
-        """Count the items; one that was inserted twice counts twice."""
+        """Return the number of items; one that was inserted twice counts twice."""
         return len(self._items)
 
     def __iter__(self) -> Iterator[Quad]:
-        """Yield the quads below the outermost, as pyqtree does; the items are not among them."""
+        """Yield the boxes of the tree except the root, without items, as pyqtree does."""
         self._rebuild()
         for min_x, min_y, max_x, max_y in self._built.tree.nodes().boxes[1:].tolist():
-            middle = (min_x + max_x) / 2, (min_y + max_y) / 2
-            yield Quad(middle, max_x - min_x, max_y - min_y)
+            center = (min_x + max_x) / 2, (min_y + max_y) / 2
+            yield Quad(center, max_x - min_x, max_y - min_y)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Make copies and pickles possible: a tree is built anew from its boxes."""
+        """Return the state for copies and pickles: the boxes, from which a tree is built again."""
         self._rebuild()
         return {**vars(self), "_built": (self._built.numbers, self._built.corners)}
 
@@ -245,15 +259,16 @@ class Index:
         vars(self).update(state)
         self._built = _Built(*state["_built"])
 
-    def _refresh(self, questions: int) -> None:
-        """Build anew if that costs less than to go on without."""
-        self._read += questions * len(self._recent)
-        if self._read > _PATIENCE * len(self._items) or self._built.gone > len(self._items):
+    def _refresh(self, queries: int) -> None:
+        """Build the tree again if that takes less time than the queries without it have taken."""
+        self._read += queries * len(self._recent)
+        too_many_reads = self._read > _READS_PER_BUILD * len(self._items)
+        if too_many_reads or self._built.removed > len(self._items):
             self._rebuild()
 
     def _rebuild(self) -> None:
-        """Take into the tree what came since it was built, and leave out what went."""
-        if not self._recent and not self._built.gone:
+        """Build the tree again, with recent boxes and without removed ones."""
+        if not self._recent and not self._built.removed:
             return
         numbers, corners = self._built.remaining()
         recent = np.array(list(self._recent.values()), np.float64).reshape(-1, 4)
@@ -261,16 +276,16 @@ class Index:
         self._built = _Built(numbers, np.concatenate([corners, recent]))
         self._recent, self._read = {}, 0
 
-    def _meeting_outside(self, box: _Floats) -> list[int]:
-        """Return the numbers of the boxes outside the tree that one meets."""
-        found = _meeting(self._recent.items(), box) if self._recent else []
-        return found + _meeting(self._odd.items(), box) if self._odd else found
+    def _touching_outside(self, box: _Floats) -> list[int]:
+        """Return the numbers of boxes outside the tree that overlap or touch a box."""
+        found = _touching(self._recent.items(), box) if self._recent else []
+        return found + _touching(self._odd.items(), box) if self._odd else found
 
     def _boxes(self) -> Iterator[tuple[int, _Box]]:
         return ((number, box) for box, numbers in self._numbers.items() for number in numbers)
 
     def _items_of(self, numbers: list[int]) -> list[Any]:
-        """Return the items of some numbers as they came, each object once."""
+        """Return the items of some numbers in the order of insertion, each object once."""
         numbers.sort()
         items = self._items
         return list({id(item := items[number]): item for number in numbers}.values())
@@ -281,7 +296,7 @@ _Floats: TypeAlias = tuple[float, float, float, float]
 
 
 def _box(bbox: Sequence[Any]) -> _Box:
-    """Read a box as pyqtree does: two numbers are a point, corners come in either order."""
+    """Return a box as pyqtree reads it: two numbers are a point, corners may be in any order."""
     if len(bbox) == 2:
         x1, y1 = x2, y2 = bbox
     else:
@@ -294,7 +309,7 @@ def _box(bbox: Sequence[Any]) -> _Box:
 
 
 def _as_floats(box: _Box) -> _Floats | None:
-    """Return a box in float64, or None if that would round it or strain it."""
+    """Return a box in float64, or None if that would round it or could overflow."""
     try:
         x1, y1, x2, y2 = floats = tuple(map(float, box))
     except OverflowError:
@@ -307,8 +322,8 @@ def _same(item: Any, other: Any) -> bool:
     return item is other or bool(item == other)
 
 
-def _meeting(boxes: Iterable[tuple[int, Any]], box: _Box) -> list[int]:
-    """Return the numbers of the boxes that meet one, by looking at each."""
+def _touching(boxes: Iterable[tuple[int, Any]], box: _Box) -> list[int]:
+    """Return the numbers of the boxes that overlap or touch a box, by brute force."""
     x1, y1, x2, y2 = box
     return [
         number
@@ -317,55 +332,54 @@ def _meeting(boxes: Iterable[tuple[int, Any]], box: _Box) -> list[int]:
     ]
 
 
-def _meets(boxes: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether each row meets the row, or the one row, of the others."""
+def _touches(boxes: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether each box overlaps or touches its row of the others, or the only row."""
     below = (boxes[:, :2] <= others[..., 2:]).all(axis=1)
     above = (boxes[:, 2:] >= others[..., :2]).all(axis=1)
     return cast("NDArray[np.bool_]", below & above)
 
 
 class _Built:
-    """A tree over numbered boxes; it answers which of them a box meets, edges included.
+    """A tree over numbered boxes, for queries in which boxes that touch count.
 
-    A `Quadtree` knows the middle and the half size of a box, both perhaps rounded, and what only
-    touches does not count there. So it is given half sizes a little too large, which never miss
-    what meets, and whatever it finds is compared with the corners themselves.
+    In a `Quadtree` boxes that only touch do not overlap, and centres and half sizes are rounded. So
+    the tree has half sizes that are slightly too large, and the corners decide about its results.
     """
 
     def __init__(self, numbers: NDArray[np.int64], corners: NDArray[np.float64]) -> None:
         self.numbers = numbers  # ascending
-        self.corners = corners  # NaN, which meets nothing, once removed
-        self.gone = 0
+        self.corners = corners  # of a removed box: NaN, with which all comparisons are false
+        self.removed = 0
         low, high = corners[:, :2], corners[:, 2:]
-        middles = low / 2 + high / 2
-        # The tree subtracts in the same way, and rounding never swaps two numbers: what meets a
-        # side is at most this far from the middle, so the next larger number is beyond it.
-        half_sizes = np.nextafter(np.maximum(high - middles, middles - low), np.inf)
-        self.tree = Quadtree(middles, 0.0, half_sizes)
+        centers = low / 2 + high / 2
+        # The tree computes the same differences, and rounding is monotone: a box that touches a
+        # side is at most this far from the centre, so the next larger number is beyond it.
+        half_sizes = np.nextafter(np.maximum(high - centers, centers - low), np.inf)
+        self.tree = Quadtree(centers, 0.0, half_sizes)
 
-    def meeting(self, box: _Floats) -> list[int]:
-        """Return the numbers of the boxes that one meets."""
+    def touching(self, box: _Floats) -> list[int]:
+        """Return the numbers of the boxes that overlap or touch a box."""
         rows = self.tree.query_rect(box)
         numbers, corners = self.numbers[rows], self.corners[rows]
         if len(rows) > _FEW:
-            return cast("list[int]", numbers[_meets(corners, np.array(box))].tolist())
-        return _meeting(zip(numbers.tolist(), corners.tolist(), strict=True), box)
+            return cast("list[int]", numbers[_touches(corners, np.array(box))].tolist())
+        return _touching(zip(numbers.tolist(), corners.tolist(), strict=True), box)
 
-    def meeting_each(self, boxes: list[_Floats]) -> list[list[int]]:
-        """Return the numbers of the boxes that each of some meets."""
-        asked = np.array(boxes, np.float64).reshape(-1, 4)
-        offsets, rows = self.tree.query_rect(asked)
-        fits = _meets(self.corners[rows], asked.repeat(np.diff(offsets), axis=0))
+    def touching_each(self, boxes: list[_Floats]) -> list[list[int]]:
+        """Return, for each of many boxes, the numbers of the boxes that overlap or touch it."""
+        queries = np.array(boxes, np.float64).reshape(-1, 4)
+        offsets, rows = self.tree.query_rect(queries)
+        fits = _touches(self.corners[rows], queries.repeat(np.diff(offsets), axis=0))
         numbers = self.numbers[rows[fits]].tolist()
         ends = np.append(0, np.cumsum(fits))[offsets].tolist()
         return [numbers[start:end] for start, end in pairwise(ends)]
 
     def forget(self, number: int) -> None:
-        """Answer a number no more."""
+        """Remove a number from the results."""
         self.corners[np.searchsorted(self.numbers, number)] = np.nan
-        self.gone += 1
+        self.removed += 1
 
     def remaining(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the numbers and corners that were not removed."""
-        stay = ~np.isnan(self.corners[:, 0])
-        return self.numbers[stay], self.corners[stay]
+        remain = ~np.isnan(self.corners[:, 0])
+        return self.numbers[remain], self.corners[remain]

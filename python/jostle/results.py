@@ -15,6 +15,7 @@ __all__ = [
     "Nodes",
     "Nozzle",
     "RayHit",
+    "RayHitLists",
     "RayHits",
     "Separated",
     "Slide",
@@ -35,11 +36,16 @@ class Contacts(NamedTuple):
     Attributes
     ----------
     pairs : ndarray of int64, shape (m, 2)
-        Row numbers i < j.
+        Row numbers i < j of a tree, or ids of a space; between two trees a row of each.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors from i to j.
     depths : ndarray of float32 or float64, shape (m,)
         Penetration along the normal, in units of length.
+
+    See Also
+    --------
+    jostle.Quadtree.contacts : Returns it.
+    WorldContacts : The contacts of particles, with impulses.
     """
 
     pairs: NDArray[np.int64]
@@ -59,6 +65,10 @@ class Hits(NamedTuple):
         Index of the first id of each query; the last is the total number of ids.
     ids : ndarray of int64, shape (m,)
         Ids of shapes.
+
+    See Also
+    --------
+    jostle.Quadtree.query_rect : Returns it for many rectangles.
     """
 
     offsets: NDArray[np.int64]
@@ -95,13 +105,22 @@ class Neighbors(NamedTuple):
         found.
     ids : ndarray of int64, shape (k,) or (points, k)
         Ids of the shapes; -1 if fewer than k are found.
+
+    See Also
+    --------
+    jostle.Quadtree.nearest : Returns it.
     """
 
     distances: NDArray[np.floating[Any]]
     ids: NDArray[np.int64]
 
 
-class RayHit(NamedTuple):
+class _RayHit(NamedTuple):
+    id: int
+    distance: float
+
+
+class RayHit(_RayHit):
     """The first shape that a ray hits.
 
     It unpacks as ``id, distance``. `Neighbors` have the distances first.
@@ -112,14 +131,40 @@ class RayHit(NamedTuple):
         Id of the shape; -1 if nothing is hit.
     distance : float
         Distance to its surface, in units of length; infinity if nothing is hit.
+    normal : tuple of float
+        Unit vector that points away from the shape where it is hit, not part of the tuple;
+        (0, 0) if nothing is hit or the ray starts in the shape.
+
+    See Also
+    --------
+    jostle.Quadtree.raycast : Returns it for one ray.
+    RayHits : The result for many rays.
+
+    Examples
+    --------
+    >>> import jostle
+    >>> tree = jostle.Quadtree(boxes=[(0, 0, 1, 1)])
+    >>> hit = tree.raycast((-2, 0.5), (1, 0))
+    >>> hit, hit.normal
+    (RayHit(id=0, distance=2.0), (-1.0, 0.0))
     """
 
-    id: int
-    distance: float
+    normal: tuple[float, float]
+
+    def __new__(cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)) -> RayHit:
+        """Make a hit with its normal."""
+        hit = super().__new__(cls, id, distance)
+        hit.normal = normal
+        return hit
 
 
-class RayHits(NamedTuple):
-    """The first shape that each of many rays hits.
+class _RayHits(NamedTuple):
+    ids: NDArray[np.int64]
+    distances: NDArray[np.floating[Any]]
+
+
+class RayHits(_RayHits):
+    """The first shape that each of many rays hits, or all that one ray hits.
 
     It unpacks as ``ids, distances``. `Neighbors` have the distances first.
 
@@ -129,10 +174,52 @@ class RayHits(NamedTuple):
         Ids of the shapes; -1 where nothing is hit.
     distances : ndarray of float32 or float64, shape (k,)
         Distances to their surfaces; infinity where nothing is hit.
+    normals : ndarray of float32 or float64, shape (k, 2)
+        Unit vectors that point away from the shapes where they are hit, not part of the tuple;
+        (0, 0) where nothing is hit or a ray starts in the shape.
+
+    See Also
+    --------
+    jostle.Quadtree.raycast : Returns it for many rays.
+    RayHit : The result for one ray.
     """
 
+    normals: NDArray[np.floating[Any]]
+
+    def __new__(
+        cls,
+        ids: NDArray[np.int64],
+        distances: NDArray[np.floating[Any]],
+        normals: NDArray[np.floating[Any]] | None = None,
+    ) -> RayHits:
+        """Make hits with their normals."""
+        hits = super().__new__(cls, ids, distances)
+        hits.normals = np.zeros((len(ids), 2)) if normals is None else normals
+        return hits
+
+
+class RayHitLists(NamedTuple):
+    """All shapes that each of many rays hits, concatenated.
+
+    The hits of ray r are ``ids[offsets[r]:offsets[r + 1]]``, nearest first, and so are their
+    distances and normals.
+
+    Attributes
+    ----------
+    offsets : ndarray of int64, shape (k + 1,)
+        Index of the first hit of each ray; the last is the total number of hits.
+    ids : ndarray of int64, shape (m,)
+        Ids of the shapes.
+    distances : ndarray of float32 or float64, shape (m,)
+        Distances to their surfaces.
+    normals : ndarray of float32 or float64, shape (m, 2)
+        Unit vectors that point away from the shapes; (0, 0) where a ray starts in the shape.
+    """
+
+    offsets: NDArray[np.int64]
     ids: NDArray[np.int64]
     distances: NDArray[np.floating[Any]]
+    normals: NDArray[np.floating[Any]]
 
 
 class Separated(NamedTuple):
@@ -233,13 +320,17 @@ class Nodes(NamedTuple):
     Attributes
     ----------
     boxes : ndarray of float64, shape (k, 4)
-        min_x, min_y, max_x, max_y.
+        Sides min_x, min_y, max_x, max_y.
     depths : ndarray of int64, shape (k,)
         Subdivisions above each box.
     counts : ndarray of int64, shape (k,)
         Shapes in each box and its descendants.
     is_leaf : ndarray of bool, shape (k,)
         Whether the box did not split.
+
+    See Also
+    --------
+    jostle.Quadtree.nodes : Returns it.
     """
 
     boxes: NDArray[np.float64]
@@ -261,6 +352,11 @@ class Stats(NamedTuple):
         Subdivisions above the deepest box.
     tests : int
         Shapes or pairs of shapes that were tested.
+
+    See Also
+    --------
+    jostle.Quadtree.stats : Returns it.
+    WorldStats : The same for a step of a `World`.
     """
 
     nodes: int
@@ -289,8 +385,8 @@ class WorldContacts(NamedTuple):
 
     See Also
     --------
-    jostle.World.contacts
-    WallContacts
+    jostle.World.contacts : Returns it.
+    WallContacts : Contacts with walls.
 
     Examples
     --------
@@ -313,17 +409,21 @@ class WorldParticles(NamedTuple):
     Attributes
     ----------
     positions, velocities : ndarray of float32, shape (k, 2)
-        In units of length, and per second.
+        Centres in units of length, and velocities in units of length per second.
     radii, masses, restitutions : ndarray of float32, shape (k,)
+        Radii in units of length, masses, and coefficients of restitution.
     movable : ndarray of bool, shape (k,)
+        Whether contacts and forces can change the velocity.
     friction, angles, angular_velocities : ndarray of float32, shape (k,)
-        Angles in radians, -π to π without π.
+        Coefficients of friction; radians, -π to π without π, and radians per second.
     categories, masks : ndarray of uint32, shape (k,)
+        Bit sets of 32 bits.
     sensors : ndarray of bool, shape (k,)
+        Whether the particle is a sensor.
 
     See Also
     --------
-    jostle.World.read
+    jostle.World.read : Returns it.
     WorldParticle : The same of one particle.
     """
 
@@ -347,17 +447,21 @@ class WorldParticle(NamedTuple):
     Attributes
     ----------
     positions, velocities : ndarray of float32, shape (2,)
-        In units of length, and per second.
+        Centres in units of length, and velocities in units of length per second.
     radii, masses, restitutions : float
+        Radii in units of length, masses, and coefficients of restitution.
     movable : bool
+        Whether contacts and forces can change the velocity.
     friction, angles, angular_velocities : float
-        Angles in radians, -π to π without π.
+        Coefficients of friction; radians, -π to π without π, and radians per second.
     categories, masks : int
+        Bit sets of 32 bits.
     sensors : bool
+        Whether the particle is a sensor.
 
     See Also
     --------
-    jostle.World.read
+    jostle.World.read : Returns it.
     WorldParticles : The same of many particles.
     """
 
@@ -400,8 +504,8 @@ class WallContacts(NamedTuple):
 
     See Also
     --------
-    jostle.World.wall_contacts
-    WorldContacts
+    jostle.World.wall_contacts : Returns it.
+    WorldContacts : Contacts of two particles.
 
     Examples
     --------
@@ -440,7 +544,8 @@ class WorldEvents(NamedTuple):
 
     See Also
     --------
-    jostle.World.events
+    jostle.World.events : Returns it.
+    jostle.Events : The same for the shapes of a `Space`.
     """
 
     entered: NDArray[np.int64]
@@ -460,7 +565,7 @@ class WorldCollisions(NamedTuple):
 
     See Also
     --------
-    jostle.World.collisions
+    jostle.World.collisions : Returns it.
     """
 
     pairs: int
@@ -503,9 +608,9 @@ class GaltonBoard(NamedTuple):
     bin_edges : ndarray of float32, shape (rows + 2,)
         Edges of the bins along x, ascending.
     bin_top : float
-        y of the open top of the bins.
+        The y of the open top of the bins.
     floor : float
-        y of the bottom of the bins.
+        The y of the bottom of the bins.
     ball_radius : float
         Radius of the balls.
     """

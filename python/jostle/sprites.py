@@ -29,7 +29,7 @@ class Prefilter:
     `jostle.pygame.prefilter` makes it. Calling it tests the rects and then calls
     `collided`, so pygame's own functions give the same answers with it, only slower.
 
-    Attributes
+    Parameters
     ----------
     collided : callable
         Called for sprites whose rects are near.

@@ -32,7 +32,7 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
 
     See Also
     --------
-    jostle.World.walls
+    jostle.World.walls : The walls of a world.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a type checker makes of the adapters, the scenes and the article."""
+"""Types of the adapters, the scenes and the article."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a type checker makes of a query: one or many, by the type of its arguments."""
+"""Types of queries: one or many, by the type of the arguments."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,7 +8,7 @@ import pygame
 from numpy.typing import NDArray
 from typing_extensions import assert_type
 
-from jostle import Box, Hits, Neighbors, Quadtree, RayHit, RayHits, Space
+from jostle import Box, Contacts, Hits, Neighbors, Quadtree, RayHit, RayHitLists, RayHits, Space
 
 Ids = NDArray[np.int64]
 
@@ -30,6 +30,25 @@ def one_by_literals(tree: Quadtree) -> None:
     assert_type(tree.raycast((0, 0), [1.5, 0]), RayHit)
     assert_type(tree.circle_cast((0, 0), (1, 0), 0.5), RayHit)
     assert_type(tree.circle_cast([0, 0], [1, 0], np.float32(0.5), mask=1), RayHit)
+    assert_type(tree.box_cast((0, 0), (1, 0), 0.5), RayHit)
+    assert_type(tree.box_cast((0, 0), (1, 0), (1, 0.5), 0.25), RayHit)
+    assert_type(tree.box_cast([0, 0], [1, 0], [1, 0.5], max_distance=2), RayHit)
+    assert_type(tree.raycast_all((0, 0), (1, 0)), RayHits)
+    assert_type(tree.raycast_all([0, 0], (1, 0), max_distance=3.5), RayHits)
+    assert_type(tree.raycast((0, 0), (1, 0)).normal, tuple[float, float])
+
+
+def pairs_of_all(tree: Quadtree, space: Space) -> None:
+    assert_type(tree.neighbors(2), Hits)
+    assert_type(space.neighbors(2.5, mask=3), Hits)
+    assert_type(tree.contacts(tree, sort=True, mask=1), Contacts)
+    assert_type(space.contacts(sort=True), Contacts)
+    assert_type(tree.pairs(distance=1.5), Ids)
+    assert_type(tree.period, tuple[float, float])
+    print(tree.centers, tree.radii, tree.half_sizes, tree.boxes, tree.dtype)
+    assert_type(Quadtree([(0, 0)], period=5), Quadtree)
+    assert_type(Quadtree([(0, 0)], period=(5, None)), Quadtree)
+    assert_type(Space(period=np.ones(2)), Space)
 
 
 def one_by_objects(
@@ -67,6 +86,12 @@ def many_by_arrays(tree: Quadtree, single: NDArray[np.float32], k: int) -> None:
     assert_type(tree.circle_cast((0, 0), single, 1), RayHits)
     assert_type(tree.circle_cast(single, (0, 1), 1), RayHits)
     assert_type(tree.circle_cast((0, 0), (0, 1), single), RayHits)
+    assert_type(tree.box_cast(single, single, 1), RayHits)
+    assert_type(tree.box_cast((0, 0), single, single, max_distance=single), RayHits)
+    assert_type(tree.raycast_all(single, (0, 1)), RayHitLists)
+    assert_type(tree.raycast_all((0, 0), single, max_distance=[1, 2.5]), RayHitLists)
+    assert_type(tree.raycast(single, single, max_distance=single), RayHits)
+    assert_type(tree.nearest(single, max_distance=single), Neighbors)
 
 
 def many_by_sequences(
@@ -88,7 +113,7 @@ def many_by_sequences(
 
 
 def any_is_left_open(tree: Quadtree, given: dict[str, Any]) -> None:
-    """What is Any may be one or many, so the answer is used as either."""
+    """An argument of type Any may be one or many, so the answer is used as either."""
     loaded = np.load("centers.npy")
     assert_type(tree.query_rect(loaded), Any)
     assert_type(tree.query_circle(loaded, 1.0), Any)
@@ -116,7 +141,7 @@ def any_beside_an_array_is_many(tree: Quadtree, given: Any, single: NDArray[np.f
 def any_within_a_sequence_can_be_used(
     tree: Quadtree, given: dict[str, Any], rows: list[Any], single: NDArray[np.float32]
 ) -> None:
-    """pyright takes a pair for one and a list for many; mypy answers Any."""
+    """For pyright a pair is one and a list is many; mypy infers Any."""
     print(tree.query_point((given["x"], given["y"])).tolist())
     print(tree.query_point(tuple(single)).tolist())
     print(tree.raycast((given["x"], 0), (1, 0)).distance)
@@ -126,7 +151,7 @@ def any_within_a_sequence_can_be_used(
 
 
 def hits(tree: Quadtree, centers: Any) -> Hits:
-    """An answer to a question of any type may be given a type."""
+    """The answer to a query of type Any can be given a type."""
     found: Hits = tree.query_circle(centers, 1.0)
     return found
 

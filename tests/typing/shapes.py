@@ -1,4 +1,4 @@
-"""What may be given as shapes and particles, as a type checker sees it."""
+"""Types of the arguments for shapes and particles."""
 
 from typing import Any
 

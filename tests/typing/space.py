@@ -1,4 +1,4 @@
-"""What a type checker makes of ids: one or many."""
+"""Types of ids of a `Space`: one or many."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a type checker makes of the particles of a world: one or many."""
+"""Types of the particles of a world: one or many."""
 
 from typing import Any
 

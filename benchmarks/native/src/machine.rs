@@ -1,12 +1,12 @@
-//! What the figures were measured on, with which versions, and where they are kept.
+//! The machine and the versions of a measurement, and its results file.
 
 use std::fs;
 use std::path::Path;
 
-/// The versions that were built, as cargo wrote them down.
+/// The versions that were built, from `Cargo.lock`.
 const LOCK: &str = include_str!("../Cargo.lock");
 
-/// The processor's own name for itself, as far as it gives one.
+/// The name of the processor, if the system has it.
 fn cpu() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let named = info.lines().find(|line| line.starts_with("model name"));
@@ -39,8 +39,8 @@ fn slug() -> String {
     words.collect::<Vec<_>>().join("-").to_lowercase()
 }
 
-/// Keeps the lines of one benchmark, a head and a line for each figure, in place of this
-/// machine's earlier ones for the same scene, threads, count and rival.
+/// Writes the lines of one benchmark, a header and a line for each figure. They replace this
+/// machine's earlier ones for the same scene, threads, count and library.
 pub fn write(kind: &str, lines: &[String]) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results");
     let name = format!("native-{kind}-{}.csv", slug());
@@ -56,7 +56,7 @@ pub fn write(kind: &str, lines: &[String]) {
     }
 }
 
-/// What a line is about: all up to the end of the rival's name, which stands in quotes.
+/// The key of a line: everything up to the end of the library's name, which is in quotes.
 fn subject(line: &str) -> &str {
     let end = line.match_indices('"').nth(1);
     end.map_or(line, |(end, _)| &line[..end])

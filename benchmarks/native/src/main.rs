@@ -1,32 +1,32 @@
-//! jostle's core against the best Rust and C have to offer, in one process.
+//! Benchmarks of jostle's core and of libraries in Rust and C, in one process.
 //!
 //! ```sh
 //! cargo run --release --manifest-path benchmarks/native/Cargo.toml -- pairs
 //! cargo run --release --manifest-path benchmarks/native/Cargo.toml -- step
 //! ```
 //!
-//! (with `CFLAGS="-O3 -DNDEBUG"` before `cargo`, see below; `test --release` in place of `run`
-//! tests the grid). `make bench ARGS=native` does both. `pairs` finds all overlapping pairs, `step`
-//! moves a world on by 1/60 s. Options of both:
+//! Set `CFLAGS="-O3 -DNDEBUG"` before `cargo`, see below. `make bench ARGS=native` runs both.
+//! `pairs` finds all overlapping pairs, `step` advances a world by 1/60 s. `test --release` in
+//! place of `run` tests the grid. Options of both:
 //!
 //! ```text
-//! --counts 1000 100000      how many shapes or discs
-//! --scenes uniform mixed    which scenes
-//! --threads 1 2             how many threads
-//! --rivals jostle grid      only rivals whose names begin so
+//! --counts 1000 100000      numbers of shapes or discs
+//! --scenes uniform mixed    names of scenes
+//! --threads 1 2             numbers of threads
+//! --rivals jostle grid      only libraries whose names begin with one of these
 //! --rounds 9                timings of each rival
-//! --substeps 4              parts of a step; the scene's own where nothing is said
-//! --keep no                 print only; leave benchmarks/results as it is
+//! --substeps 4              sub-steps of a step; by default those of the scene
+//! --keep no                 print only; do not change benchmarks/results
 //! ```
 //!
-//! Rivals get the same arrays and are compared before anything is timed: the pairs
-//! as sets, the worlds by what can be measured in them; engines that come to something
-//! else than ours after a second are timed all the same, with a remark. Building and converting are
-//! inside the clock, the rounds of the rivals are interleaved, tables give medians and
-//! spread. Two threads say something only where two cores are free. The package stands outside
-//! the library's workspace, and needs a C compiler for Box2D, whose wrapper leaves assertions on
-//! unless told otherwise: build with `CFLAGS="-O3 -DNDEBUG"` in the environment, or the results
-//! will say that it was slowed down.
+//! All libraries get the same arrays, and their results are compared before timing: pairs as sets,
+//! worlds by their energy, speeds and contacts after a second. Engines with other results are
+//! timed too, with a remark. The time includes building and converting. The rounds of all
+//! libraries are interleaved; tables give medians and spread. Times of two threads need two idle
+//! cores.
+//!
+//! The package is outside the library's workspace. It needs a C compiler for Box2D. Its wrapper
+//! compiles assertions unless `CFLAGS="-O3 -DNDEBUG"` is set; the results say whether it did.
 
 mod grid;
 mod machine;

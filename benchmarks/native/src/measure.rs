@@ -1,8 +1,8 @@
-//! Interleaved rounds: noise of the machine falls on all rivals alike.
+//! Interleaved rounds, so that noise of the machine affects all libraries equally.
 
 use std::time::Instant;
 
-/// A timing shorter than this repeats its call, or the clock would be measured.
+/// Shorter calls are repeated, because the clock is too coarse for them.
 const SHORTEST_S: f64 = 200e-6;
 
 /// Median and spread of one rival's rounds, in seconds.
@@ -25,7 +25,7 @@ impl Timing {
     }
 }
 
-/// Something to time, with whatever it needs and gives inside.
+/// A call to be timed, with its arguments and results.
 pub type Call<'a> = Box<dyn FnMut() + 'a>;
 
 /// Seconds that one call takes.

@@ -1,4 +1,4 @@
-//! What can be measured in any world, to see that all engines simulate the same thing.
+//! Quantities that can be measured in any world, to compare the engines.
 
 use std::fmt;
 
@@ -6,24 +6,24 @@ use jostle::{Each, Shapes, pairs, settings};
 
 use crate::worlds::{Start, State};
 
-/// Discs nearer than this much more than the sum of their radii touch; engines that leave
-/// a little room or overlap between resting discs are then counted alike.
+/// Discs touch if their distance is at most this multiple of the sum of their radii. So engines
+/// with small gaps and with small overlaps at rest are counted in the same way.
 const TOUCHING: f32 = 1.02;
 
-/// Figures of a state.
+/// Quantities of a state.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed {
     /// Kinetic energy for each unit of mass.
     pub energy: f64,
-    /// ⟨v⁴⟩ / ⟨v²⟩²: 4/3 where the scene begins, 2 where collisions have done their work.
+    /// ⟨v⁴⟩ / ⟨v²⟩²: 4/3 at the start of the scene, 2 in equilibrium.
     pub spread: f64,
     /// Pairs that touch, for each disc.
     pub touching: f64,
-    /// Mean overlap of overlapping pairs, as a share of the radii's sum.
+    /// Mean overlap of overlapping pairs, as a fraction of the sum of radii.
     pub overlap: f64,
     /// Mean y, in radii of the first disc.
     pub depth: f64,
-    /// Whether there is gravity, so that the discs should lie still.
+    /// Whether there is gravity, so that the discs should be at rest.
     pub falls: bool,
 }
 
@@ -52,9 +52,9 @@ impl Observed {
 }
 
 impl Observed {
-    /// How this differs from what ours has come to, as far as chaos lets that be said: moving
-    /// discs should keep the energy and spread their speeds alike, resting ones lie as high
-    /// and overlap no more than by a hundredth more.
+    /// The differences from jostle's result in quantities that do not depend on single
+    /// trajectories. Moving discs should have the same energy and distribution of speeds; resting
+    /// ones the same mean height, and overlaps at most 0.01 larger.
     pub fn differs_from(&self, ours: &Self) -> Option<String> {
         if !ours.falls {
             let (share, spread) = (self.energy / ours.energy, self.spread / ours.spread);
@@ -82,7 +82,7 @@ impl fmt::Display for Observed {
     }
 }
 
-/// Gaps between discs that touch, as shares of the sum of their radii.
+/// Gaps between discs that touch, as fractions of the sum of their radii.
 fn near(start: &Start, positions: &[[f32; 2]]) -> Vec<f64> {
     let radii = Each::Rows(start.radii.iter().map(|r| r * TOUCHING).collect());
     let shapes = Shapes::circles(positions.to_vec(), radii).expect("finite positions");

@@ -1,19 +1,19 @@
-//! What the command line asks for.
+//! Options of the command line.
 
-/// Everything that both benchmarks can be told; what is not said is left to them.
+/// The options of both benchmarks; both have defaults.
 #[derive(Debug)]
 pub struct Options {
-    /// How many shapes or discs.
+    /// Numbers of shapes or discs.
     pub counts: Option<Vec<usize>>,
     /// Names of scenes.
     pub scenes: Option<Vec<String>>,
-    /// How many threads.
+    /// Numbers of threads.
     pub threads: Vec<usize>,
-    /// Beginnings of the names of rivals.
+    /// Beginnings of the names of libraries.
     pub rivals: Option<Vec<String>>,
-    /// Timings of each rival.
+    /// Timings of each library.
     pub rounds: usize,
-    /// Parts of a step; the scene's own where nothing is said.
+    /// Sub-steps of a step; by default those of the scene.
     pub substeps: Option<usize>,
     /// Whether to write the results.
     pub keep: bool,
@@ -54,12 +54,12 @@ impl Options {
         options
     }
 
-    /// Whether the scene called `name` is wanted.
+    /// Whether the scene `name` is selected.
     pub fn wants_scene(&self, name: &str) -> bool {
         self.scenes.as_ref().is_none_or(|scenes| scenes.iter().any(|scene| scene == name))
     }
 
-    /// Whether the rival called `name` is wanted.
+    /// Whether the library `name` is selected.
     pub fn wants_rival(&self, name: &str) -> bool {
         self.rivals.as_ref().is_none_or(|all| all.iter().any(|start| name.starts_with(start)))
     }

@@ -19,7 +19,7 @@ pub fn run(options: &Options) {
     let counts = options.counts.clone().unwrap_or(COUNTS.to_vec());
     let mut lines = vec![HEAD.to_owned()];
     let most = options.threads.iter().copied().max().unwrap_or(1);
-    // Rivals that run on rayon run on this thread, whose memory stays warm, and on its helpers.
+    // Libraries that use rayon run on this thread, whose memory is in the cache, and on its pool.
     let pool = ThreadPoolBuilder::new().num_threads(most).use_current_thread().build();
     let _pool = pool.expect("a thread pool");
     for &threads in &options.threads {
@@ -66,7 +66,7 @@ fn call<'a>(rival: &'a Rival) -> Call<'a> {
     Box::new(|| drop(black_box((rival.find)())))
 }
 
-/// Stops unless all give the same set of pairs; says how many there are.
+/// Checks that all return the same set of pairs; returns their number.
 fn check(rivals: &[Rival], shapes: &Shapes) -> usize {
     let mut expected: Option<Vec<Pair>> = None;
     for rival in rivals {

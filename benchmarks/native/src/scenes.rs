@@ -1,14 +1,14 @@
-//! Seeded shapes to find pairs among: the ordinary, and what each structure likes least.
+//! Scenes of shapes from a seed: ordinary ones, and hard cases of each data structure.
 
 use std::f32::consts::PI;
 
 use jostle::Each;
 use jostle::scenes::random::Random;
 
-/// Share of the area that shapes cover where nothing else is said.
+/// Fraction of the area that shapes cover, unless stated otherwise.
 const COVERAGE: f32 = 0.4;
 
-/// Shapes as columns, the same for every rival. `half` is empty where all are discs.
+/// Shapes as columns, the same for every library. `half` is empty if all are discs.
 #[derive(Debug, Default)]
 pub struct Shapes {
     /// Centres, x.
@@ -17,7 +17,7 @@ pub struct Shapes {
     pub y: Vec<f32>,
     /// Radii.
     pub radius: Vec<f32>,
-    /// Half widths and half heights; empty where all shapes are discs.
+    /// Half widths and half heights; empty if all shapes are discs.
     pub half: [Vec<f32>; 2],
 }
 
@@ -55,7 +55,7 @@ impl Shapes {
 
 /// A scene by its name.
 pub struct Scene {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// Makes it with a number of shapes.
     pub make: fn(usize, &mut Random) -> Shapes,
@@ -69,7 +69,7 @@ pub const SCENES: [Scene; 4] = [
     Scene { name: "rectangles", make: rectangles },
 ];
 
-/// Equal discs anywhere in a square: what a uniform grid is made for.
+/// Equal discs at random places in a square: the best case of a uniform grid.
 fn uniform(count: usize, random: &mut Random) -> Shapes {
     let radius = vec![0.5; count];
     let side = (count as f32 * PI * 0.25 / COVERAGE).sqrt();
@@ -88,15 +88,14 @@ fn mixed(count: usize, random: &mut Random) -> Shapes {
     Shapes { x, y, radius, ..Shapes::default() }
 }
 
-/// Crowds of equal discs, each a Gaussian: the densest is 30 times narrower than the widest,
-/// and all lie in a world 900 times larger than they need, with a tenth of the discs
-/// strewn about.
+/// Gaussian clusters of equal discs. The densest is 30 times narrower than the widest. The area of
+/// the world is 900 times that of the clusters; a tenth of the discs are at random places in it.
 fn clusters(count: usize, random: &mut Random) -> Shapes {
     const CROWDS: usize = 24;
     let need = (count as f32 * PI * 0.25 / COVERAGE).sqrt();
     let side = 30.0 * need;
     let (mut x, mut y) = anywhere(count, side, random);
-    // As many in each crowd; in the narrowest a disc touches about eight others.
+    // Equal numbers in all clusters; in the narrowest a disc touches about eight others.
     let narrow = 0.12 * need / (CROWDS as f32).sqrt();
     for crowd in 0..CROWDS {
         let width = narrow * 30f32.powf(crowd as f32 / (CROWDS - 1) as f32);
@@ -107,7 +106,7 @@ fn clusters(count: usize, random: &mut Random) -> Shapes {
             y[row] = middle[1] + width * normal(random);
         }
     }
-    // Crowds must not be known by the order of their discs.
+    // The order of the discs must not depend on the clusters.
     for row in (1..count).rev() {
         let other = (random.unit() * row as f32) as usize;
         x.swap(row, other);

@@ -9,10 +9,10 @@ use crate::worlds::{self, Contender, Start};
 
 const COUNTS: [usize; 4] = [1_000, 10_000, 50_000, 200_000];
 
-/// Steps of a second.
+/// Steps per second.
 const SECOND: usize = 60;
 
-/// A scene of the library, and the steps of ours after which all engines take it over.
+/// A scene of jostle, and the number of its steps after which all engines start from it.
 const SCENES: [(&str, usize); 2] = [("gas", 0), ("pile", 5 * SECOND)];
 
 /// Compares and times all engines in both scenes.
@@ -56,8 +56,8 @@ fn time_scene(scene: &str, start: &Start, threads: usize, options: &Options) -> 
     rows
 }
 
-/// Lets a second pass in every engine, prints what each has come to, and remarks on those
-/// that have not come to what ours has.
+/// Simulates a second in every engine, prints the results, and adds remarks to those that differ
+/// from jostle's.
 fn compare(start: &Start, contenders: &mut [Contender]) {
     let mut ours = None;
     for contender in contenders {

@@ -1,30 +1,30 @@
-//! A table to read and the same rows to keep.
+//! A table to print, and its rows for the results file.
 
 use crate::machine;
 use crate::measure::Timing;
 
-/// The head of a results file: what was measured, then a timing's columns.
+/// The header of a results file: what was measured, then the columns of a timing.
 pub const HEAD: &str =
     "scene,threads,count,rival,version,rounds,median_s,low_s,high_s,machine,remark";
 
-/// One rival's figure in one scene.
+/// The time of one library in one scene.
 #[derive(Debug)]
 pub struct Row {
     /// The scene.
     pub scene: String,
-    /// Threads that it was given.
+    /// Number of threads.
     pub threads: usize,
-    /// Shapes or discs.
+    /// Number of shapes or discs.
     pub count: usize,
-    /// The rival.
+    /// The library.
     pub rival: String,
     /// Its version.
     pub version: String,
-    /// Timings behind the median.
+    /// Number of timings.
     pub rounds: usize,
     /// The timing.
     pub timing: Timing,
-    /// What else is worth knowing, such as the settings that a sweep chose.
+    /// Remarks, such as the settings that a sweep chose.
     pub remark: String,
 }
 

@@ -28,6 +28,11 @@ use crate::masked::refuse_masked;
 pub struct Given<'py>(Option<Bound<'py, PyAny>>);
 
 impl<'py> Given<'py> {
+    /// An argument with a value, or an omitted one.
+    pub fn of(value: Option<Bound<'py, PyAny>>) -> Self {
+        Self(value)
+    }
+
     /// The default in signatures.
     pub const NOTHING: Self = Self(None);
 
@@ -280,6 +285,46 @@ impl<'py> Argument<'py> {
     /// Bit sets: a number for all or one for each of `len` rows.
     pub fn bits_each(&self, len: usize) -> PyResult<Each<u32>> {
         self.each(len, "an integer", |argument| argument.unsigned(low_bits, BIT_SET_RULE))
+    }
+
+    /// Integers from 0 to `count` - 1, one or many; `rule` describes them.
+    pub fn small_integers(&self, count: usize, rule: &str) -> PyResult<Vec<u8>> {
+        if self.array.ndim() > 1 {
+            return Err(self.wrong_shape("(n,)"));
+        }
+        let all = self.integer_each(|number| u8::try_from(number).ok(), rule)?;
+        match all.iter().position(|&number| usize::from(number) >= count) {
+            None => Ok(all),
+            Some(index) => Err(value_error(&self.entry(index), all[index], rule)),
+        }
+    }
+
+    /// The length of a side, if it is a square matrix.
+    pub fn side(&self) -> Option<usize> {
+        match self.array.shape() {
+            [rows, columns] if rows == columns => Some(*rows),
+            _ => None,
+        }
+    }
+
+    /// A square matrix in row-major order and its number of rows. If this is given, one number may
+    /// stand for all.
+    pub fn square(&self, rows: Option<usize>) -> PyResult<(usize, Vec<f32>)> {
+        match (self.array.shape(), self.side(), rows) {
+            ([], _, Some(rows)) => Ok((rows, vec![self.only(self.real()?)?; rows * rows])),
+            (_, Some(side), None) => Ok((side, self.real()?)),
+            (_, Some(side), Some(rows)) if side == rows => Ok((rows, self.real()?)),
+            (_, _, None) => Err(self.wrong_shape("(K, K)")),
+            (_, _, Some(rows)) => Err(self.wrong_shape(&format!("a number or ({rows}, {rows})"))),
+        }
+    }
+
+    /// A table of shape (K, K, m) in row-major order, and K.
+    pub fn cube(&self) -> PyResult<(usize, Vec<f32>)> {
+        match self.array.shape() {
+            [rows, columns, points] if rows == columns && *points > 0 => Ok((*rows, self.real()?)),
+            _ => Err(self.wrong_shape("(K, K, m)")),
+        }
     }
 
     /// Pairs of ids of particles.

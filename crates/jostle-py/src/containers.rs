@@ -7,7 +7,9 @@ use pyo3::prelude::*;
 use crate::arrays::{decimal, number, point};
 use crate::error::refused;
 
-/// Four walls around a rectangle.
+/// Four walls around a rectangle: a container of a `World`.
+///
+/// It is not a shape. Rectangles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 ///
 /// Parameters
 /// ----------
@@ -20,6 +22,11 @@ use crate::error::refused;
 ///     If an argument is not a number.
 /// ValueError
 ///     If a side is not finite or min is not below max.
+///
+/// See Also
+/// --------
+/// Circle, Torus : Other containers.
+/// World.walls : Line segments anywhere.
 ///
 /// Examples
 /// --------
@@ -92,7 +99,9 @@ impl PyBox {
     }
 }
 
-/// A circular wall.
+/// A circular wall: a container of a `World`.
+///
+/// It is not a shape. Circles for `find_pairs`, `Quadtree` and `Space` are given by arrays.
 ///
 /// Parameters
 /// ----------
@@ -107,6 +116,10 @@ impl PyBox {
 ///     If an argument does not hold numbers.
 /// ValueError
 ///     If a number is not finite or the radius not above 0.
+///
+/// See Also
+/// --------
+/// Box, Torus : Other containers.
 ///
 /// Examples
 /// --------
@@ -172,6 +185,10 @@ impl PyCircle {
 ///     If an argument is not a number.
 /// ValueError
 ///     If a side is not finite and above 0.
+///
+/// See Also
+/// --------
+/// Box, Circle : Containers with walls.
 ///
 /// Examples
 /// --------

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::arrays::{long, table};
+use crate::arrays::{Argument, long, table};
 use crate::error::refused;
 use crate::interrupt::detached;
 use crate::space::PySpace;
@@ -17,6 +17,11 @@ use crate::space::PySpace;
 /// Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
 /// Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
 /// for every pair in the space; to avoid it, read the other attributes by name.
+///
+/// See Also
+/// --------
+/// Space.update : Returns it.
+/// WorldEvents : The same for particles.
 ///
 /// Examples
 /// --------
@@ -31,13 +36,35 @@ use crate::space::PySpace;
 #[pyclass(module = "jostle", name = "Events", frozen)]
 pub struct PyEvents {
     events: Events,
-    space: Py<PySpace>,
+    /// None after pickling, when all pairs are known.
+    space: Option<Py<PySpace>>,
     entered: PyOnceLock<Pairs>,
     stayed: PyOnceLock<Pairs>,
     left: PyOnceLock<Pairs>,
 }
 
 type Pairs = Py<PyArray2<Id>>;
+
+/// A function and the arguments with which it makes an object again.
+pub type Reduced<'py> = (Bound<'py, PyAny>, Bound<'py, PyTuple>);
+
+/// Events with these pairs. For pickle.
+#[pyfunction]
+pub fn restore_events(
+    py: Python<'_>,
+    entered: &Bound<'_, PyAny>,
+    stayed: &Bound<'_, PyAny>,
+    left: &Bound<'_, PyAny>,
+) -> PyResult<PyEvents> {
+    let read = |name, value| Argument::integers(name, value)?.id_pairs();
+    let mut events = Events::default();
+    events.entered = read("entered", entered)?;
+    events.left = read("left", left)?;
+    let pairs = table(py, read("stayed", stayed)?)?.unbind();
+    let [entered, known, left] = [const { PyOnceLock::new() }; 3];
+    known.get_or_init(py, || pairs);
+    Ok(PyEvents { events, space: None, entered, stayed: known, left })
+}
 
 #[pymethods]
 impl PyEvents {
@@ -54,7 +81,9 @@ impl PyEvents {
     #[getter]
     fn stayed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.stayed, || {
-            self.space.get().stayed(py, &self.events)?.ok_or_else(|| {
+            let space = self.space.as_ref().map(|space| space.get());
+            let stayed = space.map_or(Ok(None), |space| space.stayed(py, &self.events))?;
+            stayed.ok_or_else(|| {
                 PyRuntimeError::new_err(
                     "stayed is worked out when it is first asked for, and the space has been \
                      updated since; ask before the next update",
@@ -75,6 +104,13 @@ impl PyEvents {
         Ok(PyTuple::new(py, parts)?.try_iter()?.into_any())
     }
 
+    /// What pickle and copy store: all three arrays.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let restore = py.import("jostle._core")?.getattr("restore_events")?;
+        let parts = [self.entered(py)?, self.stayed(py)?, self.left(py)?];
+        Ok((restore, PyTuple::new(py, parts)?))
+    }
+
     fn __repr__(&self) -> String {
         let Events { entered, left, .. } = &self.events;
         format!("<jostle.Events: {} entered, {} left>", entered.len(), left.len())
@@ -85,7 +121,7 @@ impl PyEvents {
     /// The events of an update of `space`.
     pub fn of(events: Events, space: Py<PySpace>) -> Self {
         let [entered, stayed, left] = [const { PyOnceLock::new() }; 3];
-        Self { events, space, entered, stayed, left }
+        Self { events, space: Some(space), entered, stayed, left }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, TryLockError};
 
-use jostle::{Method, Quadtree, Scalar, pairs};
+use jostle::{Method, Period, Quadtree, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;
 
@@ -28,7 +28,7 @@ use crate::shapes::{Rows, Shapes};
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -37,6 +37,13 @@ use crate::shapes::{Rows, Shapes};
 /// categories, masks : array_like of int, a number or shape (n,), optional
 ///     Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
 ///     ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
+/// distance : float, default 0.0
+///     Find pairs whose gap is below this, in units of length: each radius is increased by half of
+///     it. If 0, the shapes must overlap.
+/// period : float or (float, float), optional
+///     Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+///     not periodic. Positions that differ by a multiple of the period are equal, and the gap along
+///     an axis is that of the minimum image.
 /// method : {"auto", "brute", "quadtree"}, default "auto"
 ///     How the pairs are found; the pairs are the same. "auto" uses brute force if it
 ///     is faster.
@@ -65,16 +72,26 @@ use crate::shapes::{Rows, Shapes};
 /// MemoryError
 ///     If there is no memory for the pairs.
 ///
+/// See Also
+/// --------
+/// Quadtree : A tree of the same shapes, for several queries.
+/// Space : Shapes that move, with ids and events.
+///
 /// Notes
 /// -----
-/// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-/// number, or a plain pair of half sizes, takes the precision of the given
-/// arrays.
+/// Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+/// count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+/// given arrays.
 ///
 /// Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.
+///
+/// References
+/// ----------
+/// T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using R-trees*,
+/// SIGMOD (1993): the traversal of two trees at once.
 ///
 /// Examples
 /// --------
@@ -86,15 +103,18 @@ use crate::shapes::{Rows, Shapes};
 ///        [1, 2]])
 /// >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
 /// array([[1, 2]])
+/// >>> jostle.find_pairs([(0.5, 0), (3, 0), (9.5, 0)], distance=2.0, period=10)
+/// array([[0, 2]])
 #[pyfunction]
 #[pyo3(
     signature = (
         centers=None, radii=Given::NOTHING, half_sizes=None,
-        *, boxes=None, categories=None, masks=None, method=Given::NOTHING, sort=Given::NOTHING,
-        max_pairs=Given::NOTHING, threads=None,
+        *, boxes=None, categories=None, masks=None, distance=Given::NOTHING, period=None,
+        method=Given::NOTHING, sort=Given::NOTHING, max_pairs=Given::NOTHING, threads=None,
     ),
     text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, categories=None, \
-                      masks=None, method='auto', sort=False, max_pairs=134217728, threads=None)"
+                      masks=None, distance=0.0, period=None, method='auto', sort=False, \
+                      max_pairs=134217728, threads=None)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
 pub fn find_pairs<'py>(
@@ -105,12 +125,16 @@ pub fn find_pairs<'py>(
     boxes: Maybe<'_, 'py>,
     categories: Maybe<'_, 'py>,
     masks: Maybe<'_, 'py>,
+    distance: Given<'py>,
+    period: Maybe<'_, 'py>,
     method: Given<'py>,
     sort: Given<'py>,
     max_pairs: Given<'py>,
     threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let search = Search {
+        distance: settings::distance(&distance)?,
+        period: settings::period(period)?,
         method: settings::method_or_auto(&method)?,
         sort: truth("sort", &sort)?,
         max_pairs: settings::max_pairs(&max_pairs)?,
@@ -128,6 +152,8 @@ pub fn find_pairs<'py>(
 }
 
 struct Search {
+    distance: f64,
+    period: Period<f64>,
     method: Option<Method>,
     sort: bool,
     max_pairs: usize,
@@ -136,7 +162,8 @@ struct Search {
 
 impl Search {
     fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[u32; 2]>> {
-        let shapes = rows.checked()?;
+        let shapes = rows.checked()?.grown(T::from_f64(self.distance))?;
+        let shapes = shapes.in_period(settings::period_in(self.period)?);
         let mut found = with_kept_tree(|tree| {
             pairs::find_with(tree, &shapes, self.method, self.threads, self.max_pairs)
         })?;

@@ -13,6 +13,7 @@ use crate::arrays::{
 };
 use crate::error::{refused, type_error, value_error};
 use crate::motor::PyMotor;
+use crate::pair_force::{PyFlocking, PyPairForce};
 
 /// A force towards a point or a particle.
 ///
@@ -39,6 +40,11 @@ use crate::motor::PyMotor;
 ///     If not exactly one of `point` and `particle` is given, or it does not hold numbers.
 /// ValueError
 ///     If a number is not finite, or there is no such law.
+///
+/// See Also
+/// --------
+/// Gravitation : Attraction between all particles.
+/// World.force : Forces from NumPy.
 ///
 /// Examples
 /// --------
@@ -275,6 +281,10 @@ impl PyGravitation {
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a shape is wrong or a number is out of range; the message says which.
+///
+/// See Also
+/// --------
+/// Attractor : A force towards a point.
 ///
 /// Examples
 /// --------
@@ -735,9 +745,14 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
         Ok(Force::Andersen(found.get().0))
     } else if let Ok(found) = value.cast::<PyMotor>() {
         Ok(Force::Motor(found.get().0.clone()))
+    } else if let Ok(found) = value.cast::<PyPairForce>() {
+        Ok(Force::Pair(found.get().0.clone()))
+    } else if let Ok(found) = value.cast::<PyFlocking>() {
+        Ok(Force::Flocking(found.get().0))
     } else {
         let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
-                    jostle.ThermalWalls, jostle.AndersenThermostat or jostle.Motor";
+                    jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, \
+                    jostle.PairForce or jostle.Flocking";
         Err(type_error(&format!("forces[{index}]"), rule, value))
     }
 }
@@ -753,6 +768,8 @@ pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyT
             Force::ThermalWalls(walls) => Py::new(py, PyThermalWalls(walls))?.into_any(),
             Force::Andersen(bath) => Py::new(py, PyAndersenThermostat(bath))?.into_any(),
             Force::Motor(motor) => Py::new(py, PyMotor(motor))?.into_any(),
+            Force::Pair(pair) => Py::new(py, PyPairForce(pair))?.into_any(),
+            Force::Flocking(flocking) => Py::new(py, PyFlocking(flocking))?.into_any(),
         })
     };
     PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)

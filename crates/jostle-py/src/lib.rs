@@ -6,6 +6,7 @@ mod error;
 mod interrupt;
 mod lock;
 mod motor;
+mod pair_force;
 mod files;
 mod masked;
 mod arrays;
@@ -42,7 +43,7 @@ mod _core {
     #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
-    use super::events::PyEvents;
+    use super::events::{PyEvents, restore_events};
     #[pymodule_export]
     use super::find_pairs::find_pairs;
     #[pymodule_export]
@@ -52,11 +53,13 @@ mod _core {
     #[pymodule_export]
     use super::motor::PyMotor;
     #[pymodule_export]
+    use super::pair_force::{PyFlocking, PyPairForce};
+    #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]
     use super::separate::separate;
     #[pymodule_export]
-    use super::space::PySpace;
+    use super::space::{PySpace, restore_space};
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]

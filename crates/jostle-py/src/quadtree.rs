@@ -2,16 +2,17 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use jostle::pairs::{self, Found};
-use jostle::{Scalar, Settings, Stats};
+use jostle::pairs::{self, Overlaps};
+use jostle::{Period, Scalar, Settings, Shape, Stats, memory};
 use numpy::{Element, PyArray2};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{Given, long, table, truth};
+use crate::arrays::{Given, column, long, number, table, truth};
 use crate::error::{refused, type_error};
 use crate::interrupt::detached;
-use crate::queries::{self, Asked, Maybe};
+use crate::queries::{self, Cast, Maybe};
 use crate::query_methods::{CountedTree, Index, query_methods};
 use crate::results;
 use crate::settings;
@@ -33,7 +34,7 @@ use crate::shapes::{Rows, Shapes};
 /// half_sizes : array_like, a number, shape (2,) or (n, 2), optional
 ///     Half widths and half heights. If omitted, every shape is a circle.
 /// boxes : array_like, shape (n, 4), optional
-///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
 ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
 ///     are accepted in a list or a tuple, but not in an array, which NumPy fills with x, y,
 ///     width and height. The four numbers are compared without rounding:
@@ -47,6 +48,10 @@ use crate::shapes::{Rows, Shapes};
 ///     ``categories[j] & masks[i]`` are not 0. A negative integer stands for its low 32
 ///     bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~``
 ///     sets no bits above the 8th or 16th.
+/// period : float or (float, float), optional
+///     Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+///     not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
+///     the period are equal in every method, and each shape is found once.
 /// leaf_capacity : int, default 96
 ///     Shapes that a box may hold before it splits into four.
 /// max_depth : int, default 4096
@@ -64,16 +69,28 @@ use crate::shapes::{Rows, Shapes};
 /// ValueError
 ///     If a shape is wrong, a value is not finite, or a size or a setting is out of range.
 ///
+/// See Also
+/// --------
+/// find_pairs : The pairs alone, in one call.
+/// Space : Shapes that are added, moved and removed.
+/// World.quadtree : A tree of particles.
+///
 /// Notes
 /// -----
-/// Arithmetic is float32 if every given array is float32, otherwise float64. A plain
-/// number, or a plain pair of half sizes, takes the precision of the given
-/// arrays.
+/// Arithmetic is float32 if every given array is float32, otherwise float64; lists of numbers
+/// count as float64. A plain number, or a plain pair of half sizes, takes the precision of the
+/// given arrays.
 ///
 /// Centres may be anywhere. A radius is 0, or between 1e-18 and 1e18 in float32 and between
 /// 1e-150 and 1e150 in float64: squares of other numbers overflow or lose digits. A half size
 /// is at most an eighth of the largest number of the type, a box at most twice as wide and
 /// high as that.
+///
+/// References
+/// ----------
+/// H. Samet, *Foundations of Multidimensional and Metric Data Structures* (2006), chapter 1.4.
+/// T. Karras, *Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees*, High
+/// Performance Graphics (2012).
 ///
 /// Examples
 /// --------
@@ -133,11 +150,19 @@ impl PyQuadtree {
 }
 
 impl Tree {
-    fn build(shapes: Shapes, settings: Settings) -> jostle::Result<Self> {
+    fn build(shapes: Shapes, settings: Settings, period: Period<f64>) -> jostle::Result<Self> {
         Ok(match shapes {
-            Shapes::Single(rows) => Self::Single(build(rows, settings)?),
-            Shapes::Double(rows) => Self::Double(build(rows, settings)?),
+            Shapes::Single(rows) => Self::Single(build(rows, settings, period)?),
+            Shapes::Double(rows) => Self::Double(build(rows, settings, period)?),
         })
+    }
+
+    fn single(&self) -> Option<&jostle::Quadtree<f32>> {
+        if let Self::Single(tree) = self { Some(tree) } else { None }
+    }
+
+    fn double(&self) -> Option<&jostle::Quadtree<f64>> {
+        if let Self::Double(tree) = self { Some(tree) } else { None }
     }
 
     fn dtype(&self) -> &'static str {
@@ -151,8 +176,9 @@ impl Tree {
 fn build<T: Scalar + Element>(
     rows: Rows<T>,
     settings: Settings,
+    period: Period<f64>,
 ) -> jostle::Result<jostle::Quadtree<T>> {
-    jostle::Quadtree::new(&rows.checked()?, settings)
+    jostle::Quadtree::new(&rows.checked()?.in_period(settings::period_in(period)?), settings)
 }
 
 #[pymethods]
@@ -161,11 +187,12 @@ impl PyQuadtree {
     #[pyo3(
         signature = (
             centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None, categories=None,
-            masks=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING, threads=None,
+            masks=None, period=None, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
+            threads=None,
         ),
         text_signature = "(centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
-                          categories=None, masks=None, leaf_capacity=96, max_depth=4096, \
-                          threads=None)"
+                          categories=None, masks=None, period=None, leaf_capacity=96, \
+                          max_depth=4096, threads=None)"
     )]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn new<'py>(
@@ -176,13 +203,15 @@ impl PyQuadtree {
         boxes: Maybe<'_, 'py>,
         categories: Maybe<'_, 'py>,
         masks: Maybe<'_, 'py>,
+        period: Maybe<'_, 'py>,
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
         threads: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
+        let period = settings::period(period)?;
         let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
-        let tree = detached(py, || Tree::build(shapes, settings))?.map_err(refused)?;
+        let tree = detached(py, || Tree::build(shapes, settings, period))?.map_err(refused)?;
         Ok(Self { tree, tests: AtomicU64::new(0) })
     }
 
@@ -201,6 +230,9 @@ impl PyQuadtree {
     ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
     /// mask : int, optional
     ///     Find only pairs whose shapes both have a category in this set of bits.
+    /// distance : float, default 0.0
+    ///     Find pairs whose gap is below this, in units of length: each radius is increased by half
+    ///     of it. If 0, the shapes must overlap.
     ///
     /// Returns
     /// -------
@@ -215,6 +247,11 @@ impl PyQuadtree {
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
     ///
+    /// See Also
+    /// --------
+    /// contacts : The same with normals and depths.
+    /// find_pairs : The pairs of arrays, without a tree.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -223,8 +260,12 @@ impl PyQuadtree {
     /// >>> rocks.pairs(shots)
     /// array([[0, 0]])
     #[pyo3(
-        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
-        text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
+        signature = (
+            other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None,
+            distance=Given::NOTHING,
+        ),
+        text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None, \
+                          distance=0.0)"
     )]
     fn pairs<'py>(
         &self,
@@ -233,14 +274,22 @@ impl PyQuadtree {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        distance: Given<'py>,
     ) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        let mask = queries::mask(mask)?;
+        let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         let other = other.map(|other| self.partner(other)).transpose()?;
         let found = detached(py, || {
-            let mut found = match other {
-                None => with_tree!(&self.tree, tree => pairs::within(tree, mask, max_pairs)),
-                Some(other) => between(&self.tree, &other.get().tree, mask, max_pairs),
+            let other = other.as_ref().map(|other| &other.get().tree);
+            let mut found = match (&self.tree, other) {
+                (Tree::Single(tree), other) => {
+                    let other = other.and_then(Tree::single);
+                    pairs::near(tree, other, distance as f32, mask, max_pairs)
+                }
+                (Tree::Double(tree), other) => {
+                    let other = other.and_then(Tree::double);
+                    pairs::near(tree, other, distance, mask, max_pairs)
+                }
             }?;
             if sort {
                 found.sort()?;
@@ -252,19 +301,30 @@ impl PyQuadtree {
         table(py, pairs)
     }
 
-    /// Find every pair of overlapping shapes, and how each overlaps.
+    /// Find every pair of overlapping shapes in this tree, or between it and another, and how each
+    /// overlaps.
     ///
     /// Parameters
     /// ----------
+    /// other : Quadtree, optional
+    ///     A tree of the same dtype and period. If omitted, the pairs are those within this tree,
+    ///     ``i < j``.
+    /// sort : bool, default False
+    ///     Whether to sort the contacts by the first, then by the second shape of the pair. If
+    ///     False, they come in the order of :meth:`pairs`.
     /// max_pairs : int, default 134217728
     ///     Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
     ///     much during the search; memory is allocated only for the pairs that are found.
+    /// mask : int, optional
+    ///     Find only pairs whose shapes both have a category in this set of bits.
     ///
     /// Returns
     /// -------
     /// Contacts
+    ///     Three arrays:
+    ///
     ///     pairs : ndarray of int64, shape (m, 2)
-    ///         As from :meth:`pairs`, in the order of the tree.
+    ///         As from :meth:`pairs`: row numbers i and j.
     ///     normals : ndarray of the tree's dtype, shape (m, 2)
     ///         Unit vectors from i to j. If the cores of the shapes overlap, the axis
     ///         of least penetration; +x for coincident centres.
@@ -274,10 +334,17 @@ impl PyQuadtree {
     ///
     /// Raises
     /// ------
+    /// TypeError
+    ///     If the dtypes of the two trees differ.
     /// ValueError
-    ///     If more than `max_pairs` pairs overlap.
+    ///     If the periods of the two trees differ, or more than `max_pairs` pairs overlap.
     /// MemoryError
     ///     If there is no memory for the contacts.
+    ///
+    /// See Also
+    /// --------
+    /// pairs : The pairs alone.
+    /// World.contacts : The contacts of particles, with impulses.
     ///
     /// Examples
     /// --------
@@ -285,17 +352,35 @@ impl PyQuadtree {
     /// >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
     /// >>> tree.contacts()
     /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    /// >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
+    /// >>> tree.contacts(walls, sort=True).depths
+    /// array([0.5, 1.5])
     #[pyo3(
-        signature = (*, max_pairs=Given::NOTHING),
-        text_signature = "($self, *, max_pairs=134217728)"
+        signature = (other=None, *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, other=None, *, sort=False, max_pairs=134217728, mask=None)"
     )]
-    fn contacts<'py>(&self, py: Python<'py>, max_pairs: Given<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        other: Maybe<'_, 'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+        mask: Maybe<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let filter = (queries::mask(mask)?, truth("sort", &sort)?);
         let max_pairs = settings::max_pairs(&max_pairs)?;
-        with_tree!(&self.tree, tree => {
-            let found = detached(py, || pairs::overlaps(tree, max_pairs))?.map_err(refused)?;
-            self.tests.store(found.tests, Ordering::Relaxed);
-            results::contacts(py, found)
-        })
+        let other = other.map(|other| self.partner(other)).transpose()?;
+        let other = other.as_ref().map(|other| &other.get().tree);
+        match &self.tree {
+            Tree::Single(tree) => {
+                let other = other.and_then(Tree::single);
+                self.overlaps(py, || pairs::overlaps(tree, other, filter, max_pairs))
+            }
+            Tree::Double(tree) => {
+                let other = other.and_then(Tree::double);
+                self.overlaps(py, || pairs::overlaps(tree, other, filter, max_pairs))
+            }
+        }
     }
 
     /// Return the boxes of the tree.
@@ -303,6 +388,8 @@ impl PyQuadtree {
     /// Returns
     /// -------
     /// Nodes
+    ///     Four arrays:
+    ///
     ///     boxes : ndarray of float64, shape (k, 4)
     ///         min_x, min_y, max_x, max_y of each box. It contains the centres of its
     ///         shapes; a shape may extend beyond it. Quarters without shapes
@@ -317,6 +404,10 @@ impl PyQuadtree {
     ///
     ///     Parents precede their children; the first box is the root. A tree
     ///     without shapes has no boxes.
+    ///
+    /// See Also
+    /// --------
+    /// stats : The number of boxes and their depth.
     ///
     /// Examples
     /// --------
@@ -336,12 +427,101 @@ impl PyQuadtree {
     /// split), `depth` (subdivisions above the deepest box) and `tests` (shapes that
     /// the last query tested, against another shape or against the query; 0 before
     /// the first query).
+    ///
+    /// See Also
+    /// --------
+    /// nodes : The boxes.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let tests = self.tests.load(Ordering::Relaxed);
         let boxes = detached(py, || with_tree!(&self.tree, tree => tree.count_boxes()))?;
         let [nodes, leaves, depth] = boxes.map_err(refused)?;
         results::stats(py, Stats { nodes, leaves, depth, tests, ..Stats::default() })
+    }
+
+    /// Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape
+    /// (n, 2), a copy. With a period they are in ``[0, period)``.
+    #[getter]
+    fn centers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.center()))
+    }
+
+    /// Radii: ndarray of the tree's dtype, shape (n,), a copy.
+    #[getter]
+    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => {
+            Ok(column(py, read(py, tree, |shape| shape.radius)?).into_any())
+        })
+    }
+
+    /// Half widths and half heights: ndarray of the tree's dtype, shape (n, 2), a copy; 0 for
+    /// circles, ``(max - min) / 2`` for shapes given as boxes.
+    #[getter]
+    fn half_sizes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.core_half_size()))
+    }
+
+    /// The sides of the shapes without their radii: ndarray of the tree's dtype, shape (n, 4), a copy.
+    ///
+    /// They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``.
+    #[getter]
+    fn boxes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => table_of(py, tree, |shape| shape.core()))
+    }
+
+    /// Categories: ndarray of uint32, shape (n,), a copy.
+    #[getter]
+    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => {
+            Ok(column(py, read(py, tree, |shape| shape.category)?).into_any())
+        })
+    }
+
+    /// Masks: ndarray of uint32, shape (n,), a copy.
+    #[getter]
+    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_tree!(&self.tree, tree => {
+            Ok(column(py, read(py, tree, |shape| shape.mask)?).into_any())
+        })
+    }
+
+    /// Width and height of the period: a tuple of two floats, 0 on an axis that is not periodic.
+    #[getter]
+    fn period(&self) -> (f64, f64) {
+        self.sides()
+    }
+
+    /// The precision of its arithmetic: "float32" or "float64".
+    #[getter]
+    fn dtype(&self) -> &'static str {
+        self.tree.dtype()
+    }
+
+    /// The arguments with which pickle and copy build the same tree.
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let (kwargs, settings) = (PyDict::new(py), with_tree!(&self.tree, tree => tree.settings()));
+        let has_boxes = with_tree!(&self.tree, tree => tree.columns().has_boxes());
+        if has_boxes {
+            kwargs.set_item("boxes", self.boxes(py)?)?;
+        } else {
+            kwargs.set_item("centers", self.centers(py)?)?;
+            if with_tree!(&self.tree, tree => tree.columns().has_half_sizes()) {
+                kwargs.set_item("half_sizes", self.half_sizes(py)?)?;
+            }
+        }
+        kwargs.set_item("radii", self.radii(py)?)?;
+        if with_tree!(&self.tree, tree => tree.columns().has_filters()) {
+            kwargs.set_item("categories", self.categories(py)?)?;
+            kwargs.set_item("masks", self.masks(py)?)?;
+        }
+        kwargs.set_item("period", self.sides())?;
+        kwargs.set_item("leaf_capacity", settings.leaf_capacity)?;
+        kwargs.set_item("max_depth", settings.max_depth)?;
+        kwargs.set_item("threads", settings.threads)?;
+        Ok((PyTuple::empty(py), kwargs))
     }
 
     fn __len__(&self) -> usize {
@@ -354,6 +534,23 @@ impl PyQuadtree {
 }
 
 impl PyQuadtree {
+    /// Runs a search for contacts and converts them.
+    fn overlaps<'py, T: Scalar + Element>(
+        &self,
+        py: Python<'py>,
+        search: impl FnOnce() -> jostle::Result<Overlaps<T, u32>> + Send,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let found = detached(py, search)?.map_err(refused)?;
+        self.tests.store(found.tests, Ordering::Relaxed);
+        results::contacts(py, found)
+    }
+
+    /// Width and height of the period; 0 on an axis that is not periodic.
+    fn sides(&self) -> (f64, f64) {
+        let [x, y] = with_tree!(&self.tree, tree => tree.period().sides().map(Scalar::to_f64));
+        (x, y)
+    }
+
     /// The other tree of a pair, if it computes as this one does.
     fn partner(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<Self>> {
         let Ok(tree) = other.cast::<Self>() else {
@@ -361,6 +558,13 @@ impl PyQuadtree {
         };
         let (own, found) = (self.tree.dtype(), tree.get().tree.dtype());
         if own == found {
+            let (own, found) = (self.sides(), tree.get().sides());
+            if own != found {
+                return Err(PyValueError::new_err(format!(
+                    "other has period={found:?} and this tree period={own:?}; build both with the \
+                     same period"
+                )));
+            }
             return Ok(tree.clone().unbind());
         }
         Err(PyTypeError::new_err(format!(
@@ -370,11 +574,29 @@ impl PyQuadtree {
     }
 }
 
-fn between(a: &Tree, b: &Tree, mask: Option<u32>, max_pairs: usize) -> jostle::Result<Found> {
-    match (a, b) {
-        (Tree::Single(a), Tree::Single(b)) => pairs::between(a, b, mask, max_pairs),
-        (Tree::Double(a), Tree::Double(b)) => pairs::between(a, b, mask, max_pairs),
-        // Refused before.
-        _ => Ok(Found::default()),
-    }
+/// A value of each shape, in the order of the rows.
+fn read<T: Scalar, V: Clone + Default + Send>(
+    py: Python<'_>,
+    tree: &jostle::Quadtree<T>,
+    of: impl Fn(Shape<T>) -> V + Send,
+) -> PyResult<Vec<V>> {
+    detached(py, move || {
+        let mut values = memory::filled(tree.len(), V::default())?;
+        for (place, &row) in tree.rows().iter().enumerate() {
+            values[row as usize] = of(tree.columns().shape(place));
+        }
+        Ok(values)
+    })?
+    .map_err(refused)
+}
+
+fn table_of<'py, T: Scalar + Element, const W: usize>(
+    py: Python<'py>,
+    tree: &jostle::Quadtree<T>,
+    of: impl Fn(Shape<T>) -> [T; W] + Send,
+) -> PyResult<Bound<'py, PyAny>>
+where
+    [T; W]: Default,
+{
+    Ok(table(py, read(py, tree, of)?)?.into_any())
 }

@@ -2,7 +2,7 @@
 
 use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
 use jostle::{Each, Error, Scalar};
-use numpy::Element;
+use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
@@ -24,10 +24,23 @@ pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
     value.map(|value| single_mask("mask", value)).transpose()
 }
 
-/// The maximum distance of a query.
-fn max_distance<T: Scalar>(given: &Given<'_>) -> PyResult<T> {
-    let read = |value| number("max_distance", value);
-    Ok(T::from_f64(given.value().map_or(Ok(f64::INFINITY), read)?))
+/// The maximum distances of queries, one for all or one for each. `len` returns the number of queries
+/// for a number of distances.
+fn max_distances<T: Scalar + Element>(
+    given: &Given<'_>,
+    len: impl FnOnce(Option<usize>) -> Option<usize>,
+) -> PyResult<Each<T>> {
+    let Some(value) = given.value() else { return Ok(Each::One(T::INFINITY)) };
+    if !(value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>())
+        && !value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() > 0)
+    {
+        return Ok(Each::One(T::from_f64(number("max_distance", value)?)));
+    }
+    let distances = Argument::reals("max_distance", value)?;
+    match len(distances.rows_if_any()?) {
+        Some(len) => distances.real_each(len),
+        None => Err(distances.wrong_shape("a number")),
+    }
 }
 
 /// The result of a call as a Python result. If the argument was a single id or query, an error
@@ -193,11 +206,11 @@ pub fn nearest<'py, T: Scalar + Element>(
     point: &Bound<'py, PyAny>,
     k: &Given<'py>,
     max_distance: &Given<'py>,
-    search: impl FnOnce(&[[T; 2]], (usize, T)) -> Answer<Neighbors<T>> + Send,
+    search: impl FnOnce(&[[T; 2]], (usize, Each<T>)) -> Answer<Neighbors<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let k = k.value().map_or(Ok(1), |k| count("k", k, 1))?;
-    let max_distance = self::max_distance(max_distance)?;
     let asked: Each<[T; 2]> = Argument::reals("point", point)?.one_or_rows()?;
+    let max_distance = max_distances(max_distance, |_| asked.len())?;
     match &asked {
         Each::One(one) => {
             let found = detached(py, || search(std::slice::from_ref(one), (k, max_distance)))??;
@@ -210,37 +223,68 @@ pub fn nearest<'py, T: Scalar + Element>(
     }
 }
 
-/// `raycast`, or `circle_cast` if there is a radius.
+/// The rays of a cast.
+pub struct Cast<'a, 'py> {
+    pub origin: Asked<'a, 'py>,
+    pub direction: Asked<'a, 'py>,
+    /// The half sizes of boxes.
+    pub half_size: Maybe<'a, 'py>,
+    /// The radii of discs, or of the corners of boxes.
+    pub radius: Maybe<'a, 'py>,
+    pub max_distance: &'a Given<'py>,
+    /// Whether all hits are found, not only the first.
+    pub all: bool,
+}
+
+/// `raycast` and the other casts.
 pub fn cast<'py, T: Scalar + Element>(
     py: Python<'py>,
-    origin: &Bound<'py, PyAny>,
-    direction: &Bound<'py, PyAny>,
-    radius: Maybe<'_, 'py>,
-    max_distance: &Given<'py>,
+    cast: &Cast<'_, 'py>,
     search: impl FnOnce(&[Ray<T>]) -> Answer<RayHits<T>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let max_distance = self::max_distance(max_distance)?;
-    let radius = radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
-    let direction = Argument::reals("direction", direction)?;
-    let origins: Each<[T; 2]> = Argument::reals("origin", origin)?.one_or_rows()?;
+    let radius = cast.radius.map(|radius| Argument::reals("radius", radius)).transpose()?;
+    let direction = Argument::reals("direction", cast.direction)?;
+    let origins: Each<[T; 2]> = Argument::reals("origin", cast.origin)?.one_or_rows()?;
     let directions: Each<[T; 2]> = direction.one_or_rows()?;
     let radii_len = radius.as_ref().map_or(Ok(None), Argument::rows_if_any)?;
     let len = origins.len().or(directions.len()).or(radii_len);
+    let mut all = len;
+    let max_distances = max_distances(cast.max_distance, |rows| {
+        all = len.or(rows);
+        all
+    })?;
+    let len = all;
     if let (Each::Rows(rows), Some(len)) = (&directions, len)
         && rows.len() != len
     {
         return Err(direction.wrong_shape(&format!("(2,) or ({len}, 2)")));
     }
-    let radii =
-        radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(len.unwrap_or(1)))?;
-    let hits = || match Ray::all(&origins, &directions, &radii, max_distance) {
+    let rows = len.unwrap_or(1);
+    let radii = radius.map_or(Ok(Each::One(T::ZERO)), |radius| radius.real_each(rows))?;
+    let half_size = cast.half_size.map(|size| Argument::reals("half_size", size)).transpose()?;
+    let half_sizes = half_size.map_or(Ok(Each::One([T::ZERO; 2])), |size| size.half_sizes(rows))?;
+    let hits = || match Ray::of_boxes(&origins, &directions, (&half_sizes, &radii), &max_distances)
+    {
         Ok(rays) => search(&rays),
         Err(error) => Ok(Err(error)),
     };
     let hits = detached(py, hits)??;
-    if len.is_some() {
-        results::ray_hits(py, hits.map_err(refused)?)
-    } else {
-        results::ray_hit(py, &result_of(hits, true)?)
+    match (len, cast.all) {
+        (Some(_), false) => results::ray_hits(py, hits.map_err(refused)?),
+        (Some(_), true) => results::ray_hit_lists(py, hits.map_err(refused)?),
+        (None, false) => results::ray_hit(py, &result_of(hits, true)?),
+        (None, true) => results::ray_hits(py, result_of(hits, true)?),
     }
+}
+
+/// `neighbors`.
+pub fn neighbors<T: Scalar, I: Send + Into<i64>>(
+    py: Python<'_>,
+    distance: f64,
+    search: impl FnOnce(T) -> Answer<Hits<I>> + Send,
+) -> PyResult<Bound<'_, PyAny>> {
+    let answer = || -> Answer<Hits<i64>> {
+        Ok(search(T::from_f64(distance))?.and_then(results::with_long_ids))
+    };
+    results::hits(py, detached(py, answer)??.map_err(refused)?)
 }

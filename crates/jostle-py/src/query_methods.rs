@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use jostle::query::{self, Hits, Neighbors, Ray, RayHits, Region};
-use jostle::{Quadtree, Scalar, Space};
+use jostle::{Each, Quadtree, Scalar, Space};
 
 use crate::lock::Shared;
 use crate::queries::Answer;
@@ -18,11 +18,15 @@ pub trait Index<T> {
     fn nearest(
         &self,
         points: &[[T; 2]],
-        wanted: (usize, T),
+        wanted: (usize, Each<T>),
         mask: Option<u32>,
     ) -> Answer<Neighbors<T>>;
     /// The first shape that each ray hits.
     fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>>;
+    /// All shapes that each ray hits.
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>>;
+    /// The shapes within a distance of each shape.
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<Self::Id>>;
 }
 
 /// A tree, and the number of shapes that its last query tested.
@@ -50,7 +54,7 @@ impl<T: Scalar> Index<T> for CountedTree<'_, T> {
     fn nearest(
         &self,
         points: &[[T; 2]],
-        wanted: (usize, T),
+        wanted: (usize, Each<T>),
         mask: Option<u32>,
     ) -> Answer<Neighbors<T>> {
         self.count(query::nearest(self.tree, points, wanted, mask), |found| found.tests)
@@ -58,6 +62,14 @@ impl<T: Scalar> Index<T> for CountedTree<'_, T> {
 
     fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
         self.count(query::first_hits(self.tree, rays, mask), |found| found.tests)
+    }
+
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        self.count(query::all_hits(self.tree, rays, mask), |found| found.tests)
+    }
+
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<u32>> {
+        self.count(query::neighbors(self.tree, distance, mask), |found| found.tests)
     }
 }
 
@@ -71,7 +83,7 @@ impl<T: Scalar> Index<T> for Shared<Space<T>> {
     fn nearest(
         &self,
         points: &[[T; 2]],
-        wanted: (usize, T),
+        wanted: (usize, Each<T>),
         mask: Option<u32>,
     ) -> Answer<Neighbors<T>> {
         Ok(self.lock()?.nearest(points, wanted, mask))
@@ -79,6 +91,14 @@ impl<T: Scalar> Index<T> for Shared<Space<T>> {
 
     fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
         Ok(self.lock()?.first_hits(rays, mask))
+    }
+
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        Ok(self.lock()?.all_hits(rays, mask))
+    }
+
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<Self::Id>> {
+        Ok(self.lock()?.neighbors(distance, mask))
     }
 }
 
@@ -95,7 +115,7 @@ macro_rules! query_methods {
             /// Parameters
             /// ----------
             /// rect : array_like, shape (4,) or (k, 4)
-            ///     min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            ///     Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
             ///     `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
             ///     `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
             ///     in a list.
@@ -113,6 +133,11 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a number is not finite, a minimum is above its maximum, or there are more
             ///     than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle, query_polygon : Other regions.
+            /// query_point : The shapes that contain a point.
             ///
             /// Notes
             /// -----
@@ -165,6 +190,11 @@ macro_rules! query_methods {
             ///     If a number is not finite, a radius is out of range, or there are more than
             ///     134217728 ids.
             ///
+            /// See Also
+            /// --------
+            /// query_rect, query_polygon : Other regions.
+            /// nearest : The shapes nearest to a point, with distances.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -208,6 +238,11 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a coordinate is not finite, or there are more than 134217728 ids.
             ///
+            /// See Also
+            /// --------
+            /// query_circle : The shapes near a point.
+            /// nearest : The shapes nearest to a point.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -248,6 +283,10 @@ macro_rules! query_methods {
             ///     If a polygon has fewer than three corners, is not convex or has no area, if a
             ///     coordinate is not finite, or there are more than 134217728 ids.
             ///
+            /// See Also
+            /// --------
+            /// query_rect, query_circle : Other regions.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -275,7 +314,7 @@ macro_rules! query_methods {
             ///     Points.
             /// k : int, default 1
             ///     Number of shapes to find.
-            /// max_distance : float, default inf
+            /// max_distance : array_like, a number or shape (n,), default inf
             ///     Ignore shapes farther than this, in units of length.
             /// mask : int, optional
             ///     Find only shapes with a category in this set of bits.
@@ -298,6 +337,15 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a coordinate is not finite, k is less than 1, k times the number of points is
             ///     more than 134217728, or `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle : All shapes within a distance.
+            /// raycast : The first shape in a direction.
+            ///
+            /// References
+            /// ----------
+            /// N. Roussopoulos, S. Kelley and F. Vincent, *Nearest Neighbor Queries*, SIGMOD (1995).
             ///
             /// Examples
             /// --------
@@ -335,8 +383,9 @@ macro_rules! query_methods {
             /// direction : array_like, shape (2,) or (k, 2)
             ///     Direction of each ray, of any length except 0. One origin may have many
             ///     directions, and many origins one direction.
-            /// max_distance : float, default inf
-            ///     Maximum length of the rays, in units of length.
+            /// max_distance : array_like, a number or shape (k,), default inf
+            ///     Maximum length of each ray, in units of length. With a period it must be given, and
+            ///     be at most 1024 periods.
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
             ///
@@ -347,12 +396,18 @@ macro_rules! query_methods {
             #[doc = concat!("    first); for many rays, arrays of both. At equal distances the smaller ", $id, "; -1 and")]
             #[doc = concat!("    infinity if nothing is hit, so test the ", $id, " before you use it as an index. The")]
             ///     distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            ///     touches an edge hits it.
+            ///     touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
+            ///     that point away from the shape where it is hit; (0, 0) if a ray starts in it.
             ///
             /// Raises
             /// ------
             /// ValueError
             ///     If a number is not finite, a direction is (0, 0), or `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// circle_cast : The first shape that a moving disc hits.
+            /// nearest : The nearest shape in any direction.
             ///
             /// Examples
             /// --------
@@ -374,7 +429,163 @@ macro_rules! query_methods {
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                self.cast(py, (origin, direction, None), &max_distance, mask)
+                let (half_size, radius, max_distance) = (None, None, &max_distance);
+                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
+                self.cast(py, &cast, mask)
+            }
+
+            /// Find every shape that a ray hits, nearest first, or that each of many rays hits.
+            ///
+            /// Parameters
+            /// ----------
+            /// origin : array_like, shape (2,) or (k, 2)
+            ///     Start of each ray.
+            /// direction : array_like, shape (2,) or (k, 2)
+            ///     Direction of each ray, of any length except 0.
+            /// max_distance : array_like, a number or shape (k,), default inf
+            ///     Maximum length of each ray, in units of length. With a period it must be given, and
+            ///     be at most 1024 periods.
+            /// mask : int, optional
+            ///     Hit only shapes with a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// RayHits or RayHitLists
+            #[doc = concat!("    Unpacks as ``", $id, "s, distances``: all hits of one ray, each shape once, at equal")]
+            #[doc = concat!("    distances the smaller ", $id, " first. For many rays, ``offsets, ids, distances, normals``.")]
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
+            ///     there are more than 134217728 hits.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
+            #[doc = concat!(">>> ids, distances = ", $name, ".raycast_all((-4, 0), (1, 0), max_distance=6)")]
+            /// >>> ids, distances
+            /// (array([0, 1]), array([3., 6.]))
+            #[pyo3(
+                signature = (origin, direction, *, max_distance=Given::NOTHING, mask=None),
+                text_signature = "($self, origin, direction, *, max_distance=math.inf, mask=None)"
+            )]
+            fn raycast_all<'py>(
+                &self,
+                py: Python<'py>,
+                origin: &Bound<'py, PyAny>,
+                direction: &Bound<'py, PyAny>,
+                max_distance: Given<'py>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let (half_size, radius, max_distance) = (None, None, &max_distance);
+                let cast = Cast { origin, direction, half_size, radius, max_distance, all: true };
+                self.cast(py, &cast, mask)
+            }
+
+            /// Find the first shape that a moving box hits, or each of many boxes.
+            ///
+            /// Parameters
+            /// ----------
+            /// origin : array_like, shape (2,) or (k, 2)
+            ///     Start of the centre of each box.
+            /// direction : array_like, shape (2,) or (k, 2)
+            ///     Direction of the motion, of any length except 0.
+            /// half_size : array_like, a number, shape (2,) or (k, 2)
+            ///     Half widths and half heights of the boxes.
+            /// radius : array_like, a number or shape (k,), default 0.0
+            ///     Distance by which the boxes extend beyond their cores, as for other shapes.
+            /// max_distance : array_like, a number or shape (k,), default inf
+            ///     Maximum distance of each motion, in units of length. With a period it must be given,
+            ///     and be at most 1024 periods.
+            /// mask : int, optional
+            ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
+            ///
+            /// Returns
+            /// -------
+            /// RayHit or RayHits
+            #[doc = concat!("    The ", $id, " and the distance of the motion until the hit, as from :meth:`raycast`.")]
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a number is not finite, a direction is (0, 0), a size is out of range, or
+            ///     `max_distance` is negative.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (5, 0)], radii=1.0)")]
+            #[doc = concat!(">>> hit = ", $name, ".box_cast((-4, 0.5), (1, 0), half_size=0.5)")]
+            /// >>> hit, hit.normal
+            /// (RayHit(id=0, distance=2.5), (-1.0, 0.0))
+            #[pyo3(
+                signature = (
+                    origin, direction, half_size, radius=Given::NOTHING, *,
+                    max_distance=Given::NOTHING, mask=None,
+                ),
+                text_signature = "($self, origin, direction, half_size, radius=0.0, *, max_distance=math.inf, mask=None)"
+            )]
+            #[expect(clippy::too_many_arguments, reason = "they are Python's arguments")]
+            fn box_cast<'py>(
+                &self,
+                py: Python<'py>,
+                origin: &Bound<'py, PyAny>,
+                direction: &Bound<'py, PyAny>,
+                half_size: &Bound<'py, PyAny>,
+                radius: Given<'py>,
+                max_distance: Given<'py>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let (half_size, max_distance) = (Some(half_size), &max_distance);
+                let radius = radius.value();
+                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
+                self.cast(py, &cast, mask)
+            }
+
+            /// Find the neighbours of every shape within a distance.
+            ///
+            /// Parameters
+            /// ----------
+            /// distance : float
+            ///     Shapes are neighbours if the gap between their surfaces is below this, in units of
+            ///     length; each radius is increased by half of it.
+            /// mask : int, optional
+            ///     Find only neighbours of which both have a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// Hits
+            #[doc = concat!("    Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the ", $id, "s of the")]
+            #[doc = concat!("    neighbours of shape i, ascending, itself left out; i counts the shapes in ascending ", $id, ".")]
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If `distance` is negative or out of range, or there are more than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// pairs
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)])")]
+            #[doc = concat!(">>> ", $name, ".neighbors(3.5).lists()")]
+            /// [array([1]), array([0, 2]), array([1])]
+            #[pyo3(signature = (distance, *, mask=None))]
+            fn neighbors<'py>(
+                &self,
+                py: Python<'py>,
+                distance: &Bound<'py, PyAny>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let (mask, distance) = (queries::mask(mask)?, number("distance", distance)?);
+                $with_index!(self, index => {
+                    queries::neighbors(py, distance, |distance| index.neighbors(distance, mask))
+                })
             }
 
             /// Find the first shape that a moving disc hits, or each of many discs.
@@ -387,8 +598,9 @@ macro_rules! query_methods {
             ///     Direction of the motion, of any length except 0.
             /// radius : array_like, a number or shape (k,)
             ///     Radii of the discs.
-            /// max_distance : float, default inf
-            ///     Maximum distance of the motion, in units of length.
+            /// max_distance : array_like, a number or shape (k,), default inf
+            ///     Maximum distance of each motion, in units of length. With a period it must be given,
+            ///     and be at most 1024 periods.
             /// mask : int, optional
             ///     Hit only shapes with a category in this set of bits; other shapes are ignored.
             ///
@@ -402,6 +614,10 @@ macro_rules! query_methods {
             /// ValueError
             ///     If a number is not finite, a direction is (0, 0), a radius is out of range, or
             ///     `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// raycast : The same for a point.
             ///
             /// Examples
             /// --------
@@ -422,23 +638,24 @@ macro_rules! query_methods {
                 max_distance: Given<'py>,
                 mask: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                self.cast(py, (origin, direction, Some(radius)), &max_distance, mask)
+                let (half_size, radius, max_distance) = (None, Some(radius), &max_distance);
+                let cast = Cast { origin, direction, half_size, radius, max_distance, all: false };
+                self.cast(py, &cast, mask)
             }
         }
 
         impl $class {
-            /// [`raycast`](Self::raycast), or with a radius [`circle_cast`](Self::circle_cast).
+            /// The casts of rays, discs and boxes.
             fn cast<'py>(
                 &self,
                 py: Python<'py>,
-                (origin, direction, radius): (Asked<'_, 'py>, Asked<'_, 'py>, Maybe<'_, 'py>),
-                max_distance: &Given<'py>,
+                cast: &Cast<'_, 'py>,
                 mask: Maybe<'_, 'py>,
             ) -> PyResult<Bound<'py, PyAny>> {
-                let mask = queries::mask(mask)?;
+                let (mask, all) = (queries::mask(mask)?, cast.all);
                 $with_index!(self, index => {
-                    queries::cast(py, origin, direction, radius, max_distance, |rays| {
-                        index.first_hits(rays, mask)
+                    queries::cast(py, cast, |rays| {
+                        if all { index.all_hits(rays, mask) } else { index.first_hits(rays, mask) }
                     })
                 })
             }

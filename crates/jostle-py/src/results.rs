@@ -10,12 +10,16 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
 
-use crate::arrays::{column, decimal, long, matrix, table};
+use crate::arrays::{Widen, column, decimal, long, matrix, table};
 use crate::error::refused;
 use crate::interrupt::detached;
 
 /// `jostle.Contacts`.
-pub fn contacts<T: Element>(py: Python<'_>, all: Overlaps<T>) -> PyResult<Bound<'_, PyAny>> {
+pub fn contacts<T, I>(py: Python<'_>, all: Overlaps<T, I>) -> PyResult<Bound<'_, PyAny>>
+where
+    T: Element,
+    [I; 2]: Widen<Long = [i64; 2]> + Sync,
+{
     static CONTACTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let pairs = detached(py, || long(&all.pairs))?.map_err(refused)?;
     let fields = (table(py, pairs)?, table(py, all.normals)?, column(py, all.depths));
@@ -192,15 +196,25 @@ pub fn neighbors<T: Element>(
 /// `jostle.RayHit`.
 pub fn ray_hit<'py, T: Scalar>(py: Python<'py>, all: &RayHits<T>) -> PyResult<Bound<'py, PyAny>> {
     static RAY_HIT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (all.ids[0], all.distances[0].to_f64());
+    let [x, y] = all.normals[0].map(T::to_f64);
+    let fields = (all.ids[0], all.distances[0].to_f64(), (x, y));
     RAY_HIT.import(py, "jostle.results", "RayHit")?.call1(fields)
 }
 
 /// `jostle.RayHits`.
 pub fn ray_hits<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
     static RAY_HITS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (column(py, all.ids), column(py, all.distances));
+    let fields = (column(py, all.ids), column(py, all.distances), table(py, all.normals)?);
     RAY_HITS.import(py, "jostle.results", "RayHits")?.call1(fields)
+}
+
+/// `jostle.RayHitLists`.
+pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bound<'_, PyAny>> {
+    static LISTS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let offsets = all.offsets.into_iter().map(|offset| offset as i64).collect();
+    let (ids, distances) = (column(py, all.ids), column(py, all.distances));
+    let fields = (column(py, offsets), ids, distances, table(py, all.normals)?);
+    LISTS.import(py, "jostle.results", "RayHitLists")?.call1(fields)
 }
 
 /// `jostle.Separated`.

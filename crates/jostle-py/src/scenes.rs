@@ -16,6 +16,11 @@ use crate::world::PyWorld;
 /// list of str
 ///     Their names.
 ///
+/// See Also
+/// --------
+/// create : The world of a scene.
+/// describe : A description of a scene.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -42,6 +47,10 @@ pub fn names() -> Vec<&'static str> {
 /// ------
 /// ValueError
 ///     If there is no such scene.
+///
+/// See Also
+/// --------
+/// names : All scenes.
 ///
 /// Examples
 /// --------
@@ -70,6 +79,10 @@ pub fn describe(name: &Bound<'_, PyAny>) -> PyResult<&'static str> {
 /// ------
 /// ValueError
 ///     If there is no such scene.
+///
+/// See Also
+/// --------
+/// create : The world of the scene.
 ///
 /// Examples
 /// --------
@@ -103,6 +116,12 @@ pub fn default_count(name: &Bound<'_, PyAny>) -> PyResult<usize> {
 /// ------
 /// ValueError
 ///     If there is no such scene, or `n` or `seed` is out of range.
+///
+/// See Also
+/// --------
+/// view : The part of it to display.
+/// default_count : The default number of particles.
+/// describe : A description.
 ///
 /// Examples
 /// --------
@@ -140,12 +159,16 @@ pub fn create(
 /// Returns
 /// -------
 /// tuple of float
-///     min_x, min_y, max_x, max_y, in pixels.
+///     Sides min_x, min_y, max_x, max_y, in pixels.
 ///
 /// Raises
 /// ------
 /// ValueError
 ///     If there is no such scene or `n` is out of range.
+///
+/// See Also
+/// --------
+/// create : The world of the scene.
 ///
 /// Examples
 /// --------
@@ -182,6 +205,10 @@ pub fn view(
 /// ValueError
 ///     If `n` is out of range.
 ///
+/// See Also
+/// --------
+/// create : The world of the scene.
+///
 /// Examples
 /// --------
 /// >>> import jostle
@@ -208,12 +235,16 @@ pub fn fountains<'py>(
 /// Returns
 /// -------
 /// GaltonBoard
-///     rows, bin_edges, bin_top, floor and ball_radius.
+///     With rows, bin_edges, bin_top, floor and ball_radius.
 ///
 /// Raises
 /// ------
 /// ValueError
 ///     If `n` is out of range.
+///
+/// See Also
+/// --------
+/// create : The world of the scene.
 ///
 /// Examples
 /// --------
@@ -253,6 +284,10 @@ pub fn galton_board<'py>(
 /// ValueError
 ///     If a number is not finite, `radius` is not above 0, or the wall would have more than a
 ///     million discs.
+///
+/// See Also
+/// --------
+/// jostle.polyline : Walls without discs, for `World.walls`.
 ///
 /// Examples
 /// --------

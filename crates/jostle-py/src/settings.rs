@@ -1,11 +1,12 @@
 //! Arguments that several calls have, and their defaults.
 
 use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
-use jostle::{Method, OnTouch, Settings};
+use jostle::{Each, Method, OnTouch, Period, Scalar, Settings};
 use pyo3::prelude::*;
+use pyo3::types::{PyList, PyTuple};
 
-use crate::arrays::{Given, count, reals, truth, word};
-use crate::error::value_error;
+use crate::arrays::{Argument, Given, Maybe, count, number, reals, truth, word};
+use crate::error::{refused, value_error};
 
 // These numbers are written in the signatures.
 const _: () = assert!(DEFAULT_MAX_PAIRS == 134_217_728);
@@ -15,6 +16,35 @@ const _: () = assert!(DEFAULT_MAX_DEPTH == 4096);
 /// Maximum number of pairs to return.
 pub fn max_pairs(given: &Given<'_>) -> PyResult<usize> {
     given.value().map_or(Ok(DEFAULT_MAX_PAIRS), |value| count("max_pairs", value, 0))
+}
+
+/// Width and height of the period of a plane: a number for both, or a pair; 0 or None on an axis that
+/// is not periodic.
+pub fn period(value: Maybe<'_, '_>) -> PyResult<Period<f64>> {
+    let Some(value) = value else { return Ok(Period::default()) };
+    let plain = value.is_instance_of::<PyTuple>() || value.is_instance_of::<PyList>();
+    let sides = if plain && value.try_iter()?.any(|side| side.is_ok_and(|side| side.is_none())) {
+        let zero =
+            |side: Bound<'_, PyAny>| if side.is_none() { Ok(0.0) } else { number("period", &side) };
+        let sides = value.try_iter()?.map(|side| zero(side?)).collect::<PyResult<Vec<_>>>()?;
+        Argument::reals("period", PyTuple::new(value.py(), sides)?.as_any())?
+    } else {
+        Argument::reals("period", value)?
+    };
+    match sides.half_sizes(1)? {
+        Each::One(sides) => Period::new(sides).map_err(refused),
+        Each::Rows(_) => Err(sides.wrong_shape("a number or (2,)")),
+    }
+}
+
+/// The same period in another precision.
+pub fn period_in<T: Scalar>(period: Period<f64>) -> jostle::Result<Period<T>> {
+    Period::new(period.sides().map(T::from_f64))
+}
+
+/// The distance of a search for pairs; 0 if omitted.
+pub fn distance(given: &Given<'_>) -> PyResult<f64> {
+    given.value().map_or(Ok(0.0), |value| number("distance", value))
 }
 
 /// Maximum number of shapes in a leaf.

@@ -3,21 +3,23 @@
 use jostle::geometry::Shape;
 use jostle::interrupt::Pulse;
 use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
-use jostle::space::{Events, Id};
-use jostle::{Each, Scalar, Shapes, Space, sorting};
+use jostle::space::{Events, Id, Saved, Wanted};
+use jostle::{Each, Period, Scalar, Shapes, Space, sorting};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{Argument, Given, bit_sets, column, reals, table, truth};
+use crate::arrays::{Argument, Given, bit_sets, column, number, reals, table, truth};
 use crate::error::{refused, value_error};
-use crate::events::PyEvents;
+use crate::events::{PyEvents, Reduced};
 use crate::ids::{Ids, one_id};
 use crate::interrupt::detached;
 use crate::lock::Shared;
-use crate::queries::{self, Asked, Maybe, result_of};
+use crate::queries::{self, Cast, Maybe, result_of};
 use crate::query_methods::{Index, query_methods};
+use crate::results;
 use crate::settings;
 use crate::shapes::{Places, Where};
 use crate::slide;
@@ -35,6 +37,10 @@ use crate::slide;
 /// ----------
 /// dtype : {"float64", "float32"}, default "float64"
 ///     Precision of all arithmetic. Other numbers are converted.
+/// period : float or (float, float), optional
+///     Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+///     not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
+///     the period are equal in every method, and each shape is found once.
 /// leaf_capacity : int, default 96
 ///     Shapes that a box of a tree may hold before it splits into four. Small trees in a
 ///     space with many shapes use a smaller number.
@@ -50,6 +56,11 @@ use crate::slide;
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a setting is out of range.
+///
+/// See Also
+/// --------
+/// Quadtree : An index of shapes that do not change.
+/// World : Particles that move and collide; in other libraries this may be called a space.
 ///
 /// Notes
 /// -----
@@ -102,22 +113,25 @@ impl PySpace {
     #[new]
     #[pyo3(
         signature = (
-            *, dtype=Given::NOTHING, leaf_capacity=Given::NOTHING, max_depth=Given::NOTHING,
-            threads=None,
+            *, dtype=Given::NOTHING, period=None, leaf_capacity=Given::NOTHING,
+            max_depth=Given::NOTHING, threads=None,
         ),
-        text_signature = "(*, dtype='float64', leaf_capacity=96, max_depth=4096, threads=None)"
+        text_signature = "(*, dtype='float64', period=None, leaf_capacity=96, max_depth=4096, \
+                          threads=None)"
     )]
     fn new<'py>(
         dtype: Given<'py>,
+        period: Maybe<'_, 'py>,
         leaf_capacity: Given<'py>,
         max_depth: Given<'py>,
         threads: Maybe<'_, 'py>,
     ) -> PyResult<Self> {
         let settings = settings::tree(&leaf_capacity, &max_depth, threads)?;
+        let period = settings::period(period)?;
         let space = if is_single(&dtype)? {
-            Either::Single(shared(Space::new(settings)).map_err(refused)?)
+            Either::Single(empty(settings, period).map_err(refused)?)
         } else {
-            Either::Double(shared(Space::new(settings)).map_err(refused)?)
+            Either::Double(empty(settings, period).map_err(refused)?)
         };
         Ok(Self { space })
     }
@@ -133,7 +147,7 @@ impl PySpace {
     /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
     ///     Half widths and half heights. If omitted, the shapes are circles.
     /// boxes : array_like, shape (k, 4) or (4,), optional
-    ///     min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+    ///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
     ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
     ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
     ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
@@ -159,6 +173,13 @@ impl PySpace {
     /// ValueError
     ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
     ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
+    ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    /// resize : Change radii or half sizes.
+    /// set_filter : Change categories and masks.
+    /// remove : Remove shapes.
     ///
     /// Examples
     /// --------
@@ -216,7 +237,7 @@ impl PySpace {
     ///     ``center ± half_size`` from then on, with half the size of its box, and its sides are
     ///     rounded. Give `boxes` to keep them exact.
     /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
-    ///     In place of `centers`: min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+    ///     In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
     ///     as in :meth:`add`. The size may change too. Radii stay the same.
     ///
     /// Raises
@@ -227,6 +248,11 @@ impl PySpace {
     /// ValueError
     ///     If an id does not exist or is given twice, a coordinate is not finite, or a
     ///     minimum is above its maximum; then nothing moves.
+    ///
+    /// See Also
+    /// --------
+    /// resize : Change radii or half sizes.
+    /// update : The pairs that enter and leave by it.
     ///
     /// Examples
     /// --------
@@ -380,6 +406,10 @@ impl PySpace {
     ///     If an id does not exist or is given twice, or a size is not finite or out of
     ///     range; then nothing changes.
     ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -424,6 +454,10 @@ impl PySpace {
     ///     If an id does not exist or is given twice, or a set of bits has more than 32;
     ///     then nothing changes.
     ///
+    /// See Also
+    /// --------
+    /// categories, masks : The present ones.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -462,6 +496,10 @@ impl PySpace {
     /// ValueError
     ///     If an id does not exist or is given twice; then none is removed.
     ///
+    /// See Also
+    /// --------
+    /// add : Add shapes.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -491,6 +529,8 @@ impl PySpace {
     /// Returns
     /// -------
     /// Events
+    ///     Three arrays:
+    ///
     ///     entered, stayed, left : ndarray of int64, shape (m, 2)
     ///         Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
     ///         shapes. `stayed` is computed when it is first read.
@@ -499,6 +539,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If there are more than `max_pairs`; then the call has no effect.
+    ///
+    /// See Also
+    /// --------
+    /// pairs : All overlapping pairs, without events.
     ///
     /// Examples
     /// --------
@@ -536,6 +580,9 @@ impl PySpace {
     ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
     /// mask : int, optional
     ///     Find only pairs whose shapes both have a category in this set of bits.
+    /// distance : float, default 0.0
+    ///     Find pairs whose gap is below this, in units of length: each radius is increased by half
+    ///     of it. If 0, the shapes must overlap.
     ///
     /// Returns
     /// -------
@@ -547,6 +594,10 @@ impl PySpace {
     /// ValueError
     ///     If more than `max_pairs` pairs overlap.
     ///
+    /// See Also
+    /// --------
+    /// update : The pairs that entered and left.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -555,8 +606,10 @@ impl PySpace {
     /// >>> space.pairs()
     /// array([[1, 2]])
     #[pyo3(
-        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
-        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
+        signature = (
+            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING,
+        ),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None, distance=0.0)"
     )]
     fn pairs<'py>(
         &self,
@@ -564,18 +617,79 @@ impl PySpace {
         sort: Given<'py>,
         max_pairs: Given<'py>,
         mask: Maybe<'_, 'py>,
+        distance: Given<'py>,
     ) -> PyResult<Bound<'py, PyArray2<Id>>> {
-        let mask = queries::mask(mask)?;
+        let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
         let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
         with_space!(self, space => {
             let pairs = long(py, space, |space| {
-                let mut pairs = space.pairs(mask, max_pairs)?;
+                let distance = Scalar::from_f64(distance);
+                let mut pairs = space.pairs_within(&Wanted { distance, mask, max_pairs })?;
                 if sort {
                     sorting::sort(&mut pairs, &mut Pulse::current())?;
                 }
                 Ok(pairs)
             })?;
             table(py, pairs.map_err(refused)?)
+        })
+    }
+
+    /// Find every pair of overlapping shapes, and how each overlaps.
+    ///
+    /// Parameters
+    /// ----------
+    /// sort : bool, default False
+    ///     Whether to sort the contacts by the first, then by the second id of the pair. If False,
+    ///     they come in the order of :meth:`pairs`.
+    /// max_pairs : int, default 134217728
+    ///     Maximum number of pairs to return.
+    /// mask : int, optional
+    ///     Find only pairs whose shapes both have a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// Contacts
+    ///     pairs : ndarray of int64, shape (m, 2)
+    ///         Ids i and j of each pair, the smaller first, every pair once.
+    ///     normals : ndarray of the space's dtype, shape (m, 2)
+    ///         Unit vectors from i to j. If the cores of the shapes overlap, the axis
+    ///         of least penetration; +x for coincident centres.
+    ///     depths : ndarray of the space's dtype, shape (m,)
+    ///         Penetration: the distance that j must move along the normal until the two only
+    ///         touch.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// See Also
+    /// --------
+    /// Quadtree.contacts
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
+    /// >>> space.contacts()
+    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    #[pyo3(
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
+    )]
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+        mask: Maybe<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let filter = (queries::mask(mask)?, truth("sort", &sort)?);
+        let max_pairs = settings::max_pairs(&max_pairs)?;
+        with_space!(self, space => {
+            let found = long(py, space, |space| space.contacts(filter, max_pairs))?;
+            results::contacts(py, found.map_err(refused)?)
         })
     }
 
@@ -595,6 +709,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// boxes : Sides instead of centres.
+    /// half_sizes, radii : The sizes.
     ///
     /// Examples
     /// --------
@@ -625,6 +744,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// boxes : Sides, without rounding.
+    /// radii : The radii.
     #[pyo3(signature = (ids=None))]
     fn half_sizes<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_rows(py, space, ids, |shape| shape.core_half_size()))
@@ -647,6 +771,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// centers, half_sizes : The same as centres and half sizes.
     ///
     /// Examples
     /// --------
@@ -676,6 +804,10 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// half_sizes : Half widths and half heights.
     #[pyo3(signature = (ids=None))]
     fn radii<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => match read(py, space, ids, |shape| shape.radius)? {
@@ -700,6 +832,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// masks : The categories that each shape may pair with.
+    /// set_filter : Change them.
     #[pyo3(signature = (ids=None))]
     fn categories<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.category))
@@ -721,6 +858,11 @@ impl PySpace {
     /// ------
     /// ValueError
     ///     If an id does not exist.
+    ///
+    /// See Also
+    /// --------
+    /// categories : The categories of each shape.
+    /// set_filter : Change them.
     #[pyo3(signature = (ids=None))]
     fn masks<'py>(&self, py: Python<'py>, ids: Maybe<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))
@@ -742,6 +884,51 @@ impl PySpace {
             Either::Single(_) => "float32",
             Either::Double(_) => "float64",
         }
+    }
+
+    /// Width and height of the period: a tuple of two floats, 0 on an axis that is not periodic.
+    #[getter]
+    fn period(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
+        with_space!(self, space => {
+            let [x, y] = space.lock_attached(py)?.period().sides().map(Scalar::to_f64);
+            Ok((x, y))
+        })
+    }
+
+    /// A space with copies of the shapes, with the same ids and the same pairs at the last update.
+    fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
+        let space = match &self.space {
+            Either::Single(space) => {
+                Either::Single(shared(long(py, space, |space| space.clone())?))
+            }
+            Either::Double(space) => {
+                Either::Double(shared(long(py, space, |space| space.clone())?))
+            }
+        };
+        Ok(Self { space })
+    }
+
+    /// As `copy.copy`: it holds nothing but numbers.
+    fn __deepcopy__(&self, py: Python<'_>, memo: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let _ = memo;
+        self.__copy__(py)
+    }
+
+    /// What pickle stores: the shapes with their ids, and the pairs of the last update.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py>> {
+        let restore = py.import("jostle._core")?.getattr("restore_space")?;
+        let (settings, state) = with_space!(self, space => {
+            let saved = long(py, space, |space| Ok((space.settings(), space.save()?)))?;
+            let (settings, saved) = saved.map_err(refused)?;
+            (settings, state_of(py, saved)?)
+        });
+        let options = PyDict::new(py);
+        options.set_item("dtype", self.dtype())?;
+        options.set_item("period", self.period(py)?)?;
+        options.set_item("leaf_capacity", settings.leaf_capacity)?;
+        options.set_item("max_depth", settings.max_depth)?;
+        options.set_item("threads", settings.threads)?;
+        Ok((restore, PyTuple::new(py, [options.into_any(), state.into_any()])?))
     }
 
     fn __contains__(&self, py: Python<'_>, id: &Bound<'_, PyAny>) -> PyResult<bool> {
@@ -769,8 +956,15 @@ impl PySpace {
 }
 
 /// A space with a lock.
-fn shared<T>(space: jostle::Result<Space<T>>) -> jostle::Result<Shared<Space<T>>> {
-    Ok(Shared::new(space?, "space", "make a new one"))
+fn shared<T>(space: Space<T>) -> Shared<Space<T>> {
+    Shared::new(space, "space", "make a new one")
+}
+
+fn empty<T: Scalar>(
+    settings: jostle::Settings,
+    period: Period<f64>,
+) -> jostle::Result<Shared<Space<T>>> {
+    Ok(shared(Space::with_period(settings, settings::period_in(period)?)?))
 }
 
 /// Calls `act` with a space, without the GIL.
@@ -780,6 +974,78 @@ fn long<T: Scalar, R: Send>(
     act: impl FnOnce(&mut Space<T>) -> R + Send,
 ) -> PyResult<R> {
     detached(py, || Ok(act(&mut *space.lock()?)))?
+}
+
+/// The contents of a space as a tuple of arrays.
+fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bound<'_, PyTuple>> {
+    let columns = [
+        table(py, saved.corners)?.into_any(),
+        column(py, saved.radii).into_any(),
+        table(py, saved.half_sizes)?.into_any(),
+        column(py, saved.filters.into_flattened()).into_any(),
+        column(py, saved.generations).into_any(),
+        column(py, saved.free).into_any(),
+        column(py, saved.pairs.into_flattened()).into_any(),
+        column(py, saved.changed).into_any(),
+        column(py, saved.leaving).into_any(),
+        saved.updates.into_bound_py_any(py)?,
+    ];
+    PyTuple::new(py, columns)
+}
+
+/// A space with the contents that pickle has stored.
+#[pyfunction]
+pub fn restore_space<'py>(
+    py: Python<'py>,
+    options: &Bound<'py, PyDict>,
+    state: &Bound<'py, PyTuple>,
+) -> PyResult<PySpace> {
+    let option = |name: &str| Ok::<_, PyErr>(options.get_item(name)?.filter(|v| !v.is_none()));
+    let (leaf_capacity, max_depth) = (option("leaf_capacity")?, option("max_depth")?);
+    let settings = settings::tree(
+        &Given::of(leaf_capacity),
+        &Given::of(max_depth),
+        option("threads")?.as_ref(),
+    )?;
+    let period = settings::period(option("period")?.as_ref())?;
+    let space = if is_single(&Given::of(option("dtype")?))? {
+        Either::Single(restored(py, settings, period, state)?)
+    } else {
+        Either::Double(restored(py, settings, period, state)?)
+    };
+    Ok(PySpace { space })
+}
+
+fn restored<T: Scalar + Element>(
+    py: Python<'_>,
+    settings: jostle::Settings,
+    period: Period<f64>,
+    state: &Bound<'_, PyTuple>,
+) -> PyResult<Shared<Space<T>>> {
+    let item = |index: usize| state.get_item(index);
+    let list = |index: usize| -> PyResult<Vec<u32>> {
+        let list = Argument::integers("state", &item(index)?)?;
+        let len = list.len()?;
+        Ok(list.bits_each(len)?.rows(len))
+    };
+    let pairs = |index: usize| Ok::<_, PyErr>(list(index)?.as_chunks::<2>().0.to_vec());
+    let corners = Argument::reals("state", &item(0)?)?;
+    let count = corners.boxes_len()?;
+    let half_sizes = Argument::reals("state", &item(2)?)?;
+    let saved = Saved {
+        corners: corners.boxes(count)?,
+        radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
+        half_sizes: half_sizes.pairs(half_sizes.pairs_len()?)?,
+        filters: pairs(3)?,
+        generations: list(4)?,
+        free: list(5)?,
+        pairs: pairs(6)?,
+        changed: list(7)?,
+        leaving: list(8)?,
+        updates: item(9)?.extract()?,
+    };
+    let restore = || Space::restore(settings, settings::period_in(period)?, saved);
+    Ok(shared(detached(py, restore)?.map_err(refused)?))
 }
 
 /// Whether the requested precision is float32.

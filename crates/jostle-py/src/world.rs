@@ -21,7 +21,7 @@ use crate::forces;
 use crate::ids::one_id;
 use crate::interrupt::detached_to_the_end;
 use crate::lock::{Guard, Shared};
-use crate::particles::{Arguments, Draft, angles};
+use crate::particles::{Arguments, Draft};
 use crate::settings;
 use crate::walls;
 
@@ -102,8 +102,8 @@ use crate::walls;
 ///     Coefficients of friction of the walls. A contact has the square root of the product with
 ///     that of the particle. If omitted, and for a wall with NaN, it is that of the particle.
 /// forces : sequence of forces, default ()
-///     `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
-///     `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
+///     `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`, `Thermostat`,
+///     `ThermalWalls`, `AndersenThermostat` and `Motor`, in addition to gravity and contacts.
 /// on_touch : {"bounce", "merge", "ignore"}, default "bounce"
 ///     What happens to particles that touch. "merge" merges them at the end of the
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
@@ -123,8 +123,8 @@ use crate::walls;
 ///     Maximum number of subdivisions of the tree; the default never prevents a split.
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
-///     default, takes as many as the scene needs: 4 with attractors, gravitation or springs, or
-///     with gravity and a restitution below 1; otherwise 1. A step whose particles travel far is
+///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
+///     accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
 ///     divided into parts, which share the sub-steps; each part has at least one.
 /// sleeping : bool, default True
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the
@@ -146,12 +146,21 @@ use crate::walls;
 /// jostle.scenes.create : The world of a named scene.
 /// WorldContacts, WallContacts : Pairs and walls that touched, with impulses.
 ///
+/// Notes
+/// -----
+/// Between collisions dv/dt = gravity - drag v + a, where a is the acceleration by `forces` and by
+/// `accelerations`. Surfaces that touch and approach at the normal speed u separate at e u, where e
+/// is the coefficient of restitution. An impulse P along the normal allows a friction impulse of at
+/// most μ P, where μ is the coefficient of friction.
+///
 /// References
 /// ----------
 /// O. R. Walton, *Numerical simulation of inelastic, frictional particle-particle interactions*,
 /// in: Particulate Two-Phase Flow (1993), for friction in bounces.
 /// E. Catto, *Iterative Dynamics with Temporal Coherence*, Game Developers Conference (2005), for
 /// resting contacts.
+/// B. D. Lubachevsky, *How to Simulate Billiards and Similar Systems*, Journal of Computational
+/// Physics 94 (1991), for collisions in the order of time.
 ///
 /// Examples
 /// --------

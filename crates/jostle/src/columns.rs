@@ -69,6 +69,30 @@ impl<T: Scalar> Columns<T> {
         self.fill(shapes, threads, |place| rows[place] as usize)
     }
 
+    /// A copy.
+    pub fn copied(&self) -> Result<Self> {
+        fn copy<V: Copy>(column: &[V]) -> Result<Vec<V>> {
+            memory::collect(column.iter().copied())
+        }
+        Ok(Self {
+            len: self.len,
+            x: copy(&self.x)?,
+            y: copy(&self.y)?,
+            max_x: copy(&self.max_x)?,
+            max_y: copy(&self.max_y)?,
+            radius: copy(&self.radius)?,
+            half_x: copy(&self.half_x)?,
+            half_y: copy(&self.half_y)?,
+            category: copy(&self.category)?,
+            mask: copy(&self.mask)?,
+        })
+    }
+
+    /// Increases all radii.
+    pub fn grow(&mut self, by: T) {
+        self.radius[..self.len].iter_mut().for_each(|radius| *radius = *radius + by);
+    }
+
     /// Removes all shapes and keeps the capacity.
     pub fn clear(&mut self) {
         self.len = 0;

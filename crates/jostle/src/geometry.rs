@@ -50,6 +50,8 @@ pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
     fn from_f64(value: f64) -> Self;
     /// One divided by the value.
     fn recip(self) -> Self;
+    /// The remainder of a division, exact, with the sign of the value.
+    fn remainder(self, divisor: Self) -> Self;
     /// The total order of IEEE 754, in which −0 precedes 0.
     fn total_order(&self, other: &Self) -> Ordering;
     /// The smaller of two numbers.
@@ -102,6 +104,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn recip(self) -> Self {
                 1.0 / self
+            }
+            #[inline(always)]
+            fn remainder(self, divisor: Self) -> Self {
+                self % divisor
             }
         }
     };
@@ -207,11 +213,24 @@ impl<T: Scalar> Shape<T> {
         [0, 1].map(|axis| if self.is_box(axis) { own(axis) } else { self.half_size[axis] })
     }
 
+    /// The same shape moved by `-shift`.
+    #[inline(always)]
+    pub fn moved(&self, shift: [T; 2]) -> Self {
+        let by = |v: [T; 2]| [v[0] - shift[0], v[1] - shift[1]];
+        Self { min: by(self.min), max: by(self.max), ..*self }
+    }
+
     /// Lower and upper corner of the core; rounded if the shape has a `half_size`.
     pub fn core(&self) -> [T; 4] {
         let low = |axis: usize| self.min[axis] - self.half_size[axis];
         let high = |axis: usize| self.max[axis] + self.half_size[axis];
         [low(0), low(1), high(0), high(1)]
+    }
+
+    /// Whether the filters of two shapes let them pair.
+    #[inline(always)]
+    pub fn may_pair(&self, other: &Self) -> bool {
+        (self.category & other.mask) != 0 && (other.category & self.mask) != 0
     }
 
     /// Whether the core is a point.

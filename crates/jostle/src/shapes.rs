@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
+use crate::period::Period;
 
 /// The category of a shape without one.
 pub const DEFAULT_CATEGORY: u32 = 1;
@@ -40,6 +41,12 @@ pub enum Each<V> {
 impl<V> Default for Each<V> {
     fn default() -> Self {
         Self::Rows(Vec::new())
+    }
+}
+
+impl<V> From<V> for Each<V> {
+    fn from(value: V) -> Self {
+        Self::One(value)
     }
 }
 
@@ -127,9 +134,11 @@ pub struct Shapes<T> {
     pub boxes: Option<Vec<[T; 4]>>,
     /// Categories and masks; None if all shapes may pair.
     pub filters: Option<[Each<u32>; 2]>,
+    /// The period of the plane that they are in. Their centres are in the first period.
+    pub period: Period<T>,
 }
 
-impl<T> Default for Shapes<T> {
+impl<T: Default> Default for Shapes<T> {
     fn default() -> Self {
         Self {
             centers: Vec::new(),
@@ -137,6 +146,7 @@ impl<T> Default for Shapes<T> {
             half_sizes: None,
             boxes: None,
             filters: None,
+            period: Period::default(),
         }
     }
 }
@@ -154,7 +164,8 @@ impl<T: Scalar> Shapes<T> {
         half_sizes: Option<Each<[T; 2]>>,
         filters: Option<[Each<u32>; 2]>,
     ) -> Result<Self> {
-        let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters };
+        let period = Period::default();
+        let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters, period };
         check_finite("centers", &shapes.centers)?;
         shapes.validate("centers")?;
         shapes.radii = shapes.radii.simplified();
@@ -170,7 +181,9 @@ impl<T: Scalar> Shapes<T> {
     ) -> Result<Self> {
         check_boxes("boxes", &boxes)?;
         let centers = boxes.iter().map(middle_of).collect();
-        let shapes = Self { centers, radii, half_sizes: None, boxes: Some(boxes), filters };
+        let period = Period::default();
+        let (half_sizes, boxes) = (None, Some(boxes));
+        let shapes = Self { centers, radii, half_sizes, boxes, filters, period };
         shapes.validate("boxes")?;
         Ok(shapes)
     }
@@ -189,7 +202,42 @@ impl<T: Scalar> Shapes<T> {
         self.radii.check(|radii| check_radii("radii", radii))?;
         let Some(half_sizes) = &self.half_sizes else { return Ok(()) };
         half_sizes.check_len("half_sizes", len)?;
-        check_each_half_size(half_sizes)
+        check_each_half_size("half_sizes", half_sizes)
+    }
+
+    /// The same shapes in a periodic plane, with their centres in the first period.
+    pub fn in_period(mut self, period: Period<T>) -> Self {
+        self.period = period;
+        if period.is_none() {
+            return self;
+        }
+        if let Some(boxes) = &mut self.boxes {
+            for (corners, center) in boxes.iter_mut().zip(&mut self.centers) {
+                let [[min_x, min_y], [max_x, max_y]] = period.wrap_corners(self::corners(corners));
+                *corners = [min_x, min_y, max_x, max_y];
+                *center = middle_of(corners);
+            }
+        } else {
+            self.centers.iter_mut().for_each(|center| *center = period.wrap(*center));
+        }
+        self
+    }
+
+    /// The same shapes with radii larger by half of `distance`, so that two of them overlap if the
+    /// gap between them was less than that. Refuses a distance that is out of range.
+    pub fn grown(mut self, distance: T) -> Result<Self> {
+        let by = half_of(distance)?;
+        if by == T::ZERO {
+            return Ok(self);
+        }
+        self.radii = match self.radii {
+            Each::One(radius) => Each::One(radius + by),
+            Each::Rows(mut radii) => {
+                radii.iter_mut().for_each(|radius| *radius = *radius + by);
+                Each::Rows(radii)
+            }
+        };
+        Ok(self)
     }
 
     /// Number of shapes.
@@ -238,6 +286,19 @@ pub fn fill_filters(
         categories.push(category);
         masks.push(mask);
     }
+}
+
+/// Half of the distance of a search for shapes near each other, by which the radius of each is
+/// increased. Refuses a distance that is negative, not finite, or out of range.
+pub fn half_of<T: Scalar>(distance: T) -> Result<T> {
+    let [min, max] = T::RADII;
+    let half = distance * T::from_f64(0.5);
+    if half == T::ZERO && distance == T::ZERO || (half >= min && half <= max) {
+        return Ok(half);
+    }
+    let [min, max] = [min, max].map(|limit| 2.0 * limit.to_f64());
+    let rule = format!("it must be 0, or between {min:e} and {max:e}");
+    Err(Error::of("distance", distance, &rule))
 }
 
 /// Lower and upper corner of a box.
@@ -340,11 +401,14 @@ fn check_each<T: Scalar>(
 }
 
 /// Refuses invalid half sizes.
-pub fn check_each_half_size<T: Scalar>(half_sizes: &Each<[T; 2]>) -> Result<()> {
+pub fn check_each_half_size<T: Scalar>(
+    argument: &'static str,
+    half_sizes: &Each<[T; 2]>,
+) -> Result<()> {
     half_sizes.check(|sizes| {
         let fits = |v: T| (v >= T::ZERO) & (v <= T::MAX_SIZE);
         let bad = |size: &[T; 2]| !(fits(size[0]) & fits(size[1]));
         let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
-        check_half_sizes("half_sizes", &sizes[row]).map_err(|error| error.in_row(row))
+        check_half_sizes(argument, &sizes[row]).map_err(|error| error.in_row(row))
     })
 }

@@ -15,6 +15,8 @@ mod limits;
 mod merging;
 mod motors;
 mod moving_walls;
+mod neighbors;
+mod periodic;
 mod physics;
 mod query;
 mod scenes;

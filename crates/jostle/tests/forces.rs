@@ -77,7 +77,21 @@ fn accelerations(
     threads: Option<usize>,
 ) -> Vec<[f32; 2]> {
     let radii = vec![0.0; masses.len()];
-    let bodies = Bodies { positions, masses, radii: &radii, places: &[], container, threads };
+    let (velocities, rows) =
+        (&vec![[0.0; 2]; radii.len()], &(0..radii.len() as u32).collect::<Vec<_>>());
+    let (radii, places, seconds, method) = (&radii[..], &[][..], 0.0, Method::Quadtree);
+    let bodies = Bodies {
+        positions,
+        velocities,
+        masses,
+        radii,
+        rows,
+        places,
+        container,
+        seconds,
+        method,
+        threads,
+    };
     let mut found = Vec::new();
     let force = Force::Gravitation(gravitation);
     forces::accelerate(&[force], &bodies, &mut forces::Scratch::default(), &mut found);

@@ -251,7 +251,7 @@ fn an_undone_step_heats_nothing() {
 
 #[test]
 fn wrong_ones_are_refused() {
-    let refusal = |all: &[Force]| forces::validate(all, |id| id == 0).unwrap_err().to_string();
+    let refusal = |all: &[Force]| forces::validate(all, 1, |id| id == 0).unwrap_err().to_string();
     let hot = |temperature| Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, seed: 0 });
     assert_eq!(refusal(&[hot(0.0)]), "temperature is 0; it must be above 0");
     assert!(refusal(&[hot(f32::NAN)]).starts_with("temperature is NaN; it must be finite"));

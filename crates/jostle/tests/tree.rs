@@ -140,6 +140,7 @@ fn permuted(shapes: &Shapes<f32>, order: &[u32]) -> Shapes<f32> {
             .filters
             .as_ref()
             .map(|filters| filters.each_ref().map(|each| pick(each, order))),
+        period: shapes.period,
     }
 }
 

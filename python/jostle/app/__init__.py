@@ -6,12 +6,12 @@ The packages and modules form layers. Each uses only those above it:
 simulate                settings, simulations, the engine that steps them, history
 draw                    painters, and the layers of a frame
 measure                 times, pairs, energy and momentum over time
-act                     user actions: keymap, mouse, tools, commands on particles
+act                     user actions: mouse, tools, commands on particles
 race                    comparison of two methods on the same scene
 runner                  scenes, settings and time of a session
 storage                 scene files, videos, tables, TOML
 session                 everything between the window and the simulation
-gui                     the host of ImGui, and the input of the window
+gui                     the host of ImGui; the keymap and the input of the window
 panels                  panels and menus, built with ImGui
 window                  the interactive loop
 headless, film_report   the run without a window, and its table

@@ -11,10 +11,10 @@ from typing import Literal
 from rich.table import Table
 
 import jostle
-from jostle.app.draw.formatting import method_name, pairs_of, share
+from jostle.app.draw.formatting import pairs_of, share
 from jostle.app.headless import Film
 from jostle.app.simulate.article_simulation import article_of
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.settings import METHODS, Settings
 from jostle.app.simulate.simulation import Frame, Rect, Simulation
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
 
@@ -37,7 +37,7 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     if isinstance(simulation, WorldSimulation):
         simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
-    table = Table(title=f"{simulation.scene}, {method_name(simulation.method)}", title_style="bold")
+    table = Table(title=f"{simulation.scene}, {METHODS[simulation.method]}", title_style="bold")
     table.show_header = False
     table.add_column()
     table.add_column(justify="right")

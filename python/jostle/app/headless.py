@@ -86,7 +86,7 @@ def make_film(
         start = time.perf_counter()
         picture.draw(painter, engine.frame, camera, options)
         rate = step / spent if spent else None
-        readout.draw(painter, engine, ("steps/s", rate), now)
+        readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
     with VideoWriter(video, size, FRAME_RATE) as recorder, _progress(console) as progress:

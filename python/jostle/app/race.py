@@ -7,18 +7,19 @@ from dataclasses import replace
 import pygame
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.formatting import method_name, scientific
+from jostle.app.draw.formatting import scientific
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.text import BODY, SMALL, font, panel, write
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.settings import METHODS, MOST_RUNNING
 from jostle.app.simulate.simulation import FrameRequest, StepStats
 from jostle.app.simulate.start import start
 
 # Largest numbers of particles; with more a step takes longer than a second.
-MOST = {"brute": 30_000, "article-quadtree": 8_000, "article-brute": 1_500}
+MOST = {"brute": MOST_RUNNING["brute"], "article-quadtree": 8_000, "article-brute": 1_500}
 SMOOTH = 0.2  # weight of a new measurement
 EVERY = 0.2  # seconds between updates of the numbers
 PAD, EDGE, WIDEST = 12, 12, 420  # pixels
@@ -27,11 +28,11 @@ PAD, EDGE, WIDEST = 12, 12, 420  # pixels
 def refusal(left: str, right: str, n: int) -> str | None:
     """Return why two methods cannot be compared with n particles, or None."""
     if left == right:
-        return f"A comparison needs two methods, and {method_name(left)} runs already."
+        return f"A comparison needs two methods, and {METHODS[left]} runs already."
     for method in (left, right):
         most = MOST.get(method, n)
         if n > most:
-            name = method_name(method)
+            name = METHODS[method]
             return f"With more than {most:,} particles {name} is too slow for a comparison."
     return None
 
@@ -136,7 +137,7 @@ def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surfa
     """Return the heading of a half: the method and its numbers."""
     line, small = font(BODY).get_linesize(), font(SMALL).get_linesize()
     sheet = panel((max(width, 64), 2 * PAD + line + 2 * small + 8))
-    write(sheet, (PAD, PAD), method_name(contestant.engine.settings.method), TEXT, BODY)
+    write(sheet, (PAD, PAD), METHODS[contestant.engine.settings.method], TEXT, BODY)
     if ahead:
         write(sheet, (width - PAD, PAD), "ahead", ACCENT, BODY, flush_right=True)
     numbers = [
@@ -145,9 +146,10 @@ def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surfa
         ("simulated", f"{contestant.stats.time:.1f} s"),
         ("kinetic", scientific(contestant.stats.kinetic_energy)),
     ]
-    column = (width - 2 * PAD) // len(numbers)
-    for k, (name, value) in enumerate(numbers):
-        x = PAD + k * column
-        write(sheet, (x, PAD + line + 4), name, TEXT_SOFT, SMALL)
-        write(sheet, (x, PAD + line + 4 + small), value, TEXT, SMALL)
+    columns = [max(font(SMALL).size(text)[0] for text in number) for number in numbers]
+    gap, x = (width - 2 * PAD - sum(columns)) / (len(numbers) - 1), float(PAD)
+    for (name, value), column in zip(numbers, columns, strict=True):
+        write(sheet, (round(x), PAD + line + 4), name, TEXT_SOFT, SMALL)
+        write(sheet, (round(x), PAD + line + 4 + small), value, TEXT, SMALL)
+        x += column + gap
     return sheet

@@ -11,7 +11,6 @@ import jostle
 from jostle.app.act.interaction import Interaction
 from jostle.app.act.messages import Messages
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.formatting import method_name
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.view_options import ViewOptions
@@ -21,17 +20,11 @@ from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.engine import Engine, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
-from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
+from jostle.app.simulate.simulation import FrameRequest, Simulation
 from jostle.app.simulate.start import start
 from jostle.app.simulate.switch_rules import switch_rules
-
-_OTHER_METHOD = {
-    "quadtree": "brute",
-    "brute": "quadtree",
-    "article-quadtree": "article-brute",
-    "article-brute": "article-quadtree",
-}
+from jostle.app.simulate.validation import check
 
 # Settings whose change does work on the particles, or shifts the zero of their energy.
 CHANGES_ENERGY = {"n", "gravity", "world_size", "container"}
@@ -64,16 +57,6 @@ class Runner:
         self.statistics = Statistics()
         self.paused = False
         self._begin_history(engine.simulation)
-
-    @property
-    def frame(self) -> Frame:
-        """Return the last frame."""
-        return self.engine.frame
-
-    @property
-    def settings(self) -> Settings:
-        """Return the present settings."""
-        return self.engine.settings
 
     # Scenes
 
@@ -126,7 +109,7 @@ class Runner:
     @property
     def _next_settings(self) -> Settings:
         """Return the settings of the simulation that is being made, or of the present one."""
-        return self.loader.settings or self.settings
+        return self.loader.settings or self.engine.settings
 
     @property
     def _first_request(self) -> FrameRequest:
@@ -156,17 +139,17 @@ class Runner:
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
         self._begin_history(new.simulation, new.state)
-        self._interaction.attractors.adopt(self.frame)
+        self._interaction.attractors.adopt(self.engine.frame)
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
-        self.statistics.sum_up(self.frame)
+        self.statistics.sum_up(self.engine.frame)
         if moved:
             self._camera.look_at(new.simulation.view)
         if then is not None:
             then()
 
     def _run_name(self, *, other: bool = False) -> str:
-        return f"{self.engine.scene} {self.settings.by_article != other}"
+        return f"{self.engine.scene} {self.engine.settings.by_article != other}"
 
     @property
     def other_change(self) -> float | None:
@@ -177,6 +160,9 @@ class Runner:
 
     def adjust(self, name: str, value: Any) -> None:
         """Change a setting: while the scene runs if possible, else by beginning it again."""
+        if wrong := check(name, value, RULES[name]):
+            self._messages.say(wrong)
+            return
         live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
         if live and name == "n":
             self._set_count(value)
@@ -196,7 +182,7 @@ class Runner:
         def then() -> None:
             if refusals[0]:
                 self._messages.say(f"{refusals[0]} So the scene begins anew.")
-                self.begin(replace(self.settings, n=n))
+                self.begin(replace(self.engine.settings, n=n))
 
         self.engine.edit(
             lambda simulation: refusals.append(simulation.adjust("n", n)),
@@ -206,8 +192,8 @@ class Runner:
 
     def choose_method(self, method: str) -> None:
         """Change the method; if the rules change, too, the particles stay the same."""
-        settings = replace(self.settings, method=method)
-        if self.race or settings.by_article == self.settings.by_article:
+        settings = replace(self.engine.settings, method=method)
+        if self.race or settings.by_article == self.engine.settings.by_article:
             self.adjust("method", method)
         else:
             # After the current step, whose result is kept.
@@ -219,9 +205,9 @@ class Runner:
             )
 
     def _switch_rules(self, settings: Settings) -> None:
-        if settings.by_article and len(self.frame.walls):
+        if settings.by_article and len(self.engine.frame.walls):
             self._messages.say(f"{NO_WALLS} They are removed.")
-        create = partial(switch_rules, settings, self.frame, self.engine.view)
+        create = partial(switch_rules, settings, self.engine.frame, self.engine.view)
         self.replace(create, "Switching the rules …")
 
     def switch_method(self) -> None:
@@ -229,8 +215,8 @@ class Runner:
         if self.race:
             self._messages.say("Both methods run side by side; Q ends that.")
             return
-        method = _OTHER_METHOD[self.settings.method]
-        self._messages.say(f"Method: {method_name(method)}")  # before an error message
+        method = other_method(self.engine.settings.method)
+        self._messages.say(f"Method: {METHODS[method]}")  # before an error message
         self.adjust("method", method)
 
     # Comparison of two methods
@@ -240,16 +226,16 @@ class Runner:
         if self.race:
             self.end_race()
             return
-        method = method or _OTHER_METHOD[self.settings.method]
-        count = max(len(self.frame), expected(self._next_settings))
-        if reason := refusal(self.settings.method, method, count):
+        method = method or other_method(self.engine.settings.method)
+        count = max(len(self.engine.frame), expected(self._next_settings))
+        if reason := refusal(self.engine.settings.method, method, count):
             self._messages.say(reason)
         else:
             self.begin(self._next_settings, then=partial(self._start_race, method))
 
     def _start_race(self, method: str) -> None:
         self.end_race()
-        reason = refusal(self.settings.method, method, len(self.frame))
+        reason = refusal(self.engine.settings.method, method, len(self.engine.frame))
         if reason:
             self._messages.say(reason)
         else:
@@ -281,9 +267,9 @@ class Runner:
         engine.request = replace(request, energies=energies)
         if statistics.reference is None and (self.paused or not len(statistics.sums)):
             # The reference is this state, not the next one.
-            if self.frame.energies is None:
+            if self.engine.frame.energies is None:
                 engine.refresh()
-            statistics.sum_up(self.frame)
+            statistics.sum_up(self.engine.frame)
         steps = 0
         if self.paused:
             self._interaction.place_held()
@@ -299,7 +285,11 @@ class Runner:
         self._camera.follow(engine.view)
         self._interaction.follow()
         statistics.follow(
-            self.frame, now, elapsed, running=not self.paused, step_seconds=engine.step_seconds
+            self.engine.frame,
+            now,
+            elapsed,
+            running=not self.paused,
+            step_seconds=engine.step_seconds,
         )
         return steps
 
@@ -312,7 +302,7 @@ class Runner:
 
     def scale_time(self, factor: float) -> None:
         """Multiply the speed."""
-        scale = min(max(self.settings.time_scale * factor, SLOWEST), FASTEST)
+        scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
         self._messages.say(f"Speed × {scale:.4g}")
 
@@ -347,7 +337,7 @@ class Runner:
 
         def then() -> None:
             self.picture = Picture()
-            self._interaction.attractors.adopt(self.frame)
+            self._interaction.attractors.adopt(self.engine.frame)
 
         self.engine.edit(restore, changes=False, then=then)
 
@@ -370,4 +360,4 @@ class Runner:
         if self.race:
             self.race.draw(painter, self.picture, self._camera, options, self._messages.now)
         else:
-            self.picture.draw(painter, self.frame, self._camera, options)
+            self.picture.draw(painter, self.engine.frame, self._camera, options)

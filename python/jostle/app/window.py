@@ -12,18 +12,14 @@ import pygame
 from jostle import interrupt
 from jostle.app import panels
 from jostle.app.act.explanation_view import draw_explanation
-from jostle.app.act.help_overlay import draw_help
 from jostle.app.act.interaction_view import draw_interaction
 from jostle.app.draw.background_render import BackgroundRenderer
 from jostle.app.draw.camera import Camera, Size
-from jostle.app.draw.notices import draw_hint, draw_notice, draw_recording
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.readout import SPACE, Readout
 from jostle.app.draw.screen import FAILURES, Screen
 from jostle.app.gui.host import Gui
 from jostle.app.gui.input import Input
 from jostle.app.gui.layout import arrange
-from jostle.app.panels import menus
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Simulation
 
@@ -59,6 +55,8 @@ class Window:
     ----------
     builders
         Functions that build panels and menus, in this order.
+    background
+        Draws the scene, slow frames on a worker thread.
     """
 
     def __init__(
@@ -71,15 +69,13 @@ class Window:
         synchronous: bool = False,
     ) -> None:
         self.screen = Screen(size, renderer)
-        self.session = Session(simulation, self.painter.size, left=SPACE, synchronous=synchronous)
-        self.readout = Readout()
-        self.builders: list[Builder] = [panels.build, menus.build]
+        self.session = Session(simulation, self.painter.size, synchronous=synchronous)
+        self.builders: list[Builder] = [panels.build]
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
-        self._background = BackgroundRenderer()
+        self.background = BackgroundRenderer()
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
-        self._rate: float | None = None
         self._seen = True
         self._lively = LIVELY  # frames in which panels are built
         self._since_panels = 0.0
@@ -96,7 +92,6 @@ class Window:
             while self.session.open:
                 interrupt.check()
                 clock.tick(FRAME_RATE if self._seen else HIDDEN_FRAME_RATE)
-                self._rate = clock.get_fps() or None
                 now = time.perf_counter()  # more precise than the clock
                 self.frame(now - last)
                 last = now
@@ -111,7 +106,7 @@ class Window:
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
-            closing.callback(self._background.close)
+            closing.callback(self.background.close)
             closing.callback(self.session.close)
 
     def frame(self, elapsed: float) -> None:
@@ -120,9 +115,7 @@ class Window:
         self.session.messages.now += elapsed
         self.take_events()
         self.input.hold(elapsed)
-        steps = self.session.advance(elapsed)
-        if steps:
-            self.readout.measure(**self.session.frame.stats.stage_times)
+        self.session.advance(elapsed)
         if self._last_step is not None and self.session.engine.steps >= self._last_step:
             self.session.quit()
         caption = f"jostle · {self.session.engine.scene}"
@@ -185,7 +178,6 @@ class Window:
         self._draw_scene()
         self._draw_overlays()
         drawn = time.perf_counter()
-        self.readout.measure(draw=(drawn - start) * 1e3)
         self._draw_panels(elapsed)
         panel_time = time.perf_counter() - drawn
         self.session.runner.statistics.measure(draw=(drawn - start) * 1e3, panels=panel_time * 1e3)
@@ -205,38 +197,17 @@ class Window:
         def draw(painter: Painter, camera: Camera) -> None:
             picture.draw(painter, frame, camera, options)
 
-        self._background.draw(self.painter, session.camera, len(frame), draw)
+        self.background.draw(self.painter, session.camera, len(frame), draw)
 
     def _draw_overlays(self) -> None:
-        session, painter = self.session, self.painter
+        """Draw the selection, the current drag, and the shapes of an explanation."""
+        session, interaction = self.session, self.session.interaction
         draw_interaction(
-            painter,
-            session.frame,
-            session.interaction.selection,
-            session.interaction.tools.preview,
+            *(self.painter, session.frame, interaction.selection, interaction.tools.preview),
             session.camera,
         )
         if session.explanation is not None:
-            draw_explanation(painter, session.explanation, session.camera)
-        panels_shown = self.builders and session.view_options.panels
-        if not panels_shown and painter.size[0] >= 2 * SPACE:
-            self.readout.draw(
-                painter,
-                session.engine,
-                ("FPS", self._rate),
-                session.messages.now,
-                paused=session.runner.paused,
-            )
-        if session.message:
-            camera = session.camera
-            middle = (camera.left + painter.size[0] - camera.right) / 2
-            draw_notice(painter, session.message, middle)
-        if session.view_options.help:
-            draw_help(painter)
-        else:
-            draw_hint(painter, session.camera.right)
-        if session.files.recording is not None:
-            draw_recording(painter, session.files.recording.seconds, session.camera.right)
+            draw_explanation(self.painter, session.explanation, session.camera)
 
     def _draw_panels(self, elapsed: float) -> None:
         """Draw panels and menus; without events they are not built in every frame."""

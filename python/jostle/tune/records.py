@@ -42,7 +42,7 @@ def rows(tuning: Tuning) -> Iterator[dict[str, object]]:
 
 
 def write(tuning: Tuning, path: Path) -> None:
-    """Write the file anew."""
+    """Write the file."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()

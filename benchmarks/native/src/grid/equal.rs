@@ -1,5 +1,6 @@
-//! Discs of one size: cells at least as wide and as high as a disc, and a look at half of
-//! the neighbours, the rest of the own row and three cells of the row below.
+//! Discs of one size. Cells are at least as wide and as high as a disc. Each disc is tested
+//! against half of the neighbouring cells: the rest of its own row and three cells of the row
+//! below.
 
 use std::ops::Range;
 
@@ -10,7 +11,7 @@ use crate::rivals::Pair;
 use crate::scenes::Shapes;
 use crate::simd::{Lanes, Level, Output, Work};
 
-/// Cells are larger than discs by more than float32 can be wrong about 32,768 of them.
+/// Cells are larger than discs by more than the rounding error of float32 over 32,768 cells.
 const SLACK: f32 = 1.0 + 1.0 / 64.0;
 
 pub fn pairs(shapes: &Shapes, cell: CellSize, level: Level, threads: usize) -> Vec<Pair> {

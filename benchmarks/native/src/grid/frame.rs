@@ -1,4 +1,4 @@
-//! Where the cells lie: which cell a point is in, without a branch.
+//! The cells of the grid: the cell of a point, without a branch.
 
 use crate::scenes::Shapes;
 
@@ -11,7 +11,7 @@ pub struct CellSize {
     pub height: f32,
 }
 
-/// Cells along one axis at most; coordinates of cells stay exact in float32.
+/// Maximum number of cells along an axis; coordinates of cells are exact in float32.
 const MOST_CELLS: f32 = 32_768.0;
 
 /// Added to a number below 2²², this leaves it rounded to a whole number in the last bits.
@@ -45,7 +45,7 @@ impl Axis {
         place.to_bits().wrapping_sub(ROUNDING.to_bits())
     }
 
-    /// The cell of a coordinate that may lie outside.
+    /// The cell of a coordinate that may be outside.
     #[inline(always)]
     pub fn cell_clamped(&self, coordinate: f32) -> usize {
         let place = ((coordinate - self.start) * self.per_unit).clamp(0.0, MOST_CELLS);
@@ -54,7 +54,7 @@ impl Axis {
     }
 }
 
-/// The least and the greatest, in streams so that vectors can be used.
+/// The minimum and the maximum, in several streams, so that vectors can be used.
 #[inline(always)]
 fn range(coordinates: &[f32]) -> (f32, f32) {
     const STREAMS: usize = 32;
@@ -72,8 +72,8 @@ fn range(coordinates: &[f32]) -> (f32, f32) {
     (low, high.iter().chain(rest).copied().fold(f32::NEG_INFINITY, more))
 }
 
-/// Cells in rows. A row has an empty cell before and behind it, and an empty row follows
-/// the last, so that no neighbour of a cell has to be looked for at another place.
+/// Cells in rows. There is an empty cell before and after each row, and an empty row after the
+/// last, so that the neighbours of a cell are always adjacent.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// Along a row.
@@ -95,7 +95,7 @@ impl Frame {
         self.x.cells + 2
     }
 
-    /// Cells in all.
+    /// Total number of cells.
     pub fn cells(&self) -> usize {
         self.stride() * (self.y.cells + 1)
     }

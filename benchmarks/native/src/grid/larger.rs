@@ -1,5 +1,5 @@
-//! Shapes of different sizes: each looks for those that are smaller than itself, as far as
-//! such a one can be away. Small ones look near, few large ones far.
+//! Shapes of different sizes. Each is tested against smaller ones, within the distance at which
+//! they can overlap. So the search is short for small shapes, and long for few large ones.
 
 use std::ops::Range;
 
@@ -51,7 +51,7 @@ fn around<const KIND: Kind, L: Lanes>(
     let Sorted { frame, starts, columns } = sorted;
     let (x, y, size) = (columns.x()[row], columns.y()[row], columns.size()[row]);
     let [width, height] = columns.half().map_or([size; 2], |half| half.map(|half| half[row]));
-    // A little more than the reach, so that rounding cannot hide a neighbour.
+    // Slightly larger than the distance, because of rounding.
     let reach = |half: f32, center: f32| half + size + 1e-6 * (half + size + center.abs());
     let (reach_x, reach_y) = (reach(width, x), reach(height, y));
     let columns_of = frame.x.cell_clamped(x - reach_x)..frame.x.cell_clamped(x + reach_x) + 1;

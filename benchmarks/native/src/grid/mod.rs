@@ -1,10 +1,9 @@
-//! The best uniform grid we can build: the honest rival of every tree.
+//! A uniform grid, the fastest that we could write, to compare trees with.
 //!
-//! Shapes are sorted by counting into cells that lie row after row, so that neighbouring
-//! cells of a row are one range of the columns. Each shape is kept once, in the cell of its
-//! centre, so that no pair comes up twice. Where sizes differ, the larger of two shapes looks
-//! for the smaller, which need not look as far as the largest shape there is, and nothing has
-//! to be registered in every cell that it touches.
+//! Shapes are sorted by counting into cells in rows, so that neighbouring cells of a row are one
+//! range of the columns. Each shape is stored once, in the cell of its centre, so no pair is found
+//! twice. If sizes differ, a pair is found from its larger shape. So the search of a small shape
+//! does not depend on the largest one, and no shape is stored in every cell that it touches.
 
 mod equal;
 mod frame;
@@ -25,7 +24,7 @@ use crate::simd::{Lanes, Level, Work};
 use frame::Frame;
 use sorted::Sorted;
 
-/// Bands of rows for each thread, so that one that is delayed does less.
+/// Bands of rows for each thread, so that a delayed thread does less.
 const BANDS_EACH: usize = 4;
 
 /// Whether all shapes are discs of one size.
@@ -33,8 +32,8 @@ pub fn are_equal_discs(shapes: &Shapes) -> bool {
     !shapes.has_boxes() && shapes.radius.iter().all(|&radius| radius == shapes.radius[0])
 }
 
-/// All overlapping pairs, rows `i < j`. The size of cells is the caller's to tune; it is made
-/// larger where the answer would not be exact otherwise. One thread sorts, all look for pairs.
+/// All overlapping pairs, rows `i < j`. The caller chooses the size of cells; it is increased if
+/// the answer would not be exact otherwise. One thread sorts, all search.
 pub fn pairs(shapes: &Shapes, cell: CellSize, level: Level, threads: usize) -> Vec<Pair> {
     if shapes.len() < 2 {
         Vec::new()
@@ -60,7 +59,7 @@ impl Work for Sort<'_> {
     }
 }
 
-/// The pairs of all of `0..all`, in a band for one thread, in some more for more of them.
+/// The pairs of `0..all`, in one band for one thread, in several for more threads.
 fn in_bands(
     all: usize,
     threads: usize,

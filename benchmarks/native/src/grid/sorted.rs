@@ -1,27 +1,27 @@
-//! Shapes in the order of their cells, by counting, twice: first into blocks of neighbouring
-//! cells, then within each block, so that neither pass writes all over the memory.
+//! Shapes in the order of their cells, by two counting sorts: first into blocks of neighbouring
+//! cells, then within each block. So neither pass writes to the whole memory at random.
 
 use super::frame::Frame;
 use crate::scenes::Shapes;
 use crate::simd::{Columns, SPARE};
 
-/// Shapes in a block, about; with the cells they fit into the processor's second cache.
+/// Approximate number of shapes in a block; with the cells they fit into the second-level cache.
 const BLOCK: usize = 4096;
 
-/// Sorted shapes, and where each cell begins; the cell behind the last begins at the end.
+/// Sorted shapes, and the start of each cell; the cell after the last one starts at the end.
 #[derive(Debug)]
 pub struct Sorted {
-    /// Where the cells lie.
+    /// The cells of the grid.
     pub frame: Frame,
-    /// Where each cell begins.
+    /// The start of each cell.
     pub starts: Vec<u32>,
     /// The shapes.
     pub columns: Columns,
 }
 
 impl Sorted {
-    /// Sorts `shapes`; sizes are kept where `sized`. A size is a disc's radius or the longer
-    /// half side of a rectangle.
+    /// Sorts `shapes`; sizes are kept if `sized`. A size is a disc's radius or the longer half
+    /// side of a rectangle.
     #[inline(always)]
     pub fn new(shapes: &Shapes, frame: Frame, sized: bool) -> Self {
         let records = in_blocks(shapes, &frame);
@@ -47,10 +47,10 @@ fn column_of(ids: &[u32], value: impl Fn(usize) -> f32) -> Vec<f32> {
     column
 }
 
-/// A shape on its way: bits of x and y, cell, row.
+/// A shape during the sort: bits of x and y, cell, row.
 type Record = [u32; 4];
 
-/// The shapes with blocks of neighbouring cells together.
+/// The shapes, grouped by blocks of neighbouring cells.
 #[inline(always)]
 fn in_blocks(shapes: &Shapes, frame: &Frame) -> Vec<Record> {
     let shift = block_shift(shapes.len(), frame.cells());
@@ -78,10 +78,10 @@ fn block_shift(len: usize, cells: usize) -> u32 {
     cells.div_ceil(blocks).next_power_of_two().ilog2()
 }
 
-/// Where each cell begins, and the columns x, y and id in the order of cells.
+/// The start of each cell, and the columns x, y and id in the order of cells.
 #[inline(always)]
 fn in_cells(records: &[Record], cells: usize) -> (Vec<u32>, Vec<f32>, Vec<f32>, Vec<u32>) {
-    // While placing, the count of a cell stands two further on, its next free place one.
+    // During the sort the count of a cell is two places further, its next free place one.
     let mut starts = vec![0u32; cells + 2];
     for record in records {
         starts[record[2] as usize + 2] += 1;

@@ -15,7 +15,7 @@ fn brute(shapes: &Shapes) -> Vec<Pair> {
     pairs::brute(&columns, Some(1), usize::MAX).expect("any number of pairs").pairs
 }
 
-/// Those that this processor has.
+/// The levels of this processor.
 fn levels() -> Vec<Level> {
     let all = [Level::Plain, Level::Avx2, Level::Avx512];
     all.into_iter().filter(|&level| level.is_there()).collect()
@@ -28,7 +28,7 @@ fn every_kernel_finds_what_brute_force_finds() {
         let expected = brute(&shapes);
         assert!(expected.len() > COUNT / 4, "{} has pairs to find", scene.name);
         for level in levels() {
-            // Narrow and low, wide and high, and all in one cell: strips of more than 256.
+            // Small and large cells, and one cell for all: strips of more than 256.
             for [width, height] in [[0.1, 3.0], [5.0, 1.0], [1e6, 4.0], [1e6, 1e6]] {
                 for threads in [1, 2] {
                     let cell = CellSize { width, height };

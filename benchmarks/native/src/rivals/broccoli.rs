@@ -26,7 +26,7 @@ fn one_thread(shapes: &Shapes) -> Vec<Pair> {
     pairs
 }
 
-/// Runs on rayon's pool, which the caller has given as many threads as it wants.
+/// Runs on rayon's pool, whose number of threads the caller has set.
 fn many_threads(shapes: &Shapes) -> Vec<Pair> {
     let mut entries = entries(shapes);
     let mut tree = Tree::par_new(&mut entries);

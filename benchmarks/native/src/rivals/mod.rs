@@ -1,7 +1,7 @@
-//! The ways to find all overlapping pairs that are compared.
+//! The compared libraries that find all overlapping pairs.
 //!
-//! Each gets the same columns and gives rows `i < j`, every pair once, with all that it
-//! has to build or convert inside the call.
+//! Each gets the same columns and returns rows `i < j`, every pair once. The call includes
+//! building and converting.
 
 mod broccoli;
 mod ours;
@@ -14,22 +14,22 @@ use crate::scenes::Shapes;
 /// A pair of rows, the smaller first.
 pub type Pair = [u32; 2];
 
-/// A way to find all pairs.
+/// A function that finds all pairs.
 pub type Find<'a> = Box<dyn Fn() -> Vec<Pair> + 'a>;
 
-/// One way, under the name and version that the results give it.
+/// A library with its name and version in the results.
 pub struct Rival<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// Its version.
     pub version: String,
-    /// How it finds the pairs of the scene that it was made for.
+    /// The function, for the scene for which it was made.
     pub find: Find<'a>,
     /// Settings that were tuned for this scene.
     pub remark: String,
 }
 
-/// All rivals that have something to offer for this number of threads, ours first.
+/// All libraries that can use this number of threads, jostle first.
 pub fn all(shapes: &Shapes, threads: usize, wanted: impl Fn(&str) -> bool) -> Vec<Rival<'_>> {
     let plain = |name, package, find| Rival {
         name,
@@ -57,7 +57,7 @@ pub fn all(shapes: &Shapes, threads: usize, wanted: impl Fn(&str) -> bool) -> Ve
     rivals
 }
 
-/// The exact formula, for rivals whose own test is of bounding boxes.
+/// The exact formula, for libraries that test bounding boxes only.
 #[inline]
 fn overlap(shapes: &Shapes, i: u32, j: u32) -> bool {
     let (i, j) = (i as usize, j as usize);
@@ -70,7 +70,7 @@ fn overlap(shapes: &Shapes, i: u32, j: u32) -> bool {
     dx * dx + dy * dy < reach * reach
 }
 
-/// A bounding box (min, max) that no rounding can make too small.
+/// A bounding box (min, max) that contains the shape in spite of rounding.
 #[inline]
 fn bounds(shapes: &Shapes, row: usize) -> ([f32; 2], [f32; 2]) {
     let (center, reach) = ([shapes.x[row], shapes.y[row]], shapes.reach(row));

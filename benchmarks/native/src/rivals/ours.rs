@@ -5,11 +5,11 @@ use jostle::{Method, pairs, settings};
 use super::Find;
 use crate::scenes::Shapes;
 
-/// For any number of shapes: what is compared is a tree.
+/// For any number of shapes, because trees are compared.
 const TREE: Option<Method> = Some(Method::Quadtree);
 
-/// [`pairs::find`] with the tree; the columns are made into rows inside the call. The tree gets
-/// new memory each time (not [`pairs::find_with`]), as those of its rivals do.
+/// [`pairs::find`] with the tree; the call converts the columns to rows. The tree gets new memory
+/// each time (not [`pairs::find_with`]), as those of the other libraries.
 pub fn find(shapes: &Shapes, threads: usize) -> Find<'_> {
     Box::new(move || {
         let rows = shapes.rows();

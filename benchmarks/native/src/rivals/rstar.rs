@@ -21,7 +21,7 @@ pub fn query_each(shapes: &Shapes, threads: usize) -> Find<'_> {
     })
 }
 
-/// rstar's own candidates of a tree against itself; each comes up both ways round.
+/// rstar's own candidate pairs of a tree with itself; each is returned in both orders.
 pub fn tree_on_tree(shapes: &Shapes) -> Find<'_> {
     Box::new(|| {
         let tree = load(shapes);
@@ -39,7 +39,7 @@ fn load(shapes: &Shapes) -> RTree<Entry> {
     RTree::bulk_load((0..shapes.len()).map(entry).collect())
 }
 
-/// The pairs of `row` with rows behind it.
+/// The pairs of `row` with later rows.
 fn behind<'a>(
     shapes: &'a Shapes,
     tree: &'a RTree<Entry>,

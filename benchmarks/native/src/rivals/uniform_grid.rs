@@ -1,4 +1,4 @@
-//! Our own uniform grid, its cells tuned to the very scene by trying them out beforehand.
+//! Our own uniform grid, with the fastest cell size of each scene, measured before.
 
 use super::Rival;
 use crate::grid::{self, CellSize};
@@ -6,19 +6,19 @@ use crate::measure::seconds;
 use crate::scenes::Shapes;
 use crate::simd::Level;
 
-/// Cells that are tried, as multiples of the width and height at which a cell holds one
-/// shape, or of the discs' diameter where all are equal.
+/// Cell sizes to try, as multiples of the size at which a cell contains one shape, or of the
+/// diameter of equal discs.
 const WIDTHS: [f32; 14] =
     [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 40.0, 80.0, 1e9];
 const HEIGHTS: [f32; 11] = [0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 32.0, 1e9];
 
-/// Cells above this number for each shape are not tried; they only take time and memory.
+/// Maximum number of cells per shape; more only take time and memory.
 const MOST_CELLS_EACH: f64 = 16.0;
 
-/// Shapes up to which a single cell, which is brute force, may be the best.
+/// Number of shapes up to which a single cell, which is brute force, may be the fastest.
 const MOST_IN_ONE_CELL: usize = 2_000;
 
-/// The grid with the best of all cells tried.
+/// The grid with the fastest cell size.
 pub fn tuned(shapes: &Shapes, threads: usize) -> Rival<'_> {
     let level = Level::best();
     let unit = unit(shapes);
@@ -31,7 +31,7 @@ pub fn tuned(shapes: &Shapes, threads: usize) -> Rival<'_> {
     }
 }
 
-/// The diameter of equal discs, or the side of the square that holds one shape on average.
+/// The diameter of equal discs, or the side of a square with one shape on average.
 fn unit(shapes: &Shapes) -> f32 {
     if grid::are_equal_discs(shapes) {
         return 2.0 * shapes.radius[0];
@@ -48,7 +48,7 @@ fn area(shapes: &Shapes) -> f64 {
     extent(&shapes.x) * extent(&shapes.y)
 }
 
-/// The quickest of all: each is tried once, the best few three times more.
+/// The fastest: each is tried once, the best few three times more.
 fn best(shapes: &Shapes, unit: f32, level: Level, threads: usize) -> CellSize {
     let time = |cell: CellSize| {
         seconds(

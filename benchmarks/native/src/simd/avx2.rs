@@ -1,4 +1,5 @@
-//! Eight at a time: the comparison's signs are bits, and a table says how to compress.
+//! Eight at a time: the signs of the comparison are bits, and a table has the permutation that
+//! compresses them.
 
 use std::arch::x86_64::*;
 use std::ops::Range;
@@ -7,7 +8,7 @@ use super::{BOXES, Columns, EQUAL, Kind, Lanes, Output, Work};
 
 const WIDTH: usize = 8;
 
-/// For each mask of eight the lanes that it names, in front.
+/// For each mask of eight bits, the lanes of its set bits first.
 static COMPRESSING: [[u32; WIDTH]; 256] = {
     let mut table = [[0; WIDTH]; 256];
     let mut mask = 0;
@@ -96,7 +97,7 @@ unsafe fn hits<const KIND: Kind>(all: &Columns, row: usize, from: usize, squared
         let (size, sizes) = (own(&all.size), load(&all.size));
         let smaller = bits(_mm256_cmp_ps::<_CMP_LT_OQ>(sizes, size));
         let equal = bits(_mm256_cmp_ps::<_CMP_EQ_OQ>(sizes, size));
-        // Lanes of rows behind `row`: all but the first `row + 1 - from`.
+        // Lanes of rows after `row`: all but the first `row + 1 - from`.
         let ahead = (row + 1).saturating_sub(from).min(WIDTH);
         let chosen = smaller | equal & 0xff << ahead;
         if KIND == BOXES {

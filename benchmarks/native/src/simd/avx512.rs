@@ -1,7 +1,7 @@
-//! Sixteen at a time: the comparison gives a mask, the mask compresses the register.
+//! Sixteen at a time: the mask of the comparison compresses the register.
 //!
-//! Compressing into a register and storing that whole is several times as fast as
-//! compressing into memory on some processors, and nowhere slower.
+//! Compressing into a register and storing it whole is several times as fast as compressing into
+//! memory on some processors, and not slower on others.
 
 use std::arch::x86_64::*;
 use std::ops::Range;
@@ -117,7 +117,7 @@ unsafe fn hits<const KIND: Kind>(all: &Columns, row: usize, from: usize, squared
         let (size, sizes) = (own(&all.size), load(&all.size));
         let smaller = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(sizes, size);
         let equal = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(sizes, size);
-        // Lanes of rows behind `row`: all but the first `row + 1 - from`.
+        // Lanes of rows after `row`: all but the first `row + 1 - from`.
         let ahead = (row + 1).saturating_sub(from).min(WIDTH);
         let chosen = smaller | equal & (0xffff_u32 << ahead) as u16;
         if KIND == BOXES {
@@ -134,7 +134,7 @@ unsafe fn hits<const KIND: Kind>(all: &Columns, row: usize, from: usize, squared
 
 /// Writes the pairs of `own` with those of `others` that `hits` names.
 ///
-/// More than four at once are rare, and a store of four crosses fewer cache lines.
+/// More than four at a time are rare, and a store of four crosses fewer cache lines.
 ///
 /// # Safety
 ///

@@ -1,8 +1,8 @@
-//! Vector instructions, chosen while the program runs: the only unsafe code of the package.
+//! Vector instructions, chosen at run time: the only unsafe code of the package.
 //!
-//! A kernel tests one shape against neighbours in memory and writes the pairs that it
-//! finds without branching on them: a mask says which overlap, the register is compressed,
-//! and stored whole. Products and sums are not fused, so all kernels answer alike.
+//! A kernel tests one shape against its neighbours in memory and writes the pairs without a
+//! branch: a mask tells which overlap, and the register is compressed and stored whole. Products
+//! and sums are not fused, so all kernels return the same pairs.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
@@ -28,9 +28,9 @@ pub struct Columns {
     x: Vec<f32>,
     y: Vec<f32>,
     id: Vec<u32>,
-    /// Empty where all shapes are discs of one size.
+    /// Empty if all shapes are discs of one size.
     size: Vec<f32>,
-    /// Empty where all shapes are discs.
+    /// Empty if all shapes are discs.
     half: [Vec<f32>; 2],
 }
 
@@ -77,7 +77,7 @@ impl Columns {
     }
 }
 
-/// What the shapes are, and so what there is to compare: one of the constants.
+/// The kind of the shapes, which determines the test: one of the constants.
 pub type Kind = u8;
 
 /// Discs of one size.
@@ -87,7 +87,7 @@ pub const DISCS: Kind = 1;
 /// Rectangles; `size` is the longer half side.
 pub const BOXES: Kind = 2;
 
-/// One width of vector instructions.
+/// A width of vector instructions.
 pub trait Lanes: Copy {
     /// Adds the pairs of the shape in `row` with those in `strip`; of shapes of different
     /// sizes only the smaller ones, and of those of its own size the ones behind it.
@@ -116,16 +116,16 @@ pub trait Lanes: Copy {
     }
 }
 
-/// Work that can be done with any width of vector instructions.
+/// Work for any width of vector instructions.
 pub trait Work {
-    /// What comes of it.
+    /// Its result.
     type Outcome;
 
-    /// Does it. Must be `#[inline(always)]`, down to every call of a kernel.
+    /// Runs it. Must be `#[inline(always)]`, as every function down to the kernels.
     fn run<L: Lanes>(self, lanes: L) -> Self::Outcome;
 }
 
-/// The widths there are.
+/// The widths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// No vector instructions.
@@ -137,8 +137,8 @@ pub enum Level {
 }
 
 impl Level {
-    /// The widest that this processor has; the variable `JOSTLE_RIVALS_SIMD` (plain, avx2)
-    /// asks for less.
+    /// The widest of this processor; the variable `JOSTLE_RIVALS_SIMD` (plain, avx2) selects a
+    /// smaller one.
     pub fn best() -> Self {
         let asked = std::env::var("JOSTLE_RIVALS_SIMD").unwrap_or_default();
         match asked.as_str() {
@@ -173,7 +173,7 @@ impl Level {
         return self == Self::Plain;
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "no vectors",
@@ -182,12 +182,12 @@ impl Level {
         }
     }
 
-    /// Does `work`, compiled for this width.
+    /// Runs `work`, compiled for this width.
     pub fn run<W: Work>(self, work: W) -> W::Outcome {
         assert!(self.is_there(), "the processor has no {}", self.name());
         match self {
             Self::Plain => work.run(plain::Plain),
-            // SAFETY: the processor has just said that it has the instructions.
+            // SAFETY: the processor has the instructions, which was tested above.
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => unsafe { avx2::run(work) },
             // SAFETY: as above.

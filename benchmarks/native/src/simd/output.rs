@@ -1,11 +1,11 @@
-//! Where kernels write pairs: a vector that they fill through a pointer.
+//! The output of the kernels: a vector that is filled through a pointer.
 
 use crate::rivals::Pair;
 
-/// Pairs that may be stored behind the last one before it is known how many of them count.
+/// Maximum number of pairs that a store writes after the last pair.
 const STORED_AT_ONCE: usize = 16;
 
-/// A vector of pairs taken apart, passed by value so that its parts stay in registers.
+/// The parts of a vector of pairs, passed by value so that they stay in registers.
 #[derive(Debug)]
 pub struct Output {
     start: *mut Pair,
@@ -31,7 +31,7 @@ impl Output {
         unsafe { Vec::from_raw_parts(self.start, self.len, self.capacity) }
     }
 
-    /// With room for `more` pairs and a whole store behind them.
+    /// With space for `more` pairs and a whole store after them.
     #[inline(always)]
     pub(super) fn with_room(mut self, more: usize) -> Self {
         if self.capacity - self.len < more + STORED_AT_ONCE {
@@ -40,7 +40,7 @@ impl Output {
         self
     }
 
-    /// Where the next pair goes; room was made by [`Output::with_room`].
+    /// The place of the next pair; [`Output::with_room`] has allocated it.
     #[inline(always)]
     pub(super) fn next(&self) -> *mut Pair {
         // SAFETY: `len` is at most `capacity`.
@@ -49,7 +49,7 @@ impl Output {
 
     /// # Safety
     ///
-    /// `written` pairs stand behind the last one, within the capacity.
+    /// `written` pairs are stored after the last one, within the capacity.
     #[inline(always)]
     pub(super) unsafe fn advance(mut self, written: usize) -> Self {
         self.len += written;
@@ -57,8 +57,8 @@ impl Output {
     }
 }
 
-/// Start and capacity of a vector that was taken apart, with room for `more`. Takes and gives
-/// single numbers: a whole [`Output`] would be forced out of its registers.
+/// Start and capacity of the parts of a vector, with space for `more`. Takes and returns single
+/// numbers, because a whole [`Output`] would not stay in registers.
 #[cold]
 #[inline(never)]
 fn grown(start: *mut Pair, len: usize, capacity: usize, more: usize) -> (*mut Pair, usize) {

@@ -1,4 +1,4 @@
-//! No vector instructions: one neighbour after the other.
+//! Without vector instructions: one neighbour at a time.
 
 use std::ops::Range;
 

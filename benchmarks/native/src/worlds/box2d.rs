@@ -23,7 +23,7 @@ pub struct Box2d {
 }
 
 impl Box2d {
-    /// A world that `workers` threads step.
+    /// A world with a number of threads.
     pub fn new(start: &Start, workers: usize) -> Self {
         Self::try_new(start, workers).expect("Box2D takes the scene")
     }
@@ -43,7 +43,7 @@ impl Box2d {
         let material = |restitution| {
             SurfaceMaterial::default().with_friction(0.0)?.with_restitution(restitution)
         };
-        // Of two restitutions the larger counts.
+        // The larger of two restitutions is used.
         let wall = ShapeDef::builder().material(material(0.0)?).build()?;
         for (center, [width, height]) in start.wall_boxes() {
             let body = world.body_builder().position(center).build()?;

@@ -1,7 +1,7 @@
-//! The engines whose steps are compared, behind the few calls that a comparison needs.
+//! The engines whose steps are compared, behind a common interface.
 //!
-//! All get the same discs, walls and gravity. Rotation is locked, friction zero, nothing
-//! sleeps, and nothing is swept against the walls but by ours, which cannot do without.
+//! All get the same discs, walls and gravity. Rotation is locked, friction is zero and nothing
+//! sleeps. Only jostle, where it cannot be turned off, has continuous collision with the walls.
 
 mod box2d;
 mod ours;
@@ -14,10 +14,10 @@ use crate::machine::version_of;
 /// Seconds a step.
 pub const STEP: f32 = 1.0 / 60.0;
 
-/// Pixels to what engines made for metres take for one: a disc is then half to one metre wide.
+/// Pixels per metre, for engines whose tolerances are in metres: a disc is half to one metre wide.
 const PIXELS_PER_METER: f32 = 10.0;
 
-/// Where all engines begin.
+/// The initial state of all engines.
 #[derive(Debug)]
 pub struct Start {
     /// Centres.
@@ -30,14 +30,14 @@ pub struct Start {
     pub walls: [f32; 4],
     /// Acceleration of everything.
     pub gravity: [f32; 2],
-    /// Share of the speed that a bounce keeps.
+    /// Coefficient of restitution.
     pub restitution: f32,
-    /// Parts of a step, the same for all.
+    /// Sub-steps of a step, the same for all.
     pub substeps: usize,
 }
 
 impl Start {
-    /// One of the library's scenes, after so many steps of ours.
+    /// One of jostle's scenes after some of its steps.
     pub fn of(scene: &str, count: usize, steps: usize, substeps: Option<usize>) -> Self {
         let scene = scenes::find(scene).expect("a scene of the library");
         let mut world = scene.create(Some(count), 1).expect("any number of particles");
@@ -66,12 +66,12 @@ impl Start {
         self.positions.len()
     }
 
-    /// Whether discs bounce for ever.
+    /// Whether collisions are elastic.
     fn is_elastic(&self) -> bool {
         self.restitution == 1.0
     }
 
-    /// The four walls as boxes, centre and half sizes, so thick that nothing gets through.
+    /// The four walls as boxes, centre and half sizes, too thick to tunnel through.
     fn wall_boxes(&self) -> [([f32; 2], [f32; 2]); 4] {
         let [left, top, right, bottom] = self.walls;
         let (half, thick) = ([(right - left) / 2.0, (bottom - top) / 2.0], 50.0);
@@ -89,24 +89,24 @@ impl Start {
 /// Centres and velocities.
 pub type State = (Vec<[f32; 2]>, Vec<[f32; 2]>);
 
-/// An engine with a world in it.
+/// An engine with a world.
 pub trait Engine {
-    /// Moves the world on by [`STEP`].
+    /// Advances the world by [`STEP`].
     fn step(&mut self);
 
     /// Centres and velocities, in the order of the start.
     fn state(&mut self) -> State;
 }
 
-/// An engine under the name and version that the results give it.
+/// An engine with its name and version in the results.
 pub struct Contender {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
     /// Its version.
     pub version: String,
     /// The engine.
     pub engine: Box<dyn Engine>,
-    /// What else is to be said, each with a comma in front.
+    /// Remarks, each with a comma in front.
     pub remark: String,
 }
 

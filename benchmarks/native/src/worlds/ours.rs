@@ -8,7 +8,7 @@ use super::{Engine, STEP, Start, State};
 pub struct Ours(World);
 
 impl Ours {
-    /// A world that `workers` threads step.
+    /// A world with a number of threads.
     pub fn new(start: &Start, workers: usize) -> Self {
         let Start { positions, velocities, radii, .. } = start;
         let [min_x, min_y, max_x, max_y] = start.walls;

@@ -11,7 +11,7 @@ pub struct Rapier {
 }
 
 impl Rapier {
-    /// A world that `workers` threads step.
+    /// A world with a number of threads.
     pub fn new(start: &Start, workers: usize) -> Self {
         let gravity = Vector::from(start.gravity);
         let mut world = PhysicsWorld { gravity, ..PhysicsWorld::default() };
@@ -39,7 +39,7 @@ impl Rapier {
     }
 }
 
-/// Without friction; of two restitutions the larger counts.
+/// Without friction; the larger of two restitutions is used.
 fn smooth(collider: ColliderBuilder, restitution: f32) -> ColliderBuilder {
     let rule = CoefficientCombineRule::Max;
     collider.friction(0.0).restitution(restitution).restitution_combine_rule(rule)

@@ -14,6 +14,11 @@ use crate::walls;
 #[pymethods]
 impl PyWorld {
     /// The region of the particles: a Box, Circle, Torus or None.
+    ///
+    /// See Also
+    /// --------
+    /// walls : Line segments.
+    /// container_restitution : The coefficients of its sides.
     #[getter]
     fn container(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
         containers::show(py, self.rules(py)?.container)

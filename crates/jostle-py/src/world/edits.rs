@@ -9,10 +9,11 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use super::{PyWorld, State};
-use crate::arrays::{column, number, read_only, reals, table};
+use crate::arrays::{column, read_only, reals, table};
 use crate::error::refused;
 use crate::ids::Ids;
-use crate::particles::{Arguments, Draft, angles, only_vector, vectors};
+use crate::pair_force::kinds_of_new;
+use crate::particles::{Arguments, Draft, only_vector, vectors};
 use crate::queries::result_of;
 use crate::results;
 
@@ -27,6 +28,7 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one particle
+    ///     Centres in units of length, and velocities in units of length per second.
     /// radii : array_like, a number or shape (k,), optional
     ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
@@ -38,12 +40,17 @@ impl PyWorld {
     ///     1.0 if no number was assigned to `world.restitutions`; `world.restitution` is a factor
     ///     of all contacts anyway.
     /// movable : array_like of bool, one or shape (k,), default True
+    ///     Whether contacts and forces can change the velocity.
     /// friction : array_like, a number or shape (k,), optional
     ///     0.0 if no number was given for all particles.
     /// angles, angular_velocities : array_like, a number or shape (k,), default 0.0
+    ///     In radians and in radians per second, positive from +x to +y.
     /// categories, masks : array_like of int, a number or shape (k,), optional
     ///     1 and all bits if no number was given for all particles.
     /// sensors : array_like of bool, one or shape (k,), default False
+    ///     Whether the particle is a sensor.
+    /// kinds : array_like of int, a number or shape (k,), default 0
+    ///     Their kind in each `PairForce` of the world.
     ///
     /// Returns
     /// -------
@@ -55,6 +62,11 @@ impl PyWorld {
     /// ------
     /// TypeError, ValueError
     ///     As for a new world; then nothing is added.
+    ///
+    /// See Also
+    /// --------
+    /// set : Change particles.
+    /// remove : Remove particles.
     ///
     /// Examples
     /// --------
@@ -69,7 +81,7 @@ impl PyWorld {
     #[pyo3(signature = (
         positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None, sensors=None,
+        categories=None, masks=None, sensors=None, kinds=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn add<'py>(
@@ -88,6 +100,7 @@ impl PyWorld {
         categories: Option<&Bound<'py, PyAny>>,
         masks: Option<&Bound<'py, PyAny>>,
         sensors: Option<&Bound<'py, PyAny>>,
+        kinds: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
@@ -104,11 +117,12 @@ impl PyWorld {
             sensors,
         };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
+        let kinds = kinds_of_new(kinds, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
         }
-        let ids = result_of(self.long(py, |state| state.add(draft, len))?, many.is_none())?;
+        let ids = result_of(self.long(py, |state| state.add(draft, len, kinds))?, many.is_none())?;
         if many.is_none() {
             ids.start.into_bound_py_any(py)
         } else {
@@ -131,6 +145,11 @@ impl PyWorld {
     /// ValueError
     ///     If an id does not exist or is given twice; then none is removed.
     ///
+    /// See Also
+    /// --------
+    /// add : Add particles.
+    /// rows : The rows that the others have then.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -148,24 +167,35 @@ impl PyWorld {
 
     /// Change some columns of some particles.
     ///
+    /// Columns that are omitted stay the same. The arguments are those of :meth:`add`.
+    ///
     /// Parameters
     /// ----------
     /// ids : int or array_like of int, shape (k,)
     ///     The particles, each at most once.
     /// positions, velocities : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     Centres in units of length, and velocities in units of length per second.
     /// radii, masses, restitutions : array_like, a number or shape (k,), optional
     ///     A new radius does not change the mass.
     /// movable : array_like of bool, one or shape (k,), optional
+    ///     Whether contacts and forces can change the velocity.
     /// friction, angles, angular_velocities : array_like, a number or shape (k,), optional
+    ///     Coefficients of friction; radians, and radians per second.
     /// categories, masks : array_like of int, a number or shape (k,), optional
+    ///     Bit sets of 32 bits.
     /// sensors : array_like of bool, one or shape (k,), optional
-    ///     Omitted columns stay the same.
+    ///     Whether the particle is a sensor.
     ///
     /// Raises
     /// ------
     /// TypeError, ValueError
     ///     As for a new world, or if an id does not exist or is given twice; then nothing
     ///     is changed.
+    ///
+    /// See Also
+    /// --------
+    /// add : Add particles.
+    /// rows : The rows of ids in the columns.
     ///
     /// Examples
     /// --------
@@ -456,9 +486,21 @@ impl PyWorld {
 }
 
 impl State {
-    fn add(&mut self, draft: Draft, len: usize) -> jostle::Result<Range<Id>> {
+    fn add(
+        &mut self,
+        draft: Draft,
+        len: usize,
+        kinds: Option<Vec<u8>>,
+    ) -> jostle::Result<Range<Id>> {
         let particles = draft.particles(len, &self.world.defaults())?;
-        self.world.add(particles)
+        if let Some(kinds) = &kinds {
+            self.world.check_kinds(kinds)?;
+        }
+        let ids = self.world.add(particles)?;
+        if let Some(kinds) = kinds {
+            self.world.set_kinds(&ids.clone().collect::<Vec<Id>>(), &kinds)?;
+        }
+        Ok(ids)
     }
 }
 

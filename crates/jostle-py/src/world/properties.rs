@@ -47,7 +47,8 @@ impl PyWorld {
         self.change_rules(py, |rules| rules.restitution = restitution)
     }
 
-    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `Thermostat`, `ThermalWalls`,
+    /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
+    /// `Thermostat`, `ThermalWalls`,
     /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
     /// id. If a particle is removed, its attractors and springs are removed too, and motors drive
     /// the others. If particles merge, forces refer to the merged particle, and a spring between
@@ -126,6 +127,10 @@ impl PyWorld {
 
     /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
     /// for the latter.
+    ///
+    /// See Also
+    /// --------
+    /// step : Advances the simulation.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<usize> {
         Ok(self.state(py)?.world.substeps())

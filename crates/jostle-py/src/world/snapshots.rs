@@ -21,6 +21,11 @@ impl PyWorld {
     ///     Particles, settings, forces, the time, and the resting contacts, the same bytes on
     ///     every machine. A world that `restore` makes from them continues with the same bits.
     ///
+    /// See Also
+    /// --------
+    /// restore : Makes a world from the bytes.
+    /// save : Writes them into a file.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -42,10 +47,12 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// data : bytes, bytearray or memoryview
+    ///     The bytes.
     ///
     /// Returns
     /// -------
     /// World
+    ///     A world that continues with the same bits.
     ///
     /// Raises
     /// ------
@@ -53,6 +60,10 @@ impl PyWorld {
     ///     If `data` is not bytes.
     /// ValueError
     ///     If they are not from `snapshot`, or are truncated or damaged.
+    ///
+    /// See Also
+    /// --------
+    /// snapshot : Returns the bytes.
     ///
     /// Examples
     /// --------
@@ -89,6 +100,11 @@ impl PyWorld {
     /// OSError
     ///     If the file cannot be written; then an existing one is unchanged.
     ///
+    /// See Also
+    /// --------
+    /// load : Reads the file.
+    /// snapshot : The same in memory.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle, os, tempfile
@@ -106,10 +122,12 @@ impl PyWorld {
     /// Parameters
     /// ----------
     /// path : str or os.PathLike
+    ///     The file.
     ///
     /// Returns
     /// -------
     /// World
+    ///     A world that continues with the same bits.
     ///
     /// Raises
     /// ------
@@ -118,6 +136,10 @@ impl PyWorld {
     /// ValueError
     ///     If it does not contain a world, or is truncated or damaged; the message names the
     ///     file.
+    ///
+    /// See Also
+    /// --------
+    /// save : Writes the file.
     ///
     /// Examples
     /// --------

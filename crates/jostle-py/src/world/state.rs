@@ -51,6 +51,10 @@ impl PyWorld {
     }
 
     /// Sum of ½ m v² + ½ I ω² of the movable particles, with the moment of inertia I = m r²/2.
+    ///
+    /// See Also
+    /// --------
+    /// potential_energy : The energy of gravity and forces.
     #[getter]
     fn kinetic_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.kinetic_energy())
@@ -58,8 +62,13 @@ impl PyWorld {
 
     /// Energy of all movable particles in the fields of gravity (0 at the origin) and of
     /// attractors (harmonic: 0 at the point, inverse square: 0 at infinity), of unbroken
-    /// springs (½ stiffness times stretch squared) and of gravitation (0 at infinity, by
-    /// Barnes and Hut's method if there are many particles).
+    /// springs (½ stiffness times stretch squared), of gravitation (0 at infinity, by
+    /// Barnes and Hut's method if there are many particles), and of each `PairForce` whose forces
+    /// are equal and opposite (0 at its cutoff).
+    ///
+    /// See Also
+    /// --------
+    /// kinetic_energy : The energy of motion.
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
         self.long(py, |state| state.world.potential_energy())
@@ -71,6 +80,10 @@ impl PyWorld {
     /// -------
     /// int
     ///     The same for the same particles, on every machine.
+    ///
+    /// See Also
+    /// --------
+    /// snapshot : The whole state.
     ///
     /// Examples
     /// --------

@@ -40,6 +40,12 @@ impl PyWorld {
     /// KeyboardInterrupt
     ///     After Ctrl-C, within a fraction of a second also during a long step.
     ///
+    /// See Also
+    /// --------
+    /// events : The pairs that began and ceased to touch.
+    /// contacts, wall_contacts : What touched, with impulses.
+    /// profile : The time of each stage.
+    ///
     /// Examples
     /// --------
     /// >>> import jostle
@@ -68,6 +74,10 @@ impl PyWorld {
 
     /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
     /// "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+    ///
+    /// See Also
+    /// --------
+    /// stats : The work of the last step, in numbers.
     #[getter]
     fn profile<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (times, forces) = {
@@ -87,6 +97,10 @@ impl PyWorld {
     /// `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
     /// that had too many collisions and stood still for the rest of the step. All are 0 before the
     /// first step, and after `restore` and `load`.
+    ///
+    /// See Also
+    /// --------
+    /// profile : The time of each stage.
     #[getter]
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let stats = self.state(py)?.world.stats();

@@ -14,6 +14,12 @@ impl PyWorld {
     /// its end, negative for pairs that had separated, and the sums of the impulses of the step
     /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
     /// `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+    ///
+    /// See Also
+    /// --------
+    /// wall_contacts : The contacts with walls.
+    /// events : The pairs that began and ceased to touch.
+    /// Quadtree.contacts : The overlaps of shapes.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let touches = self.long(py, |state| state.world.contacts())?;

@@ -1,16 +1,17 @@
 //! Contacts of candidate pairs that may rest or overlap, with graph colouring.
 //!
 //! Contacts of one colour share no movable particle, so they are solved in parallel with the same
-//! result. Colours are assigned greedily in the canonical order of the pairs, which comes from
-//! positions.
+//! result.
 
 mod blocks;
+mod colouring;
 
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
 pub use blocks::{Block, Blocks};
+use colouring::{Colouring, Edge, priority};
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -141,15 +142,17 @@ pub struct Contacts {
     pub blocks: Blocks,
     /// The lane of each contact, counted over all blocks, in canonical order.
     lanes: Vec<u32>,
-    /// The colour and kind of each contact, in canonical order.
-    colours: Vec<[u8; 2]>,
+    /// The colour and the kind of each contact, in canonical order.
+    colours: Vec<u8>,
+    kinds: Vec<u8>,
     /// Where the contact of each lane comes from: which list, and which pair of it.
     sources: Vec<[u32; 2]>,
     /// Whether the canonical order is that of the keys: there are no contacts with images.
     is_sorted: bool,
     spare: Vec<Contact>,
     unsorted: Vec<Contact>,
-    taken: Vec<u64>,
+    edges: Vec<Edge>,
+    colouring: Colouring,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
@@ -201,11 +204,11 @@ impl Contacts {
         self.lanes.clear();
         self.sources.clear();
         self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
-        let mut colours = self.colours.iter();
+        let mut colours = self.colours.iter().zip(&self.kinds);
         for (which, (_, pairs)) in lists.iter().enumerate() {
             for (index, _) in pairs.iter().enumerate().filter(|(_, pair)| solved(pair)) {
-                let Some(&colour) = colours.next() else { break };
-                let lane = next.take(colour);
+                let Some((&colour, &kind)) = colours.next() else { break };
+                let lane = next.take([colour, kind]);
                 self.lanes.push(lane as u32);
                 self.sources[lane] = [which as u32, index as u32];
             }
@@ -284,32 +287,30 @@ impl Contacts {
         particles: &Particles,
         movable: &[bool],
     ) -> Counts {
-        // Immovable particles take no colour: any number of contacts may share one.
-        let any = lists.iter().any(|(_, pairs)| !pairs.is_empty());
-        let Self { taken, colours, uneven, .. } = self;
-        taken.clear();
-        taken.resize(if any { movable.len() } else { 0 }, 0);
-        colours.clear();
-        let is_uneven = |place: usize| uneven.get(place).is_some_and(|&uneven| uneven);
-        let mut counts = [[0usize; KINDS]; COLOURS + 1];
+        let Self { edges, colouring, colours, kinds, uneven, .. } = self;
+        edges.clear();
+        kinds.clear();
+        let is_uneven = |place: u32| uneven.get(place as usize).is_some_and(|&uneven| uneven);
         for (image, pairs) in lists {
-            for pair in pairs.iter().filter(|pair| solved(pair)) {
-                let [a, b] = pair.map(|place| place as usize);
-                let all = taken[a] | taken[b];
-                let colour = all.trailing_ones() as usize;
-                let bit = 1u64.checked_shl(colour as u32).unwrap_or(0);
-                taken[a] |= if movable[a] { bit } else { 0 };
-                taken[b] |= if movable[b] { bit } else { 0 };
-                let kind = if is_uneven(a) || is_uneven(b) {
+            for &places in pairs.iter().filter(|pair| solved(pair)) {
+                edges.push(Edge { places, priority: priority(particles, places, *image) });
+                let kind = if places.into_iter().any(is_uneven) {
                     UNEVEN_KIND
-                } else if colour == COLOURS || are_near(particles, [a, b], *image) {
+                } else if are_near(particles, places.map(|place| place as usize), *image) {
                     NEAR_KIND
                 } else {
                     FAR_KIND
                 };
-                counts[colour][kind] += 1;
-                colours.push([colour as u8, kind as u8]);
+                kinds.push(kind as u8);
             }
+        }
+        colouring.run(edges, movable, colours);
+        let mut counts = [[0usize; KINDS]; COLOURS + 1];
+        for (&colour, kind) in colours.iter().zip(kinds) {
+            if colour == COLOURS as u8 && *kind == FAR_KIND as u8 {
+                *kind = NEAR_KIND as u8;
+            }
+            counts[usize::from(colour)][usize::from(*kind)] += 1;
         }
         counts
     }

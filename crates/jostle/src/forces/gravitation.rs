@@ -13,20 +13,17 @@
 //! (1986); J. Barnes, *A modified tree code: don't laugh, it runs*, J. Comput. Phys. 87 (1990),
 //! for the groups.
 
-use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::sorted::Sorted;
 use super::{Bodies, check_number};
 use crate::columns::Columns;
 use crate::container::{Container, minimum_image_within};
 use crate::error::{Error, Result};
-use crate::interrupt;
 use crate::parallel::{self, locked};
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
-use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
-use crate::shapes::{Each, Shapes};
 use crate::simd::{LANES, Number, Simd, Work};
 
 /// Up to this number of bodies direct summation is faster.
@@ -37,9 +34,6 @@ const MAX_GROUP: usize = 64;
 
 /// Number of groups in a task.
 const TASK_GROUPS: usize = 16;
-
-/// Maximum number of bodies in a leaf of the tree.
-const LEAF: usize = 16;
 
 /// Number of sources whose accelerations are summed in float32; these sums are added in float64.
 const RUN: usize = 16 * LANES;
@@ -77,12 +71,9 @@ impl Gravitation {
 /// Scratch of [`add`].
 #[derive(Debug, Default)]
 pub struct Scratch {
-    shapes: Shapes<f32>,
-    tree: Quadtree<f32>,
+    sorted: Sorted,
     all: Sources,
     moments: Vec<Moment>,
-    groups: Vec<u32>,
-    stack: Vec<u32>,
     pulls: Vec<[f64; 2]>,
     lists: Mutex<Vec<List>>,
 }
@@ -104,21 +95,17 @@ pub fn add(
     accelerations: &mut [[f32; 2]],
 ) {
     let direct = prepare(gravitation, bodies, scratch);
-    let Scratch { tree, all, moments, groups, pulls, lists, .. } = scratch;
+    let Scratch { sorted, all, moments, pulls, lists } = scratch;
+    let tree = &sorted.tree;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
-    // The groups are in the order of the bodies.
-    let mut left = pulls.as_mut_slice();
-    let tasks = groups.chunks(TASK_GROUPS).map(|share| {
-        let len = share.iter().map(|&group| tree.nodes()[group as usize].len()).sum::<usize>();
-        (share, left.split_off_mut(..len).expect("the sizes add up"))
-    });
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
+    let tasks = sorted.tasks(TASK_GROUPS, pulls);
     parallel::for_each(threads, tasks, |(share, mut pulls)| {
         let mut list = locked(lists).pop().unwrap_or_default();
         for &group in share {
-            let len = tree.nodes()[group as usize].len();
+            let len = sorted.range(group).len();
             let own = pulls.split_off_mut(..len).expect("the sizes add up");
             walk.pull(group, direct, &mut list, own);
         }
@@ -137,7 +124,7 @@ pub fn add(
 pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let mut scratch = Scratch::default();
     let direct = prepare(gravitation, bodies, &mut scratch);
-    let Scratch { tree, all, moments, groups, .. } = &scratch;
+    let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
     let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
@@ -148,51 +135,20 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
 /// Sorts the bodies and computes the moments of the nodes. Returns whether direct summation is
 /// used.
 fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch) -> bool {
-    sort(bodies, scratch);
-    let direct = scratch.tree.len() <= DIRECT || gravitation.theta == 0.0;
-    find_groups(scratch);
-    if !direct {
-        compute_moments(&scratch.tree, &scratch.all.mass, &mut scratch.moments);
-    }
-    direct
-}
-
-/// Sorts the bodies into the order of their tree.
-fn sort(bodies: &Bodies<'_>, scratch: &mut Scratch) {
-    let Scratch { shapes, tree, all, .. } = scratch;
-    shapes.centers.clear();
-    shapes.centers.extend_from_slice(bodies.positions);
-    shapes.radii = Each::One(0.0);
-    let settings =
-        Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
-    let tie = |a: usize, b: usize| -> Ordering { bodies.masses[a].total_cmp(&bodies.masses[b]) };
-    // Not interrupted: the caller cannot undo a part of a step.
-    let built = interrupt::unwatched(|| tree.rebuild(shapes, settings, &tie));
-    built.expect("there is scratch for the tree of gravitation");
+    let Scratch { sorted, all, moments, .. } = scratch;
+    sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.masses[a].total_cmp(&bodies.masses[b]));
+    let tree = &sorted.tree;
     all.clear();
     let Columns { x, y, .. } = tree.columns();
     for (place, &row) in tree.rows().iter().enumerate() {
         all.push([x[place], y[place]], bodies.masses[row as usize]);
     }
     all.pad();
-}
-
-/// Lists the largest nodes of at most [`MAX_GROUP`] bodies, and leaves, in order.
-fn find_groups(scratch: &mut Scratch) {
-    let Scratch { tree, groups, stack, .. } = scratch;
-    groups.clear();
-    if tree.is_empty() {
-        return;
+    let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
+    if !direct {
+        compute_moments(tree, &all.mass, moments);
     }
-    stack.push(0);
-    while let Some(index) = stack.pop() {
-        let node = &tree.nodes()[index as usize];
-        if node.is_leaf() || node.len() <= MAX_GROUP {
-            groups.push(index);
-        } else {
-            stack.extend(node.children().rev().map(|child| child as u32));
-        }
-    }
+    direct
 }
 
 /// Computes mass and centre of mass of every node, bottom-up.

@@ -1,29 +1,40 @@
 //! Forces, apart from gravity and contacts.
 //!
-//! [`accelerate`] sums the accelerations by attractors and gravitation. Springs are integrated in
+//! [`accelerate`] sums the accelerations by attractors, gravitation, and forces between neighbours:
+//! those between kinds of particles and flocking. Springs are integrated in
 //! parts of a sub-step ([`springs::SpringSolver`]). The thermostat and thermal walls act when
 //! particles bounce off walls, Andersen's thermostat at the end of a step. Motors move immovable
 //! particles and walls. The order of every sum depends only on the state.
 
 pub mod attractor;
 pub mod chance;
+pub mod flocking;
 pub mod gravitation;
 pub mod motor;
+mod neighbors;
+pub mod pair;
+mod sorted;
 pub mod springs;
+mod tables;
 pub mod thermal;
 pub mod thermostat;
 
 pub use attractor::{Attractor, Law, Pole};
+pub use flocking::Flocking;
 pub use gravitation::Gravitation;
 pub use motor::Motor;
+pub use pair::{PairForce, PairTable};
 pub use springs::{Spring, Springs};
 pub use thermal::{Andersen, ThermalSides, ThermalWalls};
 pub use thermostat::Thermostat;
+
+use std::cmp::Ordering;
 
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
+use crate::settings::Method;
 use crate::space::Id;
 
 /// A force. It refers to particles by id; within a world, by row.
@@ -43,6 +54,10 @@ pub enum Force {
     Andersen(Andersen),
     /// A given motion of immovable particles and walls.
     Motor(Motor),
+    /// Forces between kinds of particles within a cutoff.
+    Pair(PairForce),
+    /// Separation, alignment and cohesion of neighbours.
+    Flocking(Flocking),
 }
 
 impl Force {
@@ -56,6 +71,8 @@ impl Force {
             Self::ThermalWalls(walls) => walls.validate(),
             Self::Andersen(bath) => bath.validate(),
             Self::Motor(motor) => motor.validate(),
+            Self::Pair(pair) => pair.validate(),
+            Self::Flocking(flocking) => flocking.validate(),
         }
     }
 
@@ -80,14 +97,20 @@ impl Force {
     }
 }
 
-/// Refuses invalid forces; `exists` returns whether the world has a particle.
-pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
+/// Refuses invalid forces in a world of `len` particles; `exists` returns whether it has one.
+pub fn validate(forces: &[Force], len: usize, exists: impl Fn(Id) -> bool) -> Result<()> {
     let (mut thermostats, mut baths, mut hot) = (0, 0, [false; MAX_WALLS]);
     for (index, force) in forces.iter().enumerate() {
         force.validate()?;
         if let Some(id) = force.named().into_iter().find(|&id| !exists(id)) {
             let value = format!("a force on particle {id}");
             return Err(Error::at("forces", index, value, "no particle has this id"));
+        }
+        if let Force::Pair(PairForce { kinds, .. }) = force
+            && kinds.len() != len
+        {
+            let rule = format!("a PairForce needs a kind for each of the {len} particles");
+            return Err(Error::at("forces", index, format!("{} kinds", kinds.len()), &rule));
         }
         thermostats += usize::from(matches!(force, Force::Thermostat(_)));
         if thermostats > 1 {
@@ -131,6 +154,66 @@ pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
     });
 }
 
+/// Refuses a torus on which forces between neighbours would act from two images of a particle.
+pub fn check_fit(forces: &[Force], container: Container) -> Result<()> {
+    let Container::Torus { size: [width, height] } = container else { return Ok(()) };
+    let most = 0.5 * width.min(height);
+    let cutoff = |force: &Force| match force {
+        Force::Pair(pair) => pair.table.cutoff(),
+        Force::Flocking(flocking) => flocking.cutoff,
+        _ => 0.0,
+    };
+    match forces.iter().position(|force| cutoff(force) > most) {
+        None => Ok(()),
+        Some(index) => {
+            let value = format!("a force with the cutoff {}", cutoff(&forces[index]));
+            let rule = format!("on Torus({width}, {height}) a cutoff is at most {most}");
+            Err(Error::at("forces", index, value, &rule))
+        }
+    }
+}
+
+/// Changes the kinds of rows, for forces between kinds.
+pub fn change_kinds(forces: &mut [Force], change: impl Fn(&mut Vec<u8>)) {
+    for force in forces {
+        if let Force::Pair(pair) = force {
+            change(&mut pair.kinds);
+        }
+    }
+}
+
+/// The number of kinds that all forces between kinds have; None if there is no such force.
+pub fn kind_count(forces: &[Force]) -> Option<usize> {
+    pairs(forces).map(|pair| pair.table.kinds()).min()
+}
+
+/// Orders rows by their kinds.
+pub fn compare_kinds(forces: &[Force], a: u32, b: u32) -> Ordering {
+    let orders = pairs(forces).map(|pair| pair.compare(a, b));
+    orders.fold(Ordering::Equal, Ordering::then)
+}
+
+/// The forces between kinds among them.
+fn pairs(forces: &[Force]) -> impl Iterator<Item = &PairForce> {
+    forces.iter().filter_map(|force| match force {
+        Force::Pair(pair) => Some(pair),
+        _ => None,
+    })
+}
+
+/// Whether all that accelerate are forces between neighbours.
+pub fn are_short_ranged(forces: &[Force]) -> bool {
+    forces.iter().all(|force| !pulls(force) || acts_on_neighbors(force))
+}
+
+fn acts_on_neighbors(force: &Force) -> bool {
+    matches!(force, Force::Pair(_) | Force::Flocking(_))
+}
+
+fn pulls(force: &Force) -> bool {
+    acts_on_neighbors(force) || matches!(force, Force::Attractor(_) | Force::Gravitation(_))
+}
+
 /// Whether any of them refers to particles.
 pub fn name_any(forces: &[Force]) -> bool {
     forces.iter().any(Force::names_any)
@@ -138,7 +221,7 @@ pub fn name_any(forces: &[Force]) -> bool {
 
 /// Whether [`accelerate`] sums any of them.
 pub fn pull(forces: &[Force]) -> bool {
-    forces.iter().any(|force| matches!(force, Force::Attractor(_) | Force::Gravitation(_)))
+    forces.iter().any(pulls)
 }
 
 /// The motors among them.
@@ -179,23 +262,45 @@ pub fn bath(forces: &[Force]) -> Option<Andersen> {
 pub struct Bodies<'a> {
     /// Centres.
     pub positions: &'a [[f32; 2]],
+    /// Velocities.
+    pub velocities: &'a [[f32; 2]],
     /// Masses.
     pub masses: &'a [f32],
     /// Radii.
     pub radii: &'a [f32],
+    /// The row of each.
+    pub rows: &'a [u32],
     /// `places[row]` is the place of the particle in `row`; may be empty if no force refers to
     /// particles.
     pub places: &'a [u32],
     /// The container; on a torus, offsets are minimum images.
     pub container: Container,
+    /// Seconds for which the accelerations act.
+    pub seconds: f32,
+    /// How neighbours are found. The result is the same.
+    pub method: Method,
     /// Number of threads.
     pub threads: Option<usize>,
+}
+
+impl Bodies<'_> {
+    /// Orders bodies at the same position by everything that forces between neighbours depend on.
+    fn compare(&self, forces: &[Force], a: usize, b: usize) -> Ordering {
+        let numbers = |body: usize| {
+            let [u, v] = self.velocities[body];
+            [u, v, self.masses[body]]
+        };
+        let pairs = numbers(a).into_iter().zip(numbers(b));
+        let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).fold(Ordering::Equal, Ordering::then);
+        by_numbers.then_with(|| compare_kinds(forces, self.rows[a], self.rows[b]))
+    }
 }
 
 /// Scratch of [`accelerate`].
 #[derive(Debug, Default)]
 pub struct Scratch {
     gravitation: gravitation::Scratch,
+    neighbors: neighbors::Scratch,
 }
 
 /// Writes the sum of all accelerations of each body. The sums are finite and do not depend on the
@@ -208,12 +313,18 @@ pub fn accelerate(
 ) {
     accelerations.clear();
     accelerations.resize(bodies.positions.len(), [0.0; 2]);
+    let Scratch { gravitation: gravitation_scratch, neighbors } = scratch;
+    if forces.iter().any(acts_on_neighbors) {
+        neighbors.sort(bodies, |a, b| bodies.compare(forces, a, b));
+    }
     for force in forces {
         match force {
             Force::Attractor(attractor) => attractor::add(attractor, bodies, accelerations),
             Force::Gravitation(gravitation) => {
-                gravitation::add(gravitation, bodies, &mut scratch.gravitation, accelerations);
+                gravitation::add(gravitation, bodies, gravitation_scratch, accelerations);
             }
+            Force::Pair(pair) => pair::add(pair, bodies, neighbors, accelerations),
+            Force::Flocking(flocking) => flocking::add(flocking, bodies, neighbors, accelerations),
             _ => {}
         }
     }
@@ -221,6 +332,23 @@ pub fn accelerate(
     parallel::for_chunks(threads, accelerations, |_, chunk| {
         chunk.iter_mut().for_each(|acceleration| *acceleration = acceleration.map(bounded));
     });
+    for force in forces {
+        if let Force::Flocking(flocking) = force {
+            for (acceleration, &velocity) in accelerations.iter_mut().zip(bodies.velocities) {
+                *acceleration = flocking.limited(velocity, *acceleration, bodies.seconds);
+            }
+        }
+    }
+}
+
+/// Potential energy of the particles in all forces between kinds.
+pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>) -> f64 {
+    let mut scratch = neighbors::Scratch::default();
+    let mut all = pairs(forces).filter(|pair| pair.table.is_reciprocal()).peekable();
+    if all.peek().is_some() {
+        scratch.sort(bodies, |a, b| bodies.compare(forces, a, b));
+    }
+    all.map(|pair| pair::energy(pair, bodies, &mut scratch)).sum()
 }
 
 /// A number within the limits of a world; 0 for NaN.

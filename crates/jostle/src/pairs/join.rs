@@ -3,11 +3,13 @@
 //! T. Brinkhoff, H.-P. Kriegel and B. Seeger, *Efficient Processing of Spatial Joins Using
 //! R-trees*, SIGMOD (1993).
 
+use super::images::Image;
 use super::kernel::{Kernel, Scratch, Side};
-use super::output::{Budget, MapPairs, Output, PairScratch};
+use super::output::{Budget, MapPairs, Output, PairScratch, filter_map};
 use super::{Filters, Found};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar};
+use crate::memory;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::simd::{Simd, Work};
@@ -22,7 +24,10 @@ const TASK_WORK: usize = 16;
 pub(super) struct Join<'a, T> {
     pub(super) a: &'a Quadtree<T>,
     pub(super) b: &'a Quadtree<T>,
+    /// By how much the shapes of `a` are moved in the negative direction.
     pub(super) shift: [T; 2],
+    /// The same for the shapes of `b`.
+    pub(super) other_shift: [T; 2],
     /// Whether both are the same tree, of which each unordered pair is found once.
     pub(super) is_same: bool,
     /// If given, nodes without a category in it are skipped. Pairs are not tested with it.
@@ -41,7 +46,9 @@ impl<'a, T: Scalar> Join<'a, T> {
 
     /// The join of two trees.
     pub(super) fn between(a: &'a Quadtree<T>, b: &'a Quadtree<T>, mask: Option<u32>) -> Self {
-        Self { a, b, shift: [T::ZERO; 2], is_same: false, mask, filters: Filters::Apply }
+        let none = [T::ZERO; 2];
+        let (shift, other_shift, filters) = (none, none, Filters::Apply);
+        Self { a, b, shift, other_shift, is_same: false, mask, filters }
     }
 
     /// Finds all pairs of places and converts them by `map`.
@@ -52,6 +59,41 @@ impl<'a, T: Scalar> Join<'a, T> {
     /// As [`Join::run`], with the scratch of earlier calls. With one thread it allocates only if
     /// the result needs more memory.
     pub(super) fn run_in(
+        &self,
+        max_pairs: usize,
+        map: &MapPairs<'_>,
+        scratch: &mut JoinScratch,
+    ) -> Result<Found> {
+        let mut found = self.run_direct(max_pairs, map, scratch)?;
+        let period = self.a.period();
+        debug_assert_eq!(period, self.b.period());
+        for image in Image::all(&period, self.is_same) {
+            let [shift, other_shift] = image.shifts(&period);
+            let join = Self { shift, other_shift, is_same: false, ..*self };
+            let left = max_pairs - found.pairs.len();
+            let shapes = |pair: [u32; 2]| {
+                let [a, b] = pair.map(|place| place as usize);
+                [self.a.columns().shape(a), self.b.columns().shape(b)]
+            };
+            let map = |pairs: &mut [[u32; 2]]| {
+                let kept =
+                    filter_map(pairs, |pair| image.is_first(&period, shapes(pair)).then_some(pair));
+                map(&mut pairs[..kept])
+            };
+            let more = join.run_direct(left, &map, scratch).map_err(|error| match error {
+                Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+                other => other,
+            })?;
+            memory::reserve(&mut found.pairs, more.pairs.len())?;
+            found.pairs.extend_from_slice(&more.pairs);
+            found.tests += more.tests;
+            scratch.keep(more.pairs);
+        }
+        Ok(found)
+    }
+
+    /// As [`Join::run_in`], without the images of a periodic plane.
+    fn run_direct(
         &self,
         max_pairs: usize,
         map: &MapPairs<'_>,
@@ -139,6 +181,13 @@ impl<'a, T: Scalar> Join<'a, T> {
         let (a, b) = (&self.a.bounds()[task[0] as usize], &self.b.bounds()[task[1] as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
+        let moved;
+        let b = if self.other_shift == [T::ZERO; 2] {
+            b
+        } else {
+            moved = b.moved(self.other_shift);
+            &moved
+        };
         let overlaps = match self.filters {
             Filters::Apply => a.overlaps(b, self.shift, self.min_gap()),
             Filters::Ignore => a.overlaps_unfiltered(b, self.shift, self.min_gap()),
@@ -184,8 +233,10 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { join, stack, output } = self;
-        let Join { a, b, shift, filters, .. } = *join;
-        let kernel = Kernel { simd, a: a.columns(), b: b.columns(), shift, filters };
+        let Join { a, b, shift, other_shift, filters, .. } = *join;
+        let is_moved = [shift, other_shift] != [[T::ZERO; 2]; 2];
+        let (columns_a, columns_b) = (a.columns(), b.columns());
+        let kernel = Kernel { simd, a: columns_a, b: columns_b, shift, other_shift, filters };
         let mut scratch = Scratch::default();
         while let Some(task) = stack.pop() {
             if output.is_over(TASK_WORK) {
@@ -201,7 +252,7 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
                 kernel.within_leaf(leaf.range(), a.strips(leaf), output);
             } else {
                 let bounds = [&a.bounds()[first], &b.bounds()[second]];
-                let ranges = if shift == [T::ZERO; 2] {
+                let ranges = if !is_moved {
                     [a.places_near(first, bounds[1]), b.places_near(second, bounds[0])]
                 } else {
                     [a.nodes()[first].range(), b.nodes()[second].range()]

@@ -21,12 +21,14 @@ const MAX_ROW_HITS: usize = 64;
 /// Rows with more candidates than this are tested block by block instead of row by row.
 const MAX_STRIP_ROWS: usize = 2 * LANES;
 
-/// Tests shapes of `a`, moved by `-shift`, against shapes of `b`.
+/// Tests shapes of `a`, moved by `-shift`, against shapes of `b`, moved by `-other_shift`.
 pub(super) struct Kernel<'a, T, S> {
     pub(super) simd: S,
     pub(super) a: &'a Columns<T>,
     pub(super) b: &'a Columns<T>,
     pub(super) shift: [T; 2],
+    /// Only leaves are tested with it.
+    pub(super) other_shift: [T; 2],
     pub(super) filters: Filters,
 }
 
@@ -234,17 +236,17 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         output: &mut Output<'_>,
     ) {
         let Scratch { packed: [packed_a, packed_b], row_hits } = scratch;
-        let shift = self.shift;
-        let bounds_a = first.bounds.moved(shift);
+        let [shift, other_shift] = [self.shift, self.other_shift];
+        let (bounds_a, bounds_b) = (first.bounds.moved(shift), second.bounds.moved(other_shift));
         for start in first.range.clone().step_by(CHUNK) {
             let rows = start..first.range.end.min(start + CHUNK);
-            self.pack::<CORE>(self.a, rows, shift, second.bounds, packed_a);
+            self.pack::<CORE>(self.a, rows, shift, &bounds_b, packed_a);
             if packed_a.len == 0 {
                 continue;
             }
             for start in second.range.clone().step_by(CHUNK) {
                 let rows = start..second.range.end.min(start + CHUNK);
-                self.pack::<CORE>(self.b, rows, [T::ZERO; 2], &bounds_a, packed_b);
+                self.pack::<CORE>(self.b, rows, other_shift, &bounds_a, packed_b);
                 if packed_b.len > 0 {
                     self.packed::<CORE>(packed_a, packed_b, row_hits, output);
                 }

@@ -5,6 +5,8 @@
 //! block of [`LANES`](crate::simd::LANES) at a time. Every shape is in one leaf, so every pair
 //! is found once. Brute force gives the same pairs.
 
+mod contacts;
+mod images;
 mod join;
 mod kernel;
 mod output;
@@ -13,7 +15,7 @@ use std::ops::Range;
 
 use crate::columns::Columns;
 use crate::error::Result;
-use crate::geometry::{self, Scalar};
+use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::parallel;
@@ -22,6 +24,7 @@ use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes};
 use crate::simd::{Simd, Work};
 use crate::sorting;
+pub use contacts::{Overlaps, overlaps};
 use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
@@ -96,7 +99,11 @@ pub fn find_with<T: Scalar>(
     let different = circles && matches!(shapes.radii, Each::Rows(_));
     let limit = if different { DIFFERENT_CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
     let small = shapes.len() <= limit;
-    if method == Some(Method::Brute) || (method.is_none() && small) {
+    let periodic = !shapes.period.is_none();
+    if method == Some(Method::Brute) && periodic {
+        return images::brute(shapes, max_pairs);
+    }
+    if method == Some(Method::Brute) || (method.is_none() && small && !periodic) {
         return brute(&Columns::of(shapes)?, threads, max_pairs);
     }
     tree.fill_unordered(shapes, settings)?;
@@ -158,42 +165,30 @@ pub fn between<T: Scalar>(
     })
 }
 
+/// As [`within`], or as [`between`] if there is an `other` tree, of all pairs whose gap is below
+/// `distance`.
+pub fn near<T: Scalar>(
+    tree: &Quadtree<T>,
+    other: Option<&Quadtree<T>>,
+    distance: T,
+    mask: Option<u32>,
+    max_pairs: usize,
+) -> Result<Found> {
+    if distance == T::ZERO {
+        return match other {
+            None => within(tree, mask, max_pairs),
+            Some(other) => between(tree, other, mask, max_pairs),
+        };
+    }
+    let tree = tree.grown(distance)?;
+    match other {
+        None => within(&tree, mask, max_pairs),
+        Some(other) => between(&tree, &other.grown(distance)?, mask, max_pairs),
+    }
+}
+
 fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {
     tree.columns().shape(place as usize).category & mask != 0
-}
-
-/// Approximate number of values read to compute a contact.
-const CONTACT_WORK: usize = 16;
-
-/// The pairs of [`within`] with their contacts.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overlaps<T> {
-    /// Rows, `i < j`, in the order of [`within`].
-    pub pairs: Vec<[u32; 2]>,
-    /// Unit vectors from `i` to `j`.
-    pub normals: Vec<[T; 2]>,
-    /// Penetration depths along the normals.
-    pub depths: Vec<T>,
-    /// Number of pairs of shapes that were tested.
-    pub tests: u64,
-}
-
-/// As [`within`], with normals and depths.
-pub fn overlaps<T: Scalar>(tree: &Quadtree<T>, max_pairs: usize) -> Result<Overlaps<T>> {
-    let Found { mut pairs, tests } = places_within(tree, max_pairs, &mut JoinScratch::default())?;
-    let mut normals = memory::with_room(pairs.len())?;
-    let mut depths = memory::with_room(pairs.len())?;
-    let mut pulse = Pulse::current();
-    for pair in &mut pairs {
-        pulse.check(CONTACT_WORK)?;
-        pair.sort_unstable_by_key(|&place| tree.rows()[place as usize]);
-        let [a, b] = pair.map(|place| tree.columns().shape(place as usize));
-        let (normal, depth) = geometry::contact(&a, &b);
-        normals.push(normal);
-        depths.push(depth);
-        *pair = pair.map(|place| tree.rows()[place as usize]);
-    }
-    Ok(Overlaps { pairs, normals, depths, tests })
 }
 
 /// As [`within`], as places in Morton order instead of rows.
@@ -299,7 +294,7 @@ impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { a, b, shift, filters, rows, is_same, output } = self;
-        let kernel = Kernel { simd, a, b, shift, filters };
+        let kernel = Kernel { simd, a, b, shift, other_shift: [T::ZERO; 2], filters };
         if is_same {
             return kernel.self_block(rows, b.len(), output);
         }

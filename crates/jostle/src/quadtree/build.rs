@@ -141,6 +141,23 @@ impl<T: Scalar> Nodes<T> {
         Ok(())
     }
 
+    /// A copy.
+    pub fn copied(&self) -> Result<Self> {
+        Ok(Self {
+            nodes: memory::collect(self.nodes.iter().copied())?,
+            bounds: memory::collect(self.bounds.iter().copied())?,
+            strips: memory::collect(self.strips.iter().copied())?,
+            ends: memory::collect(self.ends.iter().copied())?,
+            scratch: strips::Scratch::default(),
+        })
+    }
+
+    /// Prepares the nodes for shapes whose radii are larger by `by`.
+    pub fn grow(&mut self, by: T) {
+        self.bounds.iter_mut().for_each(|bounds| bounds.radius = bounds.radius + by);
+        self.strips.iter_mut().for_each(|strips| *strips = strips.reaching(by + by));
+    }
+
     /// Computes the bounds of all nodes.
     pub fn compute_bounds(&mut self, columns: &Columns<T>, settings: &Settings) -> Result<()> {
         if columns.is_empty() {

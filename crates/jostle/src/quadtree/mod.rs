@@ -28,8 +28,9 @@ use crate::error::Result;
 use crate::geometry::{Bounds, Scalar, Shape};
 use crate::memory;
 use crate::parallel;
+use crate::period::Period;
 use crate::settings::Settings;
-use crate::shapes::Shapes;
+use crate::shapes::{Shapes, half_of};
 
 /// A node of the tree: a range of shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -87,6 +88,7 @@ pub struct Quadtree<T> {
     built: build::Nodes<T>,
     order: order::Order<T>,
     settings: Settings,
+    period: Period<T>,
 }
 
 impl<T: Scalar> Quadtree<T> {
@@ -144,6 +146,7 @@ impl<T: Scalar> Quadtree<T> {
         tie: &order::Tie<'_>,
     ) -> Result<()> {
         self.settings = settings;
+        self.period = shapes.period;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
         let built = self.build_here(shapes, unsorted, tie, threads);
         if built.is_err() {
@@ -240,6 +243,28 @@ impl<T: Scalar> Quadtree<T> {
     /// The settings with which it was built.
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+
+    /// The period of the plane; none unless its shapes have one.
+    #[inline(always)]
+    pub fn period(&self) -> Period<T> {
+        self.period
+    }
+
+    /// A copy in which the radii are larger by half of `distance`, so that two shapes overlap if the
+    /// gap between them was less than that. Refuses a distance that is out of range.
+    pub fn grown(&self, distance: T) -> Result<Self> {
+        let by = half_of(distance)?;
+        let mut grown = Self {
+            columns: self.columns.copied()?,
+            built: self.built.copied()?,
+            order: order::Order::of_rows(memory::collect(self.rows().iter().copied())?),
+            settings: self.settings,
+            period: self.period,
+        };
+        grown.columns.grow(by);
+        grown.built.grow(by);
+        Ok(grown)
     }
 
     /// Number of leaves.

@@ -114,6 +114,11 @@ impl<T: Scalar> Order<T> {
         Ok(())
     }
 
+    /// An order without keys, for a copy of a tree whose boxes nobody lists.
+    pub fn of_rows(rows: Vec<u32>) -> Self {
+        Self { rows, ..Self::default() }
+    }
+
     /// Removes all rows and keeps their memory.
     pub fn clear(&mut self) {
         self.rows.clear();

@@ -68,6 +68,14 @@ impl<T: Scalar> Strips<T> {
         Self { first: self.first.wrapping_add(by), ..self }
     }
 
+    /// The same for shapes that are higher by `distance`.
+    pub fn reaching(self, distance: T) -> Self {
+        let more = (distance.to_f64() * SLACK * self.per_unit.to_f64()).ceil();
+        // Below the number of strips, so that the sum does not overflow.
+        let more = (more as u32).min(MAX_STRIPS as u32) + 1;
+        Self { ahead: self.ahead.saturating_add(more), ..self }
+    }
+
     /// The range of the ends of its strips in the list of ends.
     pub fn ends(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize

@@ -5,6 +5,7 @@ use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
 use crate::memory;
+use crate::period::Period;
 use crate::shapes::{Each, check_finite, check_radii};
 
 /// A disc. Shapes that only touch it do not overlap it.
@@ -38,5 +39,13 @@ impl<T: Scalar> Region<T> for Circle<T> {
     #[inline(always)]
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         overlap(shape.gaps_to(self.center), shape.radius + self.radius)
+    }
+
+    fn moved(&self, shift: [T; 2]) -> Self {
+        Self { center: self.window().moved(shift).min, ..*self }
+    }
+
+    fn home(&self, period: &Period<T>) -> Self {
+        Self { center: period.wrap(self.center), ..*self }
     }
 }

@@ -1,27 +1,39 @@
-//! Queries: shapes that overlap a region, nearest neighbours, ray casts and circle casts.
+//! Queries: shapes that overlap a region, nearest neighbours, neighbours within a distance, casts of
+//! rays, discs and boxes.
 //!
 //! Every query has one exact test of a single shape, in the arithmetic of the tree. Nodes and
 //! blocks of shapes are skipped by conservative tests, so the result is that of brute force.
 //! Queries are independent of each other; many are processed in Morton order on all threads.
 
+mod adjacency;
 mod circle;
 mod frontier;
+mod images;
 mod nearest;
 mod overlapping;
 mod point;
 mod polygon;
 mod ray;
+mod ray_search;
 mod rect;
 mod region;
 mod window;
 
+pub use adjacency::{neighbors, neighbors_of_pairs};
 pub use circle::Circle;
-pub use nearest::{Nearest, Neighbors, check_nearest, distance, nearest, nearest_by};
+pub(crate) use images::Images;
+pub use nearest::{
+    Nearest, Neighbors, check_nearest, distance, distance_in, nearest, nearest_by, nearest_from,
+};
 pub use overlapping::each_overlap;
 pub use point::Point;
 pub use polygon::Polygon;
-pub use ray::{FirstHit, Ray, RayHits, first_hits, first_hits_by, hit};
+pub use ray::{Ray, hit, normal};
+pub use ray_search::{
+    AllHits, FirstHit, RayHits, RayPath, all_hits, all_hits_by, first_hits, first_hits_by,
+};
 pub use rect::Rect;
+pub(crate) use region::search_here;
 pub use region::{Hits, MOST_IDS, Region, search, selects};
 
 use crate::error::{Error, Result};
@@ -91,10 +103,12 @@ fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
-/// Refuses a distance that is negative or NaN; it may be infinite.
-fn check_max_distance<T: Scalar>(max_distance: T) -> Result<()> {
-    if max_distance >= T::ZERO {
-        return Ok(());
+/// Refuses distances that are negative or NaN; they may be infinite.
+fn check_max_distances<T: Scalar>(max_distances: &[T]) -> Result<()> {
+    match max_distances.iter().position(|distance| !(*distance >= T::ZERO)) {
+        None => Ok(()),
+        Some(index) => {
+            Err(Error::at("max_distance", index, max_distances[index], "it must be at least 0"))
+        }
     }
-    Err(Error::of("max_distance", max_distance, "it must be at least 0"))
 }

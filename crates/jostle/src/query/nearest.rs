@@ -9,15 +9,16 @@ use std::mem;
 use std::ops::Range;
 
 use super::region::{MOST_IDS, selects};
-use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distance, morton_order, worthwhile};
+use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distances, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar, Shape, length, square_of_gaps};
+use crate::geometry::{Bounds, Scalar, Shape, gap, length, square_of_gaps};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
+use crate::period::Period;
 use crate::quadtree::Quadtree;
-use crate::shapes::check_finite;
+use crate::shapes::{Each, check_finite};
 use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 use crate::sorting::{self, Bytes};
 
@@ -28,10 +29,55 @@ pub fn distance<T: Scalar>(point: [T; 2], shape: &Shape<T>) -> T {
     (length(x.max(T::ZERO), y.max(T::ZERO)) - shape.radius).max(T::ZERO)
 }
 
-/// A lower bound of the squared distance from a point to the cores of the shapes within `bounds`.
-#[inline(always)]
-fn min_square<T: Scalar>(point: [T; 2], bounds: &Bounds<T>) -> T {
-    square_of_gaps(bounds.gaps_to(point, point))
+/// As [`distance`], to the nearest image in a periodic plane.
+pub fn distance_in<T: Scalar>(period: &Period<T>, point: [T; 2], shape: &Shape<T>) -> T {
+    if period.is_none() {
+        return distance(point, shape);
+    }
+    Origin::at(point, period).distance::<true>(shape)
+}
+
+/// The point of a search, with its images along each axis.
+#[derive(Clone, Copy)]
+struct Origin<T> {
+    images: [[T; 3]; 2],
+}
+
+impl<T: Scalar> Origin<T> {
+    fn at(point: [T; 2], period: &Period<T>) -> Self {
+        let point = period.wrap(point);
+        Self { images: [0, 1].map(|axis| period.images_along(axis, point[axis])) }
+    }
+
+    /// The gaps along each axis between the nearest image, in a periodic plane, and cores from `min`
+    /// to `max`, extended by `half_size`; negative inside.
+    #[inline(always)]
+    fn gaps<const PERIODIC: bool>(&self, [min, max]: [[T; 2]; 2], half_size: [T; 2]) -> [T; 2] {
+        let mut gaps = [T::ZERO; 2];
+        for axis in 0..2 {
+            let images = self.images[axis];
+            let core = [min[axis], max[axis]];
+            let mut nearest = gap([images[0]; 2], core);
+            if PERIODIC {
+                nearest = nearest.min(gap([images[1]; 2], core)).min(gap([images[2]; 2], core));
+            }
+            gaps[axis] = nearest - half_size[axis];
+        }
+        gaps
+    }
+
+    /// The distance from the surface of a shape; 0 inside.
+    #[inline(always)]
+    fn distance<const PERIODIC: bool>(&self, shape: &Shape<T>) -> T {
+        let [x, y] = self.gaps::<PERIODIC>([shape.min, shape.max], shape.half_size);
+        (length(x.max(T::ZERO), y.max(T::ZERO)) - shape.radius).max(T::ZERO)
+    }
+
+    /// A lower bound of the squared distance to the cores of the shapes within `bounds`.
+    #[inline(always)]
+    fn min_square<const PERIODIC: bool>(&self, bounds: &Bounds<T>) -> T {
+        square_of_gaps(self.gaps::<PERIODIC>([bounds.min, bounds.max], bounds.half_size))
+    }
 }
 
 /// An upper bound of the square of `distance`: it is at least the rounded square of each distance
@@ -178,20 +224,26 @@ impl<T: Scalar> Nearest<T> {
         mask: Option<u32>,
         id_of: &IdOf<'_>,
     ) {
-        T::with_widest(Search { tree, point, mask, id_of, best: self });
+        let period = tree.period();
+        let origin = Origin::at(point, &period);
+        if period.is_none() {
+            T::with_widest(Search::<T, false> { tree, origin, mask, id_of, best: self });
+        } else {
+            T::with_widest(Search::<T, true> { tree, origin, mask, id_of, best: self });
+        }
     }
 }
 
 /// One search through one tree.
-struct Search<'a, T> {
+struct Search<'a, T, const PERIODIC: bool> {
     tree: &'a Quadtree<T>,
-    point: [T; 2],
+    origin: Origin<T>,
     mask: Option<u32>,
     id_of: &'a IdOf<'a>,
     best: &'a mut Nearest<T>,
 }
 
-impl<T: Scalar> Work<T> for Search<'_, T> {
+impl<T: Scalar, const PERIODIC: bool> Work<T> for Search<'_, T, PERIODIC> {
     type Out = ();
 
     /// Depth first, the nearest child first. Nodes on the stack may be beyond the limit when they
@@ -205,7 +257,7 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
         };
         let mut stack = mem::take(&mut self.best.stack);
         stack.clear();
-        stack.push((min_square(self.point, root), 0));
+        stack.push((self.origin.min_square::<PERIODIC>(root), 0));
         while let Some((square, index)) = stack.pop() {
             let radius = node_bounds[index as usize].radius;
             if square > max_square(self.best.limit() + radius) {
@@ -222,7 +274,7 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
             let (from, limit) = (stack.len(), self.best.limit());
             for child in node.children() {
                 let bounds = &node_bounds[child];
-                let square = min_square(self.point, bounds);
+                let square = self.origin.min_square::<PERIODIC>(bounds);
                 if square <= max_square(limit + bounds.radius)
                     && selects(self.mask, bounds.category)
                 {
@@ -248,7 +300,7 @@ pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
     }
 }
 
-impl<T: Scalar> Search<'_, T> {
+impl<T: Scalar, const PERIODIC: bool> Search<'_, T, PERIODIC> {
     #[inline(always)]
     fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
         let shapes = self.tree.columns();
@@ -258,13 +310,14 @@ impl<T: Scalar> Search<'_, T> {
                 return;
             }
             let limit = self.best.limit();
-            let near = within(simd, self.point, limit, (shapes, round), first);
+            let origin = &self.origin;
+            let near = within::<T, S, PERIODIC>(simd, origin, limit, (shapes, round), first);
             for_each_lane(near & first_lanes(places.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, round);
                 if selects(self.mask, shape.category)
                     && let Some(id) = (self.id_of)(first + lane)
                 {
-                    self.best.offer(distance(self.point, &shape), id);
+                    self.best.offer(self.origin.distance::<PERIODIC>(&shape), id);
                 }
             });
         }
@@ -273,15 +326,18 @@ impl<T: Scalar> Search<'_, T> {
 
 /// A bit for each shape of a block whose distance could be at most `limit`, by [`max_square`].
 #[inline(always)]
-fn within<T: Scalar, S: Simd<T>>(
+fn within<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     simd: S,
-    point: [T; 2],
+    origin: &Origin<T>,
     limit: T,
     (shapes, round): (&Columns<T>, bool),
     first: usize,
 ) -> u32 {
-    let x = core_gap(simd, point[0], [&shapes.x, &shapes.max_x, &shapes.half_x], first);
-    let y = core_gap(simd, point[1], [&shapes.y, &shapes.max_y, &shapes.half_y], first);
+    let [along_x, along_y] = origin.images;
+    let columns_x: [&[T]; 3] = [&shapes.x, &shapes.max_x, &shapes.half_x];
+    let columns_y: [&[T]; 3] = [&shapes.y, &shapes.max_y, &shapes.half_y];
+    let x = core_gap::<T, S, PERIODIC>(simd, along_x, columns_x, first);
+    let y = core_gap::<T, S, PERIODIC>(simd, along_y, columns_y, first);
     let mut distance = simd.splat(limit);
     if round {
         distance = simd.add(distance, simd.load(block(&shapes.radius, first)));
@@ -291,20 +347,20 @@ fn within<T: Scalar, S: Simd<T>>(
     !simd.less(max_square, simd.add(simd.mul(x, x), simd.mul(y, y)))
 }
 
-/// The gaps between a point and the cores of a block along one axis, at least 0.
+/// The gaps between a point and the cores of a block along one axis, at least 0; in a periodic plane
+/// those of the nearest of its images.
 #[inline(always)]
-fn core_gap<T: Scalar, S: Simd<T>>(
+fn core_gap<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     simd: S,
-    point: T,
+    images: [T; 3],
     [min, max, half_sizes]: [&[T]; 3],
     first: usize,
 ) -> S::Block {
-    let (min, point) = (simd.load(block(min, first)), simd.splat(point));
-    let mut gap = if max.is_empty() {
-        simd.distance(min, point)
-    } else {
-        simd.max(simd.sub(min, point), simd.sub(point, simd.load(block(max, first))))
-    };
+    let mut gap = gap_to(simd, images[0], [min, max], first);
+    if PERIODIC {
+        gap = simd.min(gap, gap_to(simd, images[1], [min, max], first));
+        gap = simd.min(gap, gap_to(simd, images[2], [min, max], first));
+    }
     if max.is_empty() && half_sizes.is_empty() {
         return gap;
     }
@@ -312,6 +368,16 @@ fn core_gap<T: Scalar, S: Simd<T>>(
         gap = simd.sub(gap, simd.load(block(half_sizes, first)));
     }
     simd.max(gap, simd.splat(T::ZERO))
+}
+
+/// The gaps between a coordinate and the intervals of a block; half sizes are not subtracted.
+#[inline(always)]
+fn gap_to<T: Scalar, S: Simd<T>>(simd: S, at: T, [min, max]: [&[T]; 2], first: usize) -> S::Block {
+    let (min, at) = (simd.load(block(min, first)), simd.splat(at));
+    if max.is_empty() {
+        return simd.distance(min, at);
+    }
+    simd.max(simd.sub(min, at), simd.sub(at, simd.load(block(max, first))))
 }
 
 /// Distances and ids of the nearest shapes, `k` for each point.
@@ -326,9 +392,13 @@ pub struct Neighbors<T> {
 }
 
 /// Refuses invalid points, distances and counts.
-pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)) -> Result<()> {
+pub fn check_nearest<T: Scalar>(
+    points: &[[T; 2]],
+    (k, max_distances): (usize, &Each<T>),
+) -> Result<()> {
     check_finite("point", points)?;
-    check_max_distance(max_distance)?;
+    max_distances.check_len("max_distance", points.len())?;
+    max_distances.check(check_max_distances)?;
     let neighbors = k.saturating_mul(points.len().max(1));
     if neighbors > MOST_IDS {
         let of =
@@ -341,21 +411,23 @@ pub fn check_nearest<T: Scalar>(points: &[[T; 2]], (k, max_distance): (usize, T)
     Ok(())
 }
 
-/// The `k` shapes of a tree nearest to each point, not farther than `max_distance`. If there is a
-/// `mask`, only shapes with a category in it.
+/// The `k` shapes of a tree nearest to each point, not farther than the maximum distance, one for
+/// all or one for each point. If there is a `mask`, only shapes with a category in it.
 pub fn nearest<T: Scalar>(
     tree: &Quadtree<T>,
     points: &[[T; 2]],
-    (k, max_distance): (usize, T),
+    (k, max_distance): (usize, impl Into<Each<T>>),
     mask: Option<u32>,
 ) -> Result<Neighbors<T>> {
     let rows = tree.rows();
     // Ordered by row; the low bits are the place.
     let id_of = |place: usize| Some(u64::from(rows[place]) << 32 | place as u64);
-    let shape_of = |id: u64| tree.columns().shape(id as u32 as usize);
+    let period = tree.period();
+    let distance_of =
+        |point, id: u64| distance_in(&period, point, &tree.columns().shape(id as u32 as usize));
     let search = |point, best: &mut Nearest<T>| best.search(tree, point, mask, &id_of);
-    let mut found =
-        nearest_by(points, (k, max_distance), tree.settings().threads, search, shape_of)?;
+    let wanted = (k, &max_distance.into());
+    let mut found = nearest_from(points, wanted, tree.settings().threads, search, distance_of)?;
     found.ids.iter_mut().for_each(|id| *id >>= 32);
     Ok(found)
 }
@@ -373,11 +445,8 @@ fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// As [`nearest`], for shapes that are not in one tree: `search` tests them for one point, and
-/// `shape_of` returns the shape with an id.
-///
-/// Queries are processed in Morton order. The `k` shapes that are nearest to one point are near the
-/// next point too: the largest of their distances from it is an upper bound for its search.
+/// As [`nearest_from`], with one maximum distance and outside of a periodic plane: `shape_of` returns
+/// the shape with an id.
 pub fn nearest_by<T: Scalar>(
     points: &[[T; 2]],
     (k, max_distance): (usize, T),
@@ -385,7 +454,23 @@ pub fn nearest_by<T: Scalar>(
     search: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
     shape_of: impl Fn(u64) -> Shape<T> + Sync + Send,
 ) -> Result<Neighbors<T>> {
-    check_nearest(points, (k, max_distance))?;
+    let distance_of = |point, id| distance(point, &shape_of(id));
+    nearest_from(points, (k, &Each::One(max_distance)), threads, search, distance_of)
+}
+
+/// As [`nearest`], for shapes that are not in one tree: `search` tests them for one point, and
+/// `distance_of` returns the distance of a point from the shape with an id.
+///
+/// Queries are processed in Morton order. The `k` shapes that are nearest to one point are near the
+/// next point too: the largest of their distances from it is an upper bound for its search.
+pub fn nearest_from<T: Scalar>(
+    points: &[[T; 2]],
+    (k, max_distances): (usize, &Each<T>),
+    threads: Option<usize>,
+    search: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
+    distance_of: impl Fn([T; 2], u64) -> T + Sync + Send,
+) -> Result<Neighbors<T>> {
+    check_nearest(points, (k, max_distances))?;
     let threads = worthwhile(threads, points.len());
     let order = morton_order(points.iter().copied())?;
     let stop = Stop::current();
@@ -401,10 +486,11 @@ pub fn nearest_by<T: Scalar>(
         for &query in parts[part] {
             best.pulse.check(NODE_WORK + k)?;
             let point = points[query as usize];
+            let max_distance = max_distances.at(query as usize);
             best.bound = max_distance;
             let before: &[Neighbor<T>] = &neighbors[start..];
             if before.len() == k {
-                let distances = before.iter().map(|near| distance(point, &shape_of(near.id)));
+                let distances = before.iter().map(|near| distance_of(point, near.id));
                 best.bound = distances.fold(T::ZERO, T::max).min(max_distance);
             }
             search(point, &mut best);

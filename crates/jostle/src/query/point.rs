@@ -5,6 +5,7 @@ use super::window::Window;
 use crate::error::Result;
 use crate::geometry::{Scalar, Shape, within};
 use crate::memory;
+use crate::period::Period;
 use crate::shapes::check_finite;
 
 /// A point. Shapes contain their edge, except rectangles (radius 0): these contain their left and
@@ -41,5 +42,13 @@ impl<T: Scalar> Region<T> for Point<T> {
         }
         let [x, y] = shape.gaps_to(self.0);
         within(x.max(T::ZERO), y.max(T::ZERO), shape.radius)
+    }
+
+    fn moved(&self, shift: [T; 2]) -> Self {
+        Self(self.window().moved(shift).min)
+    }
+
+    fn home(&self, period: &Period<T>) -> Self {
+        Self(period.wrap(self.0))
     }
 }

@@ -4,6 +4,7 @@ use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape, square_of_gaps};
+use crate::period::Period;
 use crate::shapes::tuple;
 
 /// A convex polygon. Shapes that only touch it do not overlap it.
@@ -210,5 +211,27 @@ impl<T: Scalar> Region<T> for Polygon<T> {
             }
             outside > size * roundings
         })
+    }
+
+    fn moved(&self, shift: [T; 2]) -> Self {
+        let [x, y] = shift.map(T::to_f64);
+        let moved = |side: &Side| Side { start: [side.start[0] - x, side.start[1] - y], ..*side };
+        Self { sides: self.sides.iter().map(moved).collect(), window: self.window.moved(shift) }
+    }
+
+    /// A larger polygon could overlap shapes in more images than are tested.
+    fn check_period(&self, index: usize, period: &Period<T>) -> Result<()> {
+        let Window { min, max, .. } = self.window;
+        let fits =
+            |axis: usize| !period.is_along(axis) || max[axis] - min[axis] <= period.sides()[axis];
+        if fits(0) && fits(1) {
+            return Ok(());
+        }
+        let size = tuple(&[max[0] - min[0], max[1] - min[1]]);
+        let rule = format!(
+            "with period={}, a polygon may be at most one period wide and high",
+            tuple(&period.sides())
+        );
+        Err(Error::at("vertices", index, format!("{size} wide and high"), &rule))
     }
 }

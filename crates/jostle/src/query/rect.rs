@@ -40,4 +40,9 @@ impl<T: Scalar> Region<T> for Rect<T> {
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         overlap(self.window().gaps(shape), shape.radius)
     }
+
+    fn moved(&self, shift: [T; 2]) -> Self {
+        let Window { min, max, .. } = self.window().moved(shift);
+        Self { min, max }
+    }
 }

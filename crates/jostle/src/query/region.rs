@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::frontier::{Frontier, GROUP};
+use super::images::Images;
 use super::window::Window;
 use super::{NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::error::{Error, Result};
@@ -10,6 +11,7 @@ use crate::geometry::{Bounds, Scalar, Shape};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
+use crate::period::Period;
 use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 use crate::sorting;
@@ -37,6 +39,23 @@ pub trait Region<T>: Sync {
     fn misses(&self, bounds: &Bounds<T>) -> bool {
         let _ = bounds;
         false
+    }
+    /// The same region moved by `-shift`.
+    fn moved(&self, shift: [T; 2]) -> Self
+    where
+        Self: Sized;
+    /// The same region with its centre in the first period, up to rounding.
+    fn home(&self, period: &Period<T>) -> Self
+    where
+        Self: Sized,
+        T: Scalar,
+    {
+        self.moved(period.turns(self.window().center()))
+    }
+    /// Refuses a region that is too large for a period.
+    fn check_period(&self, index: usize, period: &Period<T>) -> Result<()> {
+        let _ = (index, period);
+        Ok(())
     }
 }
 
@@ -101,6 +120,20 @@ pub fn selects(mask: Option<u32>, category: u32) -> bool {
 /// The rows of all shapes that overlap each region, ascending. If there is a `mask`, only shapes
 /// with a category in it.
 pub fn search<T: Scalar, R: Region<T>>(
+    tree: &Quadtree<T>,
+    regions: &[R],
+    mask: Option<u32>,
+) -> Result<Hits<u32>> {
+    let period = tree.period();
+    if period.is_none() {
+        return search_here(tree, regions, mask);
+    }
+    let images = Images::of(regions, &period, tree.bounds().first())?;
+    images.combine(search_here(tree, &images.regions, mask)?)
+}
+
+/// As [`search`], without the images of a periodic plane.
+pub(crate) fn search_here<T: Scalar, R: Region<T>>(
     tree: &Quadtree<T>,
     regions: &[R],
     mask: Option<u32>,

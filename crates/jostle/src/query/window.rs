@@ -1,7 +1,7 @@
 //! The window of a region: bounds that are tested against nodes and blocks of shapes.
 
 use crate::columns::Columns;
-use crate::geometry::{Bounds, Scalar, Shape, gap, overlap, square_of_gaps};
+use crate::geometry::{Bounds, Scalar, Shape, gap, middle, overlap, square_of_gaps};
 use crate::simd::{Simd, block};
 
 /// All points within `radius` of the rectangle from `min` to `max`.
@@ -17,6 +17,17 @@ impl<T: Scalar> Window<T> {
     pub(super) fn around(region: &Bounds<T>) -> Self {
         debug_assert!(region.half_size == [T::ZERO; 2]);
         Self { min: region.min, max: region.max, radius: region.radius }
+    }
+
+    /// The middle of the window.
+    pub(super) fn center(&self) -> [T; 2] {
+        [0, 1].map(|axis| middle(self.min[axis], self.max[axis]))
+    }
+
+    /// The same window moved by `-shift`.
+    pub(super) fn moved(&self, shift: [T; 2]) -> Self {
+        let by = |v: [T; 2]| [v[0] - shift[0], v[1] - shift[1]];
+        Self { min: by(self.min), max: by(self.max), ..*self }
     }
 
     /// The gaps between the core of a shape and the window along each axis; negative inside.

@@ -1,12 +1,12 @@
 //! The list of all scenes.
 
 use super::{
-    Scene, emitters, falling, galton, games, gases, heap, machines, mixing, pinball, sand, soft,
-    stars,
+    Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing, pinball,
+    sand, soft, stars,
 };
 
 /// All scenes.
-pub const SCENES: [Scene; 21] = [
+pub const SCENES: [Scene; 24] = [
     Scene {
         name: "article",
         default_count: 500,
@@ -174,5 +174,29 @@ pub const SCENES: [Scene; 21] = [
                 No ball passes through a flipper, at any speed.",
         make: pinball::pinball,
         view: pinball::pinball_view,
+    },
+    Scene {
+        name: "life",
+        default_count: 4_000,
+        about: "Particle life: six kinds attract and repel each other, not always mutually. \
+                Chains of all colours form, crawl, join and break.",
+        make: life::life,
+        view: life::life_view,
+    },
+    Scene {
+        name: "flock",
+        default_count: 2_000,
+        about: "Birds keep apart, fly in the mean direction of their neighbours, and stay near them. \
+                Flocks form and meet.",
+        make: life::flock,
+        view: life::flock_view,
+    },
+    Scene {
+        name: "fluid",
+        default_count: 1_500,
+        about: "Two droplets of a Lennard-Jones fluid meet and become one, in their vapour. \
+                Energy and momentum are conserved.",
+        make: fluid::fluid,
+        view: fluid::fluid_view,
     },
 ];

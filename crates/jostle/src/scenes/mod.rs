@@ -6,10 +6,12 @@
 
 mod falling;
 mod emitters;
+mod fluid;
 mod galton;
 mod games;
 mod gases;
 mod heap;
+mod life;
 mod list;
 mod machines;
 mod mixing;

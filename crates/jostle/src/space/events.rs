@@ -145,6 +145,21 @@ impl<T: Scalar> Space<T> {
 }
 
 impl Changes {
+    /// Slots that changed since the last update.
+    pub(super) fn slots(&self) -> &[u32] {
+        &self.slots
+    }
+
+    /// Number of updates.
+    pub(super) fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sets the number of updates.
+    pub(super) fn set_updates(&mut self, updates: u64) {
+        self.updates = updates;
+    }
+
     /// Makes room for so many slots.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         memory::lengthen(&mut self.changed, slots, false)

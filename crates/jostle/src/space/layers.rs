@@ -8,12 +8,14 @@
 
 use std::mem;
 
+use super::pairs::Wanted;
 use super::slots::Slots;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::pairs::{self, Filters, JoinScratch};
+use crate::period::Period;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
@@ -92,20 +94,19 @@ pub(super) struct Layers<T> {
     shapes: Shapes<T>,
 }
 
-impl<T: Scalar> Default for Layers<T> {
-    fn default() -> Self {
+impl<T: Scalar> Layers<T> {
+    /// No layers, of shapes in a plane with this period.
+    pub(super) fn of(period: Period<T>) -> Self {
         Self {
             layers: Vec::new(),
             home: Vec::new(),
             fresh: Vec::new(),
             listed: Vec::new(),
             fresh_len: 0,
-            shapes: Shapes::default(),
+            shapes: Shapes { period, ..Shapes::default() },
         }
     }
-}
 
-impl<T: Scalar> Layers<T> {
     /// Makes room for so many slots.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         memory::lengthen(&mut self.home, slots, NOWHERE)?;
@@ -319,7 +320,7 @@ impl<T: Scalar> Layers<T> {
             return Err(self.undo(rows, error));
         }
         if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
-            self.shapes = Shapes::default();
+            self.shapes = Shapes { period: self.shapes.period, ..Shapes::default() };
         }
         let index = self.layers.iter().position(|layer| layer.slots.is_empty());
         let index = index.unwrap_or_else(|| {
@@ -333,22 +334,28 @@ impl<T: Scalar> Layers<T> {
         Ok(Some(index))
     }
 
-    /// Adds the overlapping pairs of shapes of two layers, or of one with itself, as pairs of slots;
-    /// with a `mask` only those of which both have a category in it. There may be at most
-    /// `max_pairs` in all.
+    /// The tree of a layer with radii larger by half of `distance`; none if this is 0.
+    pub(super) fn grown(&self, index: usize, distance: T) -> Result<Option<Quadtree<T>>> {
+        let tree = &self.layers[index].tree;
+        (distance != T::ZERO).then(|| tree.grown(distance)).transpose()
+    }
+
+    /// Adds the pairs of shapes of two layers, or of one with itself, as pairs of slots. Their trees
+    /// are those in `grown`, if any.
     pub(super) fn join(
         &self,
         [a, b]: [usize; 2],
-        mask: Option<u32>,
-        max_pairs: usize,
+        grown: [&Option<Quadtree<T>>; 2],
+        &Wanted { mask, max_pairs, .. }: &Wanted<T>,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
+        let own = grown[0].as_ref().unwrap_or(&first.tree);
         let rows = if a == b {
-            pairs::within(&first.tree, mask, left)
+            pairs::within(own, mask, left)
         } else {
-            pairs::between(&first.tree, &second.tree, mask, left)
+            pairs::between(own, grown[1].as_ref().unwrap_or(&second.tree), mask, left)
         };
         let rows = rows.map_err(|error| of_all(error, max_pairs))?;
         let mut pulse = Pulse::current();

@@ -9,21 +9,25 @@ mod events;
 mod keys;
 mod layers;
 mod links;
+mod pairs;
 mod queries;
+mod saved;
 mod slots;
 mod touching;
 mod walking;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
-use crate::interrupt::Pulse;
 use crate::memory;
+use crate::period::Period;
 use crate::settings::Settings;
 use crate::shapes::{
     Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
 };
 pub use events::Events;
 use layers::Layers;
+pub use pairs::Wanted;
+pub use saved::Saved;
 pub use slots::Id;
 use slots::Slots;
 use touching::Touching;
@@ -42,6 +46,7 @@ pub use walking::Slides;
 #[derive(Clone, Debug)]
 pub struct Space<T> {
     settings: Settings,
+    period: Period<T>,
     slots: Slots<T>,
     layers: Layers<T>,
     touching: Touching,
@@ -52,11 +57,17 @@ pub struct Space<T> {
 impl<T: Scalar> Space<T> {
     /// A space without shapes. Refuses settings that no tree can follow.
     pub fn new(settings: Settings) -> Result<Self> {
+        Self::with_period(settings, Period::default())
+    }
+
+    /// A space without shapes, in a periodic plane: all centres are moved into the first period.
+    pub fn with_period(settings: Settings, period: Period<T>) -> Result<Self> {
         settings.validate()?;
         Ok(Self {
             settings,
+            period,
             slots: Slots::default(),
-            layers: Layers::default(),
+            layers: Layers::of(period),
             touching: Touching::default(),
             changes: events::Changes::default(),
             rides: walking::Rides::default(),
@@ -88,6 +99,11 @@ impl<T: Scalar> Space<T> {
         self.settings
     }
 
+    /// The period of the plane.
+    pub fn period(&self) -> Period<T> {
+        self.period
+    }
+
     /// What `read` makes of the shapes with these ids. Refuses ids that no shape has.
     pub fn read<V>(&self, ids: &[Id], read: impl Fn(Shape<T>) -> V) -> Result<Vec<V>> {
         let slots = self.slots.look_up(ids)?;
@@ -106,7 +122,7 @@ impl<T: Scalar> Space<T> {
         self.changes.widen(count)?;
         let mut ids = memory::with_room(shapes.len())?;
         for row in 0..shapes.len() {
-            let slot = self.slots.put(&shapes.shape(row));
+            let slot = self.slots.put(&self.period.wrap_shape(shapes.shape(row)));
             self.note(slot);
             ids.push(self.slots.id(slot));
         }
@@ -128,7 +144,8 @@ impl<T: Scalar> Space<T> {
             return Err(Error::Length { argument: "centers", found, expected });
         }
         check_finite("centers", centers)?;
-        self.change(ids, |slots, slot, row| slots.set_center(slot, centers[row]))
+        let period = self.period;
+        self.change(ids, |slots, slot, row| slots.set_center(slot, period.wrap(centers[row])))
     }
 
     /// Sets the cores of shapes to boxes `[min_x, min_y, max_x, max_y]`; radii stay the same.
@@ -139,7 +156,11 @@ impl<T: Scalar> Space<T> {
             return Err(Error::Length { argument: "boxes", found, expected });
         }
         check_boxes("boxes", boxes)?;
-        self.change(ids, |slots, slot, row| slots.set_box(slot, corners(&boxes[row])))
+        let period = self.period;
+        self.change(ids, |slots, slot, row| {
+            let moved = period.wrap_corners(corners(&boxes[row]));
+            slots.set_box(slot, moved)
+        })
     }
 
     /// Gives shapes other radii, half sizes or both. Refuses what no shape can have.
@@ -155,7 +176,7 @@ impl<T: Scalar> Space<T> {
         }
         if let Some(half_sizes) = half_sizes {
             half_sizes.check_len("half_sizes", ids.len())?;
-            check_each_half_size(half_sizes)?;
+            check_each_half_size("half_sizes", half_sizes)?;
         }
         self.slots.reserve_columns(0, [half_sizes.is_some(), false])?;
         self.change(ids, |slots, slot, row| {
@@ -201,44 +222,6 @@ impl<T: Scalar> Space<T> {
             }
         }
         Ok(())
-    }
-
-    /// All overlapping pairs of ids, the smaller first, in no promised order; the same
-    /// whatever the number of threads. With a `mask` only those of which both have a category
-    /// in it.
-    pub fn pairs(&mut self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
-        self.layers.fold(&self.slots, self.settings)?;
-        let found = match self.all_pairs(mask, max_pairs) {
-            Err(Error::TooManyPairs { .. }) => {
-                // Dead shapes may have been counted; they have been removed here.
-                self.layers.part(&[], &self.slots, self.settings)?;
-                self.all_pairs(mask, max_pairs)?
-            }
-            found => found?,
-        };
-        let mut pulse = Pulse::current();
-        let mut ids = memory::with_room(found.len())?;
-        for pair in found {
-            pulse.check(1)?;
-            ids.push(self.pair_of_ids(pair));
-        }
-        Ok(ids)
-    }
-
-    fn all_pairs(&self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
-        let mut found = Vec::new();
-        let layers: Vec<usize> = self.layers.indices().collect();
-        for (which, &a) in layers.iter().enumerate() {
-            for &b in &layers[which..] {
-                self.layers.join([a, b], mask, max_pairs, &mut found)?;
-            }
-        }
-        Ok(found)
-    }
-
-    fn pair_of_ids(&self, slots: [u32; 2]) -> [Id; 2] {
-        let [a, b] = slots.map(|slot| self.slots.id(slot));
-        [a.min(b), a.max(b)]
     }
 
     /// Changes shapes, `set` saying of each whether it is another one now.

@@ -1,5 +1,7 @@
 //! Queries of a space: each tree is queried, and fresh shapes are tested one by one.
 
+use std::borrow::Cow;
+
 use super::Space;
 use super::slots::Id;
 use crate::error::{Error, Result};
@@ -7,8 +9,9 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::query::{
-    self, FirstHit, Hits, MOST_IDS, Nearest, Neighbors, Ray, RayHits, Region, selects,
+    self, Hits, Images, MOST_IDS, Nearest, Neighbors, Ray, RayHits, RayPath, Region, selects,
 };
+use crate::shapes::Each;
 use crate::sorting;
 
 /// With more fresh shapes than this, a tree of them is faster than testing each.
@@ -25,6 +28,15 @@ impl<T: Scalar> Space<T> {
     /// in `mask`, if there is one.
     pub fn search<R: Region<T>>(&mut self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
         self.prepare(regions.len())?;
+        if self.period.is_none() {
+            return self.search_here(regions, mask);
+        }
+        let images = Images::of(regions, &self.period, None)?;
+        images.combine(self.search_here(&images.regions, mask)?)
+    }
+
+    /// As [`Space::search`], without the images of a periodic plane.
+    fn search_here<R: Region<T>>(&mut self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
         match self.search_all(regions, mask) {
             Err(Error::TooManyIds { .. }) => {
                 // Dead shapes may have been counted; they have been removed here.
@@ -38,7 +50,7 @@ impl<T: Scalar> Space<T> {
     fn search_all<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
         let layers = self.layers.indices().map(|index| {
             let (tree, slot) = self.layers.layer(index);
-            Ok((query::search(tree, regions, mask)?, slot))
+            Ok((query::search_here(tree, regions, mask)?, slot))
         });
         let layers = layers.collect::<Result<Vec<_>>>()?;
         let mut fresh: Vec<u32> = memory::with_room(self.layers.fresh_listed())?;
@@ -78,14 +90,17 @@ impl<T: Scalar> Space<T> {
     pub fn nearest(
         &mut self,
         points: &[[T; 2]],
-        wanted: (usize, T),
+        (k, max_distance): (usize, impl Into<Each<T>>),
         mask: Option<u32>,
     ) -> Result<Neighbors<T>> {
+        let max_distances = max_distance.into();
+        let wanted = (k, &max_distances);
         query::check_nearest(points, wanted)?;
         self.prepare(points.len())?;
         let look = |point, best: &mut Nearest<T>| self.look_around(point, mask, best);
         let shape_of = |id: u64| self.slots.shape(self.slots.slot(id as Id).expect("was found"));
-        query::nearest_by(points, wanted, self.settings.threads, look, shape_of)
+        let distance_of = |point, id| query::distance_in(&self.period, point, &shape_of(id));
+        query::nearest_from(points, wanted, self.settings.threads, look, distance_of)
     }
 
     fn look_around(&self, point: [T; 2], mask: Option<u32>, best: &mut Nearest<T>) {
@@ -96,7 +111,8 @@ impl<T: Scalar> Space<T> {
             let shape = self.slots.shape(slot);
             best.tests += 1;
             if selects(mask, shape.category) {
-                best.offer(query::distance(point, &shape), self.slots.id(slot) as u64);
+                let distance = query::distance_in(&self.period, point, &shape);
+                best.offer(distance, self.slots.id(slot) as u64);
             }
         }
         for index in self.layers.indices() {
@@ -109,19 +125,37 @@ impl<T: Scalar> Space<T> {
     /// What each ray hits first, among what has a category in `mask`, if there is one; of
     /// shapes as far the smaller id.
     pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
-        self.prepare(rays.len())?;
-        query::first_hits_by(rays, self.settings.threads, |best| self.look_along(mask, best))
+        let rays = self.prepare_rays(rays)?;
+        query::first_hits_by(&rays, self.settings.threads, |best| self.look_along(mask, best))
     }
 
-    fn look_along(&self, mask: Option<u32>, best: &mut FirstHit<T>) {
+    /// All shapes that each ray hits, nearest first, among what has a category in `mask`, if there
+    /// is one.
+    pub fn all_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
+        let rays = self.prepare_rays(rays)?;
+        query::all_hits_by(&rays, self.settings.threads, |all| self.look_along(mask, all))
+    }
+
+    /// Checks rays in a periodic plane and prepares the trees for them.
+    fn prepare_rays<'r>(&mut self, rays: &'r [Ray<T>]) -> Result<Cow<'r, [Ray<T>]>> {
+        let rays = if self.period.is_none() {
+            Cow::Borrowed(rays)
+        } else {
+            Cow::Owned(Ray::in_period(rays, &self.period)?)
+        };
+        self.prepare(rays.len())?;
+        Ok(rays)
+    }
+
+    fn look_along(&self, mask: Option<u32>, best: &mut impl RayPath<T>) {
         for slot in self.layers.fresh() {
             if best.is_over(1) {
                 return;
             }
             let shape = self.slots.shape(slot);
-            best.tests += 1;
+            best.count(1);
             if selects(mask, shape.category) {
-                best.offer(&shape, self.slots.id(slot) as u64);
+                best.offer_in(&self.period, &shape, self.slots.id(slot) as u64);
             }
         }
         for index in self.layers.indices() {

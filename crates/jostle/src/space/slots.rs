@@ -3,11 +3,12 @@
 //! An id contains the slot of its shape in the low bits and the slot's generation above them.
 //! So the shape is found directly, and a slot that is used again has another id.
 
+use super::saved::Saved;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 use crate::interrupt::Pulse;
 use crate::memory;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, middle_of};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, corners, middle_of};
 use crate::sorting;
 
 /// The id of a shape in a space, or of a particle in a world; at least 0.
@@ -85,6 +86,56 @@ impl<T: Scalar> Slots<T> {
         let (slot, generation) = parts(id)?;
         let found = *self.generations.get(slot as usize)?;
         (found == generation).then_some(slot)
+    }
+
+    /// The slots with shapes.
+    pub(super) fn present(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.generations).filter(|(_, g)| **g & VACANT == 0).map(|(slot, _)| slot)
+    }
+
+    /// The columns as plain lists.
+    pub(super) fn save(&self) -> Result<Saved<T>> {
+        let corners = self.mins.iter().enumerate().map(|(slot, min)| {
+            let max = self.maxes.get(slot).unwrap_or(min);
+            [min[0], min[1], max[0], max[1]]
+        });
+        Ok(Saved {
+            corners: memory::collect(corners)?,
+            radii: memory::collect(self.radii.iter().copied())?,
+            half_sizes: memory::collect(self.half_sizes.iter().copied())?,
+            filters: memory::collect(self.filters.iter().copied())?,
+            generations: memory::collect(self.generations.iter().copied())?,
+            free: memory::collect(self.free.iter().copied())?,
+            ..Saved::default()
+        })
+    }
+
+    /// The slots of consistent columns.
+    pub(super) fn restore(saved: Saved<T>) -> Result<Self> {
+        let Saved { corners: boxes, radii, half_sizes, filters, generations, free, .. } = saved;
+        let len = generations.iter().filter(|generation| **generation & VACANT == 0).count();
+        let freed = generations.iter().any(|generation| *generation & !VACANT != 0);
+        let has_boxes = boxes.iter().any(|one| corners(one)[0] != corners(one)[1]);
+        let mut maxes = Vec::new();
+        if has_boxes {
+            maxes = memory::collect(boxes.iter().map(|one| corners(one)[1]))?;
+        }
+        let mins = memory::collect(boxes.iter().map(|one| corners(one)[0]))?;
+        let named = memory::filled(generations.len(), 0)?;
+        let call = 0;
+        Ok(Self {
+            mins,
+            maxes,
+            radii,
+            half_sizes,
+            filters,
+            generations,
+            free,
+            named,
+            call,
+            len,
+            freed,
+        })
     }
 
     /// All ids, ascending.
@@ -328,16 +379,16 @@ impl<T: Scalar> Slots<T> {
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
     /// have in common is said once: a tree need not put that into its order.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
-        let Shapes { centers, radii, half_sizes, boxes, filters } = shapes;
+        let Shapes { centers, radii, half_sizes, boxes, filters, .. } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
         memory::reserve(centers, slots.len())?;
         let mut all = boxes.take().unwrap_or_default();
         if slots.iter().any(|&slot| self.is_box(slot)) {
-            let corners = |slot: usize| (self.mins[slot], self.maxes[slot]);
+            let sides = |slot: usize| (self.mins[slot], self.maxes[slot]);
             all.clear();
             memory::reserve(&mut all, slots.len())?;
-            all.extend(each().map(corners).map(|(min, max)| [min[0], min[1], max[0], max[1]]));
+            all.extend(each().map(sides).map(|(min, max)| [min[0], min[1], max[0], max[1]]));
             centers.extend(all.iter().map(middle_of));
             *boxes = Some(all);
         } else {

@@ -53,6 +53,11 @@ enum Next {
 }
 
 impl Touching {
+    /// The pairs with these keys, ascending.
+    pub(super) fn of(list: Vec<Key>) -> Self {
+        Self { list, ..Self::default() }
+    }
+
     /// Makes room for pairs of so many slots.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         self.links.as_mut().map_or(Ok(()), |links| links.widen(slots))

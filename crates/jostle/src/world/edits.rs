@@ -13,7 +13,7 @@ use crate::table::{Table, dense};
 
 impl World {
     /// Adds particles after the others and returns their ids, which are above all ids before. An
-    /// immovable one wakes all.
+    /// immovable one wakes all. Their kind is 0, see [`World::set_kinds`].
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
@@ -31,6 +31,7 @@ impl World {
         if !self.given.is_empty() {
             self.given.resize(new, [0.0; 2]);
         }
+        forces::change_kinds(&mut self.forces, |kinds| kinds.resize(new, 0));
         self.persistent.resize(self.rows.len());
         self.forget_places();
         Ok(ids)
@@ -71,6 +72,7 @@ impl World {
         self.keep(&keep);
         self.ids.remove(gone);
         retain_unless(&mut self.given, gone);
+        forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.forget_places();

@@ -19,6 +19,8 @@ pub(super) struct ForceMemory {
     pub(super) places: Vec<u32>,
     /// Positions of the particles in the middle of the sub-step.
     pub(super) halfway: Vec<[f32; 2]>,
+    /// Their velocities at its beginning.
+    pub(super) velocities: Vec<[f32; 2]>,
     /// Accelerations there; empty if no force has any.
     pub(super) accelerations: Vec<[f32; 2]>,
     pub(super) old_accelerations: Vec<[f32; 2]>,
@@ -41,8 +43,10 @@ impl ForceMemory {
 
     /// Writes the positions in the middle of a sub-step of `h` seconds.
     pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
-        for (middle, place) in self.halfway.iter_mut().zip(0..) {
+        let columns = self.halfway.iter_mut().zip(&mut self.velocities);
+        for ((middle, before), place) in columns.zip(0..) {
             let (position, velocity) = (motions.position(place), motions.velocity(place));
+            *before = velocity;
             *middle = container.wrap(halfway(position, velocity, h));
         }
     }
@@ -68,13 +72,14 @@ impl World {
             memory.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
             memory.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
-            accelerate(&self.forces, particles, settings, memory);
+            memory.velocities.clone_from(&particles.velocities);
+            accelerate(&self.forces, particles, &self.rows, settings, h, memory);
             add_given(&mut memory.accelerations, &self.rows, &self.given);
         }
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
             let ForceMemory { places, groups, reaches, .. } = memory;
-            let bodies = bodies(particles, &particles.positions, places, settings);
+            let bodies = bodies(particles, &particles.positions, (&self.rows, places), settings);
             forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
         }
         let ForceMemory { accelerations, reaches, .. } = &self.memory.forces;
@@ -117,7 +122,8 @@ impl World {
         for force in &mut self.forces {
             if let Force::Springs(springs) = force {
                 let places = &self.memory.forces.places;
-                let bodies = bodies(particles, &particles.positions, places, settings);
+                let rows = &self.rows;
+                let bodies = bodies(particles, &particles.positions, (rows, places), settings);
                 springs.break_stretched(&bodies);
             }
         }
@@ -143,33 +149,41 @@ pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>)
     }
 }
 
-/// The particles at some positions, as arguments of the forces.
+/// The particles at some positions, as arguments of the forces, with the row of each place and the
+/// place of each row.
 pub(super) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
-    places: &'a [u32],
+    (rows, places): (&'a [u32], &'a [u32]),
     settings: &WorldSettings,
 ) -> Bodies<'a> {
     let (container, threads) = (settings.container, settings.tree.threads);
     Bodies {
         positions,
+        velocities: &particles.velocities,
         masses: &particles.masses,
         radii: &particles.radii,
+        rows,
         places,
         container,
+        seconds: 0.0,
+        method: settings.method,
         threads,
     }
 }
 
-/// Computes the accelerations in the middle of the sub-step.
+/// Computes the accelerations in the middle of a sub-step of `h` seconds.
 pub(super) fn accelerate(
     all: &[Force],
     particles: &Particles,
+    rows: &[u32],
     settings: &WorldSettings,
+    h: f32,
     memory: &mut ForceMemory,
 ) {
-    let ForceMemory { all: scratch, places, halfway, accelerations, .. } = memory;
-    let bodies = bodies(particles, halfway, places, settings);
+    let ForceMemory { all: scratch, places, halfway, velocities, accelerations, .. } = memory;
+    let bodies = bodies(particles, halfway, (rows, places), settings);
+    let bodies = Bodies { velocities, seconds: h, ..bodies };
     forces::accelerate(all, &bodies, scratch, accelerations);
 }
 

@@ -124,6 +124,7 @@ impl World {
             };
             any = true;
             self.merge_given(&places);
+            self.merge_kinds(&places);
             let len = self.rows.len();
             self.particles.put(len, places[0], &one, 0);
             self.persistent.forget_sides_of(places[0]);
@@ -155,6 +156,22 @@ impl World {
         let rows = places.iter().map(|&place| self.rows[place]);
         let first = rows.fold(u32::MAX, u32::min);
         self.given[first as usize] = sum.map(|force| (force / mass) as f32);
+    }
+
+    /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.
+    fn merge_kinds(&mut self, places: &[usize]) {
+        let (masses, rows) = (&self.particles.masses, &self.rows);
+        let first = places.iter().fold(u32::MAX, |first, &place| first.min(rows[place]));
+        forces::change_kinds(&mut self.forces, |kinds| {
+            let order = |a: &&usize, b: &&usize| {
+                let kind = |place: usize| kinds[rows[place] as usize];
+                let by_mass = masses[**a].total_cmp(&masses[**b]);
+                by_mass.then_with(|| kind(**b).cmp(&kind(**a)))
+            };
+            if let Some(&heaviest) = places.iter().max_by(order) {
+                kinds[first as usize] = kinds[rows[heaviest] as usize];
+            }
+        });
     }
 
     /// Removes the rows that became others.

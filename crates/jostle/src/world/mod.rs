@@ -256,6 +256,7 @@ impl World {
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
+        forces::check_fit(&self.forces, settings.container)?;
         check_plane(settings.container, self.walls.all().len())?;
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
@@ -307,13 +308,39 @@ impl World {
     /// Changes the forces. They name particles by ids. If they are refused, the old ones stay. All
     /// particles wake.
     pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
-        forces::validate(&forces, |id| self.contains(id))?;
+        forces::validate(&forces, self.len(), |id| self.contains(id))?;
+        forces::check_fit(&forces, self.settings.container)?;
         self.check_motors(&forces)?;
         forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();
         self.persistent.drifts.clear();
         self.forces = forces;
         Ok(())
+    }
+
+    /// Changes the kinds of some particles in all forces between kinds.
+    pub fn set_kinds(&mut self, ids: &[Id], kinds: &[u8]) -> Result<()> {
+        let rows = self.distinct_rows_of(ids)?;
+        if kinds.len() != rows.len() {
+            let (found, expected) = (kinds.len(), rows.len());
+            return Err(Error::Length { argument: "kinds", found, expected });
+        }
+        self.check_kinds(kinds)?;
+        forces::change_kinds(&mut self.forces, |all| {
+            rows.iter().zip(kinds).for_each(|(&row, &kind)| all[row as usize] = kind);
+        });
+        Ok(())
+    }
+
+    /// Refuses kinds that [`World::set_kinds`] would refuse.
+    pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
+        match forces::kind_count(&self.forces) {
+            Some(count) => forces::pair::check_kinds(kinds, count),
+            None => {
+                let rule = "the world has no PairForce";
+                Err(Error::of("kinds", format!("{} kinds", kinds.len()), rule))
+            }
+        }
     }
 
     /// Simulated seconds.

@@ -37,7 +37,8 @@ pub struct WorldSettings {
     /// How pairs are found. The result is the same.
     pub method: Method,
     /// Sub-steps of a step, in which forces act and resting contacts are solved, at least 1.
-    /// None: 1 if flights are exact and nothing can rest, otherwise [`DEFAULT_SUBSTEPS`].
+    /// None: 1 if nothing can rest and flights are exact, or only forces between neighbours act,
+    /// otherwise [`DEFAULT_SUBSTEPS`].
     pub substeps: Option<usize>,
     /// Whether islands that have been slow for half a second fall asleep under gravity, if
     /// collisions are inelastic.

@@ -241,9 +241,12 @@ impl World {
 
     /// Builds the tree of the bounds.
     fn build_tree(&mut self) -> Result<()> {
-        let particles = &self.particles;
+        let (particles, forces, rows) = (&self.particles, &self.forces, &self.rows);
         let memory = &mut self.memory;
-        let tie = |a: usize, b: usize| particles.compare(a, b);
+        let tie = |a: usize, b: usize| {
+            let order = particles.compare(a, b);
+            order.then_with(|| forces::compare_kinds(forces, rows[a], rows[b]))
+        };
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 

@@ -65,9 +65,13 @@ impl World {
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
-    /// where flights between collisions are exact and nothing rests.
+    /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
+    /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
-        let is_one_enough = !self.is_pulled() && !self.may_rest();
+        let is_short_ranged = self.given.is_empty()
+            && forces::are_short_ranged(&self.forces)
+            && springs(&self.forces).next().is_none();
+        let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
         self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
     }
 
@@ -136,7 +140,8 @@ impl World {
         let Memory { forces, motions, kicks, .. } = memory;
         if substep > 0 && of.has_accelerations {
             forces.find_halfway(motions, &settings.container, of.seconds as f32);
-            accelerate(&self.forces, particles, settings, forces);
+            let h = of.seconds as f32;
+            accelerate(&self.forces, particles, &self.rows, settings, h, forces);
             add_given(&mut forces.accelerations, &self.rows, &self.given);
             watch(Stage::Forces);
         }

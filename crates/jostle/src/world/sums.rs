@@ -38,7 +38,8 @@ impl World {
     }
 
     /// Energy of all movable particles in the field of gravity, and of all forces that have
-    /// a potential: attractors (with poles taken as fixed), springs and gravitation.
+    /// a potential: attractors (with poles taken as fixed), springs, gravitation, and forces between
+    /// kinds if they are equal and opposite.
     pub fn potential_energy(&self) -> f64 {
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let energy = |all: &Particles, at: usize| {
@@ -58,14 +59,15 @@ impl World {
         let positions = &self.particles.positions;
         let wrapped: Vec<[f32; 2]> =
             positions.iter().map(|&position| settings.container.wrap(position)).collect();
-        let bodies = bodies(&self.particles, &wrapped, &places, settings);
+        let bodies = bodies(&self.particles, &wrapped, (&self.rows, &places), settings);
         let energy = |force: &Force| match force {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
             Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
             Force::Springs(springs) => springs.energy(&bodies),
             _ => 0.0,
         };
-        self.forces.iter().map(energy).sum()
+        let pairs = forces::energy_of_pairs(&self.forces, &bodies);
+        self.forces.iter().map(energy).sum::<f64>() + pairs
     }
 
     /// Energy of all movable particles in the field of an attractor, which does not act on its

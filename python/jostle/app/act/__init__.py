@@ -1,7 +1,6 @@
 """User actions, in reading order.
 
 ======================= ========================================================================
-keymap                  the table of mouse gestures and keys
 picking, selection      which particle is under the cursor; which particles are selected
 messages                the message in the window, and the time of the session
 drag_tool               dragging and throwing a particle
@@ -12,7 +11,6 @@ menu                    the context menu
 interaction             all mouse actions in the scene
 explanation             why two particles touch or do not
 interaction_view        selection and the current drag, drawn
-explanation_view        that explanation, drawn
-help_overlay            the list of keys, drawn
+explanation_view        the shapes of that explanation, drawn
 ======================= ========================================================================
 """

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.containers import bounds, diagonal
 from jostle.app.simulate.engine import REFUSALS, Edit, Engine, message_of
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline
@@ -24,19 +24,30 @@ PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no oth
 
 
 class Commands:
-    """Commands on particles and walls; an error becomes a message."""
+    """Commands on particles and walls; an error becomes a message.
+
+    Attributes
+    ----------
+    kind
+        The kind of new particles, where forces depend on it.
+    """
 
     def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
         self._engine = engine
         self._say = say
         self._rng = np.random.default_rng()
+        self.kind = 0
 
     # Some particles
 
     def create(self, point: Point) -> None:
         """Add a particle at rest, with the median radius and density."""
-        radius, density = usual(self._engine.frame)
-        self._edit(lambda simulation: simulation.add([point], [(0, 0)], [radius], [density]))
+        frame = self._engine.frame
+        radius, density = usual(frame)
+        kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
+        self._edit(
+            lambda simulation: simulation.add([point], [(0, 0)], [radius], [density], kinds=kinds)
+        )
 
     def clone(self, tags: Tags) -> None:
         """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""
@@ -54,6 +65,7 @@ class Commands:
                 frame.radii[rows],
                 frame.densities[rows],
                 frame.movable[rows],
+                kinds=None if frame.kinds is None else frame.kinds[rows],
             )
             if not there.all():
                 self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
@@ -94,8 +106,8 @@ class Commands:
             frame = simulation.frame()
             tags = frame.tags[frame.movable]
             n = len(tags)
-            angle, fastest = self._rng.uniform(0, 2 * math.pi, n), _party_speed(simulation.view)
-            speed = self._rng.uniform(0, fastest, n)
+            angle = self._rng.uniform(0, 2 * math.pi, n)
+            speed = self._rng.uniform(0, PARTY_SPEED * diagonal(simulation.view), n)
             simulation.change(
                 tags,
                 positions=self._places(frame, simulation.view),
@@ -218,8 +230,3 @@ def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
     right = walls is None or low + high <= walls[0] + walls[2]
     shift = CLONE_GAP * (high - low)
     return np.array([shift if right else -shift, 0.0])
-
-
-def _party_speed(view: Rect) -> float:
-    min_x, min_y, max_x, max_y = view
-    return PARTY_SPEED * math.hypot(max_x - min_x, max_y - min_y)

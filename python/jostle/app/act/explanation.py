@@ -12,7 +12,7 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-import jostle
+from jostle.app.simulate.containers import minimum_image
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Rect, TreeBoxes
 
@@ -56,7 +56,7 @@ def explain(frame: Frame, first: int, second: int, settings: Settings) -> Explan
     if len(rows) < 2 or first == second:
         return None
     a, b = frame.positions[rows].astype(np.float64)
-    b = a + _minimum_image(frame, b - a)
+    b = a + minimum_image(frame.container, b - a)
     radii = [float(radius) for radius in frame.radii[rows]]
     reach, distance = sum(radii), hypot(*(b - a))
     boxes = _box(a, radii[0]), _box(b, radii[1])
@@ -188,18 +188,10 @@ def _describe(leaf: Leaf) -> str:
 # Boxes
 
 
-def _minimum_image(frame: Frame, offset: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the shortest periodic image of an offset."""
-    if isinstance(frame.container, jostle.Torus):
-        sides = np.array([frame.container.width, frame.container.height])
-        offset = offset - sides * np.round(offset / sides)
-    return offset
-
-
 def _moved(frame: Frame, cover: Rect, to: Rect) -> Rect:
     """Return the periodic image of bounds that is nearest to others."""
     middle = np.array([cover[0] + cover[2] - to[0] - to[2], cover[1] + cover[3] - to[1] - to[3]])
-    shift = _minimum_image(frame, middle / 2) - middle / 2
+    shift = minimum_image(frame.container, middle / 2) - middle / 2
     return _rect(np.array(cover) + np.concatenate([shift, shift]))
 
 

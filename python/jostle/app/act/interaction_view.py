@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle.app.act.selection import Selection
-from jostle.app.act.tools import Preview, Tool
+from jostle.app.act.tools import Drag, Tool
 from jostle.app.draw.base_layers import draw_walls
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, Colour
+from jostle.app.draw.palette import ACCENT, Colour, repeated
 from jostle.app.simulate.simulation import Frame, Rect
 
 RING_GAP = 3.0  # pixels from a particle to its ring
@@ -23,7 +23,7 @@ TARGET = 9.0  # pixels: radius of the ring of an attractor that is being placed
 
 
 def draw_interaction(
-    painter: Painter, frame: Frame, selection: Selection, preview: Preview | None, camera: Camera
+    painter: Painter, frame: Frame, selection: Selection, preview: Drag | None, camera: Camera
 ) -> None:
     """Draw the selection and the current drag."""
     draw_selection(painter, frame, selection, camera)
@@ -46,7 +46,7 @@ def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera:
         _box(painter, (low_x, low_y, high_x, high_y), ACCENT)
 
 
-def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
+def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
     """Draw the effect that the drag will have."""
     x, y = camera.to_screen(np.array([preview.start, preview.end], np.float64))
     (x0, x1), (y0, y1) = x.tolist(), y.tolist()
@@ -61,11 +61,11 @@ def draw_preview(painter: Painter, preview: Preview, camera: Camera) -> None:
         reach = math.dist((x0, y0), (x1, y1))
         if reach > TARGET:
             painter.circle((x0, y0), reach, ACCENT, 1.0)
-            painter.lines(np.array([[x0, y0, x1, y1]]), _colours(ACCENT, 1), 1.0)
+            painter.lines(np.array([[x0, y0, x1, y1]]), repeated(ACCENT, 1), 1.0)
 
 
 def _box(painter: Painter, rect: Rect, colour: Colour) -> None:
-    painter.rects(np.array([rect]), _colours(colour, 1), filled=False)
+    painter.rects(np.array([rect]), repeated(colour, 1), filled=False)
 
 
 def _rings(
@@ -79,8 +79,4 @@ def _rings(
     xs = x[:, None] + radii[:, None] * np.cos(angle)
     ys = y[:, None] + radii[:, None] * np.sin(angle)
     ends = np.stack([xs[:, :-1], ys[:, :-1], xs[:, 1:], ys[:, 1:]], axis=-1).reshape(-1, 4)
-    painter.lines(ends, _colours(colour, len(ends)), RING_WIDTH)
-
-
-def _colours(colour: Colour, count: int) -> NDArray[np.uint8]:
-    return np.tile(np.array(colour, np.uint8), (count, 1))
+    painter.lines(ends, repeated(colour, len(ends)), RING_WIDTH)

@@ -12,6 +12,7 @@ from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.picking import inside
 from jostle.app.act.selection import Selection
+from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Point
 
@@ -27,27 +28,20 @@ class Tool(Enum):
     ATTRACTOR = "attractor"
 
 
-@dataclass(frozen=True)
-class Preview:
-    """The current drag, in world units; `size` is an attractor's strength."""
-
-    tool: Tool
-    start: Point
-    end: Point
-    size: float = 0.0
-
-
 @dataclass
-class _Drag:
+class Drag:
+    """A drag of the left button, in world units."""
+
     tool: Tool
     start: Point
     end: Point
-    tag: int | None  # the particle under the cursor
-    slack: float  # world units; a shorter drag is a click
-    add: bool
+    tag: int | None = None  # the particle under the cursor
+    slack: float = 0.0  # a shorter drag is a click
+    add: bool = False
 
     @property
     def is_click(self) -> bool:
+        """Whether it is too short for a drag."""
         return math.dist(self.start, self.end) <= self.slack
 
 
@@ -72,7 +66,7 @@ class Tools:
         self.tool = Tool.POINTER
         self._engine, self._drag_tool, self._selection = engine, drag_tool, selection
         self._commands, self._attractors, self._say = commands, attractors, say
-        self._drag: _Drag | None = None
+        self._drag: Drag | None = None
         self._cursor: Point | None = None
 
     def choose(self, tool: Tool) -> None:
@@ -87,7 +81,7 @@ class Tools:
         self, point: Point, now: float, tag: int | None, slack: float, *, add: bool = False
     ) -> None:
         """Begin a drag at a point and its particle; `add` extends the selection."""
-        self._drag = _Drag(self.tool, point, point, tag, slack, add)
+        self._drag = Drag(self.tool, point, point, tag, slack, add)
         if self.tool is Tool.POINTER:
             frame = self._engine.frame
             free = tag is not None and bool(frame.movable[frame.rows(tag)].all())
@@ -122,21 +116,17 @@ class Tools:
         return under_way
 
     @property
-    def preview(self) -> Preview | None:
-        """Return the preview of the current drag, or of a click."""
-        drag = self._drag
-        if drag is None:
+    def preview(self) -> Drag | None:
+        """Return the current drag, or that of a click, if it is to be drawn."""
+        if self._drag is None:
             if self.tool is Tool.POINTER or self._cursor is None:
                 return None
-            drag = _Drag(self.tool, self._cursor, self._cursor, None, 0.0, add=False)
-        if drag.tool is Tool.POINTER and (drag.tag is not None or drag.is_click):
+            return Drag(self.tool, self._cursor, self._cursor)
+        if self._drag.tool is Tool.POINTER and (self._drag.tag is not None or self._drag.is_click):
             return None  # the particle itself is visible
-        size = 0.0
-        if drag.tool is Tool.ATTRACTOR:
-            size = self._strength(drag)
-        return Preview(drag.tool, drag.start, drag.end, size)
+        return self._drag
 
-    def _click(self, drag: _Drag) -> None:
+    def _click(self, drag: Drag) -> None:
         """Select the particle; on the background, deselect all."""
         if drag.tag is None:
             if not drag.add:
@@ -146,14 +136,14 @@ class Tools:
         else:
             self._selection.take([drag.tag])
 
-    def _wall(self, drag: _Drag) -> None:
+    def _wall(self, drag: Drag) -> None:
         """Add a wall; a click on one removes it."""
         if drag.is_click:
             self._commands.erase_wall(drag.start, 2 * drag.slack)
         else:
             self._commands.wall(drag.start, drag.end)
 
-    def _place(self, drag: _Drag) -> None:
+    def _place(self, drag: Drag) -> None:
         """Place an attractor; a click on one removes it."""
         there = self._attractors.near(drag.start, 2 * drag.slack) if drag.is_click else None
         if there is not None:
@@ -161,14 +151,13 @@ class Tools:
         else:
             self._attractors.place(drag.start, self._strength(drag))
 
-    def _strength(self, drag: _Drag) -> float:
+    def _strength(self, drag: Drag) -> float:
         if drag.is_click:
             return STRENGTH
-        min_x, min_y, max_x, max_y = self._engine.view
-        default = STRETCH * math.hypot(max_x - min_x, max_y - min_y)
+        default = STRETCH * diagonal(self._engine.view)
         return STRENGTH * min(max(math.dist(drag.start, drag.end) / default, LEAST), MOST)
 
 
-def _box(drag: _Drag) -> tuple[float, float, float, float]:
+def _box(drag: Drag) -> tuple[float, float, float, float]:
     (x0, y0), (x1, y1) = drag.start, drag.end
     return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)

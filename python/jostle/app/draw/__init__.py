@@ -20,6 +20,6 @@ marks, trails, labels   contacts, velocities, springs, attractors; past position
 scene_overlays          what single scenes show beside their particles
 picture                 all layers in their order, for the window and for films
 background_render       rendering of slow frames on a worker thread
-readout, notices        the panel of numbers of a film; messages at the lower edge
+readout                 the panel of numbers of a video
 ======================= ========================================================================
 """

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import FIXED, GROUND, SENSOR, STAGE, TOUCHED_SENSOR, WALL
+from jostle.app.draw.palette import (
+    FIXED,
+    GROUND,
+    SENSOR,
+    STAGE,
+    TOUCHED_SENSOR,
+    WALL,
+    repeated,
+)
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.simulation import Container, Frame, Rect
 
@@ -62,8 +70,7 @@ def draw_walls(painter: Painter, walls: NDArray[np.floating], camera: Camera) ->
         return
     x, y = camera.to_screen(walls.reshape(-1, 2).astype(np.float64))
     ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2))
-    colours = np.tile(np.array(FIXED, np.uint8), (len(ends), 1))
-    painter.lines(ends.reshape(-1, 4), colours, SEGMENT_WIDTH)
+    painter.lines(ends.reshape(-1, 4), repeated(FIXED, len(ends)), SEGMENT_WIDTH)
 
 
 def _clipped(ends: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -101,13 +108,12 @@ class WallDiscs:
         if not self._runs:
             return
         first, last = np.array(self._runs).T
-        x, y = camera.to_screen(discs[:, :2])
-        ends = np.column_stack([x[first], y[first], x[last], y[last]])
+        ends = camera.lines_to_screen(discs[first, :2], discs[last, :2])
         widths = np.rint(2 * discs[first, 2] * camera.scale)
         seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
         for width in np.unique(widths[seen]).tolist():
             mine = ends[seen & (widths == width)]
-            painter.lines(mine, np.tile(np.array(FIXED, np.uint8), (len(mine), 1)), width)
+            painter.lines(mine, repeated(FIXED, len(mine)), width)
 
 
 def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:

@@ -14,7 +14,9 @@ Size = tuple[int, int]
 ZOOM_OUT_LIMIT = 1e-3  # times the scale at which the scene fits
 ZOOM_IN_LIMIT = 1e5
 MARGIN = 24  # free pixels around the scene
-HEADING = 76  # free pixels above it if there are several columns
+LONGEST = 20_000  # pixels; longer lines are not drawn
+FOOT, FOOT_SHARE = 44, 0.06  # free pixels below it, for legends; less of a small screen
+HEADING = 84  # free pixels above it if there are several columns
 
 
 class Camera:
@@ -59,15 +61,17 @@ class Camera:
         """Show the whole view, as large as possible between the panels."""
         min_x, min_y, max_x, max_y = self._view
         width, height = max(max_x - min_x, 1e-9), max(max_y - min_y, 1e-9)
-        left, column = self._left_margin, self.column_width
+        left, column = self.left_margin, self.column_width
         top = HEADING if self.columns > 1 else 0
-        free = max(column - 2 * MARGIN, 16), max(self.size[1] - 2 * MARGIN - top, 16)
+        foot = max(min(FOOT, FOOT_SHARE * self.size[1]), MARGIN)
+        high = self.size[1] - MARGIN - foot - top
+        free = max(column - 2 * MARGIN, 16), max(high, 16)
         self.scale = min(free[0] / width, free[1] / height)
         self._fit_scale = self.scale
         aside = left + column / 2 - self.size[0] / 2  # pixels from the middle of the screen
         self.center = (
             (min_x + max_x) / 2 - aside / self.scale,
-            (min_y + max_y) / 2 - top / 2 / self.scale,
+            (min_y + max_y) / 2 - (top + MARGIN - foot) / 2 / self.scale,
         )
         self._at_home = True
 
@@ -79,20 +83,20 @@ class Camera:
                 self.home()
 
     @property
-    def _left_margin(self) -> int:
+    def left_margin(self) -> int:
         """Return the left margin, or 0 if the window is too narrow."""
         return self.left if self.left < self.size[0] / 2 else 0
 
     @property
     def column_width(self) -> float:
         """Return the width of one of the columns in pixels."""
-        left = self._left_margin
+        left = self.left_margin
         right = self.right if left + self.right < 0.7 * self.size[0] else 0
         return (self.size[0] - left - right) / self.columns
 
     def column_edge(self, column: int) -> float:
         """Return the left edge of a column in pixels; 0 for the first."""
-        return self._left_margin + column * self.column_width if column else 0.0
+        return self.left_margin + column * self.column_width if column else 0.0
 
     def divide(self, columns: int) -> None:
         """Show the view in the first of a number of columns."""
@@ -140,6 +144,24 @@ class Camera:
         x = (points[:, 0].astype(np.float64) - self.center[0]) * self.scale + self.size[0] / 2
         y = (points[:, 1].astype(np.float64) - self.center[1]) * self.scale + self.size[1] / 2
         return x, y
+
+    def lines_to_screen(
+        self, starts: NDArray[np.floating], ends: NDArray[np.floating]
+    ) -> NDArray[np.float64]:
+        """Return lines in pixels, (n, 4) as x0, y0, x1, y1, from (n, 2) world points."""
+        return np.column_stack([*self.to_screen(starts), *self.to_screen(ends)])
+
+    def sees(self, lines: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Return which lines, (n, 4) in pixels, are near the screen and of drawable length.
+
+        pygame draws the part outside the screen pixel by pixel, too.
+        """
+        low = np.minimum(lines[:, :2], lines[:, 2:])
+        high = np.maximum(lines[:, :2], lines[:, 2:])
+        near: NDArray[np.bool_] = (
+            (high >= 0) & (low <= np.array(self.size)) & (high - low < LONGEST)
+        ).all(axis=1)
+        return near
 
     def to_world(self, pixel: Point) -> Point:
         """Return the world point under a pixel."""

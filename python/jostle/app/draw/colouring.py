@@ -1,7 +1,7 @@
 """The colour of each particle.
 
-The automatic choice is the density if it varies, as in the article, else the radius if it varies,
-else the speed.
+The automatic choice is the kind if forces depend on it, else the density if it varies, as in the
+article, else the radius if it varies, else the speed.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle.app.draw.legend import Legend
-from jostle.app.draw.palette import DISCS, FIXED_SHADE, SHADES
+from jostle.app.draw.palette import DISCS, FIRST_KIND, FIXED_SHADE, KINDS, SHADES
 from jostle.app.draw.subsampling import hashed
 from jostle.app.draw.view_options import ColourBy
 from jostle.app.simulate.simulation import Frame
@@ -25,15 +25,6 @@ YOUNG = 1.0  # seconds: the least span of the ramp of ages
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 
-_NAMES = {
-    ColourBy.VELOCITY: "speed",
-    ColourBy.MASS: "mass",
-    ColourBy.DENSITY: "density",
-    ColourBy.AGE: "age",
-    ColourBy.ENERGY: "kinetic energy",
-    ColourBy.RANDOM: "random",
-}
-
 
 class Colouring:
     """Shades for one scene; make a new one when the scene starts again.
@@ -43,7 +34,7 @@ class Colouring:
     shows
         Name of the quantity.
     range
-        The values at both ends of the ramp; None for random colours.
+        The values at both ends of the ramp; None for random colours and kinds.
     """
 
     def __init__(self) -> None:
@@ -55,13 +46,16 @@ class Colouring:
         self._kept: Shades = np.zeros(0, np.uint8)
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
-        """Return a shade in 0..SHADES for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else _NAMES[by]
+        """Return a shade, an index into DISCS, for each particle."""
+        shows = self._choose(frame) if by is ColourBy.AUTO else by.label
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in ("density", "radius", "mass"):
             return self._by_column(frame)
         self._columns = None
+        if shows == "kind":
+            self.range = None
+            return _with_fixed(_by_kind(frame), frame)
         if shows == "random":
             self.range = None
             return _with_fixed(_buckets(hashed(frame.tags)), frame)
@@ -69,6 +63,8 @@ class Colouring:
 
     def _choose(self, frame: Frame) -> str:
         """Return the automatic choice."""
+        if frame.kinds is not None:
+            return "kind"
         known = self._automatic
         if known and known[0] is frame.densities and known[1] is frame.radii:
             return known[2]
@@ -81,14 +77,14 @@ class Colouring:
 
     @property
     def legend(self) -> Legend | None:
-        """Return the legend of the colours; None for random colours."""
+        """Return the legend of the colours; None for random colours and kinds."""
         if self.range is None:
             return None
         low, high = (f"{value:,.3g}" if abs(value) < 1e4 else f"{value:,.0f}"
                      for value in self.range)  # fmt: skip
         unit = {"speed": "units/s", "age": "s"}.get(self.shows)
         name = f"{self.shows} ({unit})" if unit else self.shows
-        return Legend(name, low, high, DISCS[:SHADES])
+        return Legend(name, low, high, tuple(DISCS[:SHADES]))
 
     def _by_column(self, frame: Frame) -> Shades:
         """Shade by a column that only edits change; frames share it in between."""
@@ -150,6 +146,12 @@ def _spread(values: Values) -> float:
 
 def _buckets(unit: Values) -> Shades:
     shades: Shades = np.clip(unit * SHADES, 0, SHADES - 1).astype(np.uint8)
+    return shades
+
+
+def _by_kind(frame: Frame) -> Shades:
+    kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
+    shades: Shades = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
     return shades
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import CHAIN_STOPS
+from jostle.app.draw.palette import CHAIN_STOPS, interpolated
 from jostle.app.simulate.simulation import Frame
 
 MOST_LINES = 8_000  # drawn: those with the largest impulses
@@ -29,25 +29,18 @@ def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | N
     if len(impulses) == 0 or impulses.max() <= 0:
         return None
     share = np.clip(impulses / np.percentile(impulses[impulses > 0], STRONG), 0, 1)
-    low = np.minimum(ends[:, :2], ends[:, 2:])
-    high = np.maximum(ends[:, :2], ends[:, 2:])
-    x0, y0 = camera.to_screen(low)
-    x1, y1 = camera.to_screen(high)
-    width, height = camera.size
-    seen = (np.maximum(x0, x1) >= 0) & (np.minimum(x0, x1) <= width)
-    seen &= (np.maximum(y0, y1) >= 0) & (np.minimum(y0, y1) <= height)
-    rows = np.flatnonzero(seen & (share >= FAINTEST))
+    lines = camera.lines_to_screen(ends[:, :2], ends[:, 2:])
+    rows = np.flatnonzero(camera.sees(lines) & (share >= FAINTEST))
     # The strongest are drawn last, over the others.
     rows = rows[np.argsort(share[rows], kind="stable")]
     drawn = rows[-MOST_LINES:]
-    first, last = camera.to_screen(ends[drawn, :2]), camera.to_screen(ends[drawn, 2:])
-    lines = np.column_stack([*first, *last])
+    lines, share = lines[drawn], share[drawn]
     widest = min(WIDEST * float(np.median(frame.radii)) * camera.scale, MOST_PIXELS)
-    step = np.minimum((share[drawn] * WIDTHS).astype(np.intp), WIDTHS - 1)
+    step = np.minimum((share * WIDTHS).astype(np.intp), WIDTHS - 1)
     for k in range(WIDTHS):
         some = step == k
         thick = 1.0 + max(widest - 1.0, 0.0) * k / (WIDTHS - 1)
-        painter.lines(lines[some], _colours(share[drawn][some]), thick)
+        painter.lines(lines[some], interpolated(CHAIN_STOPS, share[some]), thick)
     left = len(rows) - len(drawn)
     return f"forces: the {len(drawn):,} largest of {len(rows):,} shown" if left else None
 
@@ -66,10 +59,3 @@ def _lines(frame: Frame) -> tuple[Floats, Floats]:
     foot = centers - touching.wall_normals * radii[at][:, None]
     lines = np.concatenate([between, np.column_stack([centers, foot])])
     return lines, np.concatenate([touching.impulses, touching.wall_impulses]).astype(np.float64)
-
-
-def _colours(share: Floats) -> NDArray[np.uint8]:
-    stops = np.array(CHAIN_STOPS, np.float64)
-    columns = [np.interp(share, np.linspace(0, 1, len(stops)), stops[:, c]) for c in range(3)]
-    colours: NDArray[np.uint8] = np.rint(np.column_stack(columns)).astype(np.uint8)
-    return colours

@@ -2,18 +2,6 @@
 
 from __future__ import annotations
 
-_METHOD_NAMES = {
-    "quadtree": "quadtree",
-    "brute": "brute force",
-    "article-quadtree": "article's quadtree",
-    "article-brute": "article's brute force",
-}
-
-
-def method_name(method: str) -> str:
-    """Return a method's name."""
-    return _METHOD_NAMES[method]
-
 
 def video_name(scene: str, method: str) -> str:
     """Return the name of a video: the scene, and the method if it is not the default."""

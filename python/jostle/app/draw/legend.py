@@ -1,4 +1,4 @@
-"""Cards in the lower right corner: legends of colours, and notes on what is omitted."""
+"""Cards below the scene: legends of colours, and notes on what is omitted."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import pygame
 
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
-from jostle.app.draw.text import SMALL, font, panel, wrapped, write
+from jostle.app.draw.text import SMALL, panel, word
 
-WIDTH = 188
-PAD = 10
-BAR = 8  # pixels, the height of a ramp
-EDGE = 12  # pixels to the edge of the canvas
-FOOT = 44  # free pixels below, for the hint
+HEIGHT = 24  # pixels
+PAD, GAP = 10, 8  # inside a card, and between its parts; between two cards
+RAMP = 120, 8  # pixels, the size of a ramp
+EDGE = 10  # pixels to the lower edge of the canvas
+HINT = 64  # pixels at the right that are left free, for the hint of the window
+NARROW = 180  # pixels; in less there are no cards
 
 
 @dataclass(frozen=True)
@@ -26,51 +27,39 @@ class Legend:
     name: str
     low: str
     high: str
-    ramp: Sequence[Colour]
+    ramp: tuple[Colour, ...]
 
 
 Card = Legend | str
 
 
-def draw_cards(painter: Painter, cards: Sequence[Card], right: float) -> None:
-    """Draw legends and sentences, one above the other, the first at the bottom.
-
-    Their right edge is at `right`.
-    """
-    width, height = painter.size
-    if width < 3 * WIDTH:
-        return  # too narrow
-    y = float(height - FOOT)
-    for card in cards:
-        sheet = _legend(card, tuple(card.ramp)) if isinstance(card, Legend) else _sentence(card)
-        y -= sheet.get_height()
-        painter.sheet(sheet, (right - EDGE - sheet.get_width(), y))
-        y -= 8
+def draw_cards(painter: Painter, cards: Sequence[Card], left: float, right: float) -> None:
+    """Draw legends and sentences in rows from left to right, the first row at the bottom."""
+    x, y = left, painter.size[1] - EDGE - HEIGHT
+    right -= HINT
+    for card in cards if right - left >= NARROW else ():
+        sheet = _sheet(card)
+        if x > left and x + sheet.get_width() > right:
+            x, y = left, y - HEIGHT - GAP
+        painter.sheet(sheet, (x, y))
+        x += sheet.get_width() + GAP
 
 
 @lru_cache(maxsize=16)
-def _legend_sheet(name: str, low: str, high: str, ramp: tuple[Colour, ...]) -> pygame.Surface:
-    line = font(SMALL).get_linesize()
-    sheet = panel((WIDTH, 2 * PAD + 2 * line + BAR + 8))
-    write(sheet, (PAD, PAD), name, TEXT, SMALL)
-    y, inner = PAD + line + 4, WIDTH - 2 * PAD
-    for k, colour in enumerate(ramp):
-        x0, x1 = inner * k // len(ramp), inner * (k + 1) // len(ramp)
-        sheet.fill(colour, (PAD + x0, y, x1 - x0, BAR))
-    write(sheet, (PAD, y + BAR + 3), low, TEXT_SOFT, SMALL)
-    write(sheet, (WIDTH - PAD, y + BAR + 3), high, TEXT_SOFT, SMALL, flush_right=True)
+def _sheet(card: Card) -> pygame.Surface:
+    parts = [word(card, TEXT_SOFT, SMALL)] if isinstance(card, str) else _parts(card)
+    width = 2 * PAD + sum(part.get_width() for part in parts) + GAP * (len(parts) - 1)
+    sheet, x = panel((width, HEIGHT)), PAD
+    for part in parts:
+        sheet.blit(part, (x, (HEIGHT - part.get_height()) // 2))
+        x += part.get_width() + GAP
     return sheet
 
 
-def _legend(card: Legend, ramp: tuple[Colour, ...]) -> pygame.Surface:
-    return _legend_sheet(card.name, card.low, card.high, ramp)
-
-
-@lru_cache(maxsize=16)
-def _sentence(text: str) -> pygame.Surface:
-    lines, line = wrapped(text, WIDTH - 2 * PAD, SMALL), font(SMALL).get_linesize()
-    width = max(font(SMALL).size(words)[0] for words in lines)
-    sheet = panel((width + 2 * PAD, len(lines) * line + PAD))
-    for k, words in enumerate(lines):
-        write(sheet, (PAD, PAD // 2 + k * line), words, TEXT_SOFT, SMALL)
-    return sheet
+def _parts(card: Legend) -> list[pygame.Surface]:
+    ramp, (width, height) = pygame.Surface(RAMP), RAMP
+    for k, colour in enumerate(card.ramp):
+        x0, x1 = width * k // len(card.ramp), width * (k + 1) // len(card.ramp)
+        ramp.fill(colour, (x0, 0, x1 - x0, height))
+    low, high = word(card.low, TEXT_SOFT, SMALL), word(card.high, TEXT_SOFT, SMALL)
+    return [word(card.name, TEXT, SMALL), low, ramp, high]

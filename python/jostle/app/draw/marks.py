@@ -7,11 +7,20 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ARROW, ATTRACTOR, CONTACT_STOPS, SPRING, STAGE, blend
+from jostle.app.draw.palette import (
+    ARROW,
+    ATTRACTOR,
+    CONTACT_STOPS,
+    SPRING,
+    STAGE,
+    blend,
+    interpolated,
+    repeated,
+)
 from jostle.app.draw.subsampling import in_view, subset
+from jostle.app.simulate.containers import crosses
 from jostle.app.simulate.simulation import Frame, Point
 
 MOST_CONTACTS = 1_600  # drawn; a line takes about 2 µs
@@ -41,13 +50,10 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
     open_ones = frame.springs[gaps * camera.scale >= SHORTEST_SPRING]
     pairs = open_ones[subset(np.arange(len(open_ones)), MOST_SPRINGS)]
     first, second = frame.positions[pairs[:, 0]], frame.positions[pairs[:, 1]]
-    if isinstance(frame.container, jostle.Torus):
-        sides = np.array([frame.container.width, frame.container.height])
-        near = (np.abs(second - first) < sides / 2).all(axis=1)
-        first, second = first[near], second[near]
-    ends = np.column_stack([*camera.to_screen(first), *camera.to_screen(second)])
-    ends = _seen(ends, camera)
-    painter.lines(ends, np.tile(np.array(SPRING, np.uint8), (len(ends), 1)), 1.0)
+    whole = ~crosses(frame.container, first, second)
+    ends = camera.lines_to_screen(first[whole], second[whole])
+    ends = ends[camera.sees(ends)]
+    painter.lines(ends, repeated(SPRING, len(ends)), 1.0)
 
 
 def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
@@ -62,7 +68,7 @@ def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
     ends = np.column_stack([x, y, x + radii * np.cos(angles), y + radii * np.sin(angles)])
-    painter.lines(ends, np.tile(np.array(STAGE, np.uint8), (len(ends), 1)), 1.0)
+    painter.lines(ends, repeated(STAGE, len(ends)), 1.0)
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
@@ -82,7 +88,8 @@ def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     along = touching.normals[drawn] * half
     depth = touching.depths[drawn] / np.maximum(DEEP * smaller, 1e-12)
     thick = 2.0 if len(drawn) and float(half.mean()) >= 3.0 else 1.0
-    painter.lines(np.column_stack([middle - along, middle + along]), _depth_colours(depth), thick)
+    ends = np.column_stack([middle - along, middle + along])
+    painter.lines(ends, interpolated(CONTACT_STOPS, depth), thick)
     return _left_out(len(drawn), len(seen), "contacts")
 
 
@@ -99,7 +106,7 @@ def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | Non
     long_enough = lengths >= 2.0
     tails = np.column_stack([x, y])[long_enough]
     ends = _with_heads(tails, arrows[long_enough])
-    painter.lines(ends, np.tile(np.array(ARROW, np.uint8), (len(ends), 1)), 1.0)
+    painter.lines(ends, repeated(ARROW, len(ends)), 1.0)
     return _left_out(len(drawn), len(seen), "velocities")
 
 
@@ -147,24 +154,6 @@ def _with_heads(tails: Floats, arrows: Floats) -> Floats:
     aside = 0.5 * np.column_stack([-back[:, 1], back[:, 0]])
     strokes = [(tails, tips), (tips, tips + back + aside), (tips, tips + back - aside)]
     return np.concatenate([np.concatenate(ends, axis=1) for ends in strokes])
-
-
-def _depth_colours(depth: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Return colours by depth."""
-    stops = np.array(CONTACT_STOPS, np.float64)
-    at = np.clip(depth, 0, 1) * (len(stops) - 1)
-    columns = [np.interp(at, np.arange(len(stops)), stops[:, c]) for c in range(3)]
-    colours: NDArray[np.uint8] = np.rint(np.column_stack(columns)).astype(np.uint8)
-    return colours
-
-
-def _seen(ends: Floats, camera: Camera) -> Floats:
-    """Return the lines near the screen; pygame draws the others pixel by pixel, too."""
-    size = np.array(camera.size, np.float64)
-    low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
-    near = ((high >= 0) & (low <= size) & (high - low < 20_000)).all(axis=1)
-    found: Floats = ends[near]
-    return found
 
 
 def _left_out(drawn: int, there: int, name: str) -> str | None:

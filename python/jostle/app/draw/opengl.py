@@ -97,8 +97,9 @@ class OpenGLPainter:
     def fill(self, colour: Colour) -> None:
         """Fill the canvas, or the clip, with a colour."""
         red, green, blue = (channel / 255 for channel in colour)
-        if self._clip is None or min(self._clip[2:]) > 0:
-            self.target.clear(red, green, blue, 1.0, viewport=self._clip)
+        part = self._clip or (0, 0, *self.size)  # without it, the last clip of a draw call is used
+        if min(part[2:]) > 0:
+            self.target.clear(red, green, blue, 1.0, viewport=part)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
         """Draw the visible discs, large ones first."""

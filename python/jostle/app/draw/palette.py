@@ -1,9 +1,13 @@
 """The colours of the app.
 
-A dark background, a muted ramp for discs, and a ramp from periwinkle to plum for the tree.
+A dark background, a muted ramp for discs, and a ramp from periwinkle to plum for the tree. The
+lightness of the ramp for discs rises evenly, so that its order is also visible in grey and to
+colour-blind people.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,26 +34,39 @@ ATTRACTOR: Colour = (198, 160, 220)
 
 SHADES = 24
 FIXED_SHADE = SHADES  # one more than the ramp
+FIRST_KIND = SHADES + 1  # the shades after that are those of the kinds
 
-_DISC_STOPS = ("#4f6d9e", "#5590a8", "#6fb0a2", "#a7c58c", "#e2c67c", "#e09b6a", "#c9686a")
+_DISC_STOPS = ("#2f679b", "#297ea2", "#43939d", "#74a780", "#b0b368", "#e9c074", "#ffd5a7")
+_KINDS = (
+    *("#ee5d5d", "#f2b450", "#62cf7a", "#4cc6dc", "#6688f5", "#be74f2"),
+    *("#f48fb8", "#dfe4ea"),
+)
 _LEVEL_STOPS = ("#8f98e6", "#8379d2", "#8763b6", "#8e5296", "#934a78")
 _HEAT_STOPS = ("#1b2230", "#2c2f52", "#4d3a6c", "#70406c", "#914c64")
 
 
-def _ramp(stops: tuple[str, ...], count: int) -> NDArray[np.float64]:
-    """Return `count` colours, interpolated between the stops."""
-    rgb = np.array([[int(stop[k : k + 2], 16) for k in (1, 3, 5)] for stop in stops])
-    at = np.linspace(0, len(stops) - 1, count)
-    return np.stack([np.interp(at, np.arange(len(stops)), rgb[:, c]) for c in range(3)], axis=1)
+def interpolated(stops: Sequence[Colour], share: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Return colours, (n, 3), between evenly spaced stops: shares from 0 to 1."""
+    table, at = np.array(stops, np.float64), np.linspace(0, 1, len(stops))
+    columns = [np.interp(share, at, table[:, channel]) for channel in range(3)]
+    colours: NDArray[np.uint8] = np.rint(np.column_stack(columns)).astype(np.uint8)
+    return colours
 
 
-def _colours(ramp: NDArray[np.float64]) -> list[Colour]:
-    return [(int(r), int(g), int(b)) for r, g, b in np.rint(ramp)]
+def repeated(colour: Colour, count: int) -> NDArray[np.uint8]:
+    """Return one colour for each of a number of lines, (count, 3)."""
+    return np.tile(np.array(colour, np.uint8), (count, 1))
 
 
-DISCS: list[Colour] = [*_colours(_ramp(_DISC_STOPS, SHADES)), FIXED]
-_LEVELS: list[Colour] = _colours(_ramp(_LEVEL_STOPS, 25))
-HEAT: list[Colour] = _colours(_ramp(_HEAT_STOPS, 12))  # of leaves, by occupancy
+def _ramp(stops: tuple[str, ...], count: int) -> list[Colour]:
+    rgb = [(int(stop[1:3], 16), int(stop[3:5], 16), int(stop[5:7], 16)) for stop in stops]
+    return [(r, g, b) for r, g, b in interpolated(rgb, np.linspace(0, 1, count)).tolist()]
+
+
+KINDS: list[Colour] = _ramp(_KINDS, len(_KINDS))  # repeated if there are more kinds
+DISCS: list[Colour] = [*_ramp(_DISC_STOPS, SHADES), FIXED, *KINDS]
+_LEVELS: list[Colour] = _ramp(_LEVEL_STOPS, 25)
+HEAT: list[Colour] = _ramp(_HEAT_STOPS, 12)  # of leaves, by occupancy
 
 
 def level_colour(level: int, depth: int) -> Colour:

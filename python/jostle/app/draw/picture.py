@@ -19,7 +19,7 @@ from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
 from jostle.app.draw.force_chains import draw_force_chains
 from jostle.app.draw.labels import draw_labels
-from jostle.app.draw.legend import Card, Legend, draw_cards
+from jostle.app.draw.legend import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.marks import (
     draw_attractors,
     draw_contacts,
@@ -119,10 +119,10 @@ class Picture:
             cards.append(draw_labels(painter, frame, camera))
         cards += self._extras.draw_above(painter, frame, camera)
         painter.clip(None)
-        right = camera.column_edge(camera.columns)
+        left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
         if part is not None:
-            right = min(right, part.right)
-        draw_cards(painter, [card for card in cards if card], right)
+            left, right = max(left, part.left + EDGE), min(right, part.right)
+        draw_cards(painter, [card for card in cards if card], left, right)
 
 
 def _draw_tree(

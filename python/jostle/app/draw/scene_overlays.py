@@ -13,7 +13,7 @@ from jostle.app.draw.camera import Camera
 from jostle.app.draw.formatting import scientific, share
 from jostle.app.draw.legend import Card
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, TEXT_SOFT
+from jostle.app.draw.palette import ACCENT, TEXT_SOFT, repeated
 from jostle.app.draw.text import SMALL, word
 from jostle.app.simulate.simulation import Frame
 
@@ -77,11 +77,10 @@ def _draw_path(painter: Painter, path: NDArray[np.float64], camera: Camera) -> N
     """Draw a path; later parts are brighter."""
     if len(path) < 2:
         return
-    x, y = camera.to_screen(path)
-    ends = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
-    near = (np.abs(ends) < 20_000).all(axis=1)
-    alpha = np.linspace(70, 255, len(ends))
-    colours = np.column_stack([np.tile(PATH_COLOUR, (len(ends), 1)), alpha]).astype(np.uint8)
+    ends = camera.lines_to_screen(path[:-1], path[1:])
+    near = camera.sees(ends)
+    alpha = np.linspace(70, 255, len(ends)).astype(np.uint8)
+    colours = np.column_stack([repeated(PATH_COLOUR, len(ends)), alpha])
     painter.lines(ends[near], colours[near], 2.0)
 
 
@@ -95,17 +94,17 @@ def _draw_galton(painter: Painter, frame: Frame, camera: Camera) -> Card:
     x = np.linspace(edges[0], edges[-1], CURVE_POINTS)
     expected = len(balls) * binomial((x - edges[0]) / pitch - 0.5, board.rows)
     height = expected * math.pi * board.ball_radius**2 / (PACKED * pitch)
-    at_x, at_y = camera.to_screen(np.column_stack([x, board.floor - height]))
-    ends = np.column_stack([at_x[:-1], at_y[:-1], at_x[1:], at_y[1:]])
-    near = (np.abs(ends) < 20_000).all(axis=1)
-    painter.lines(ends[near], np.tile(np.array(ACCENT, np.uint8), (near.sum(), 1)), 2.0)
+    curve = np.column_stack([x, board.floor - height])
+    ends = camera.lines_to_screen(curve[:-1], curve[1:])
+    ends = ends[camera.sees(ends)]
+    painter.lines(ends, repeated(ACCENT, len(ends)), 2.0)
     if pitch * camera.scale >= SMALLEST_BIN:
         middles = np.column_stack([(edges[:-1] + edges[1:]) / 2, np.full(len(counts), board.floor)])
         bin_x, bin_y = camera.to_screen(middles)
         for left, top, count in zip(bin_x.tolist(), bin_y.tolist(), counts.tolist(), strict=True):
             picture = word(f"{count}", TEXT_SOFT, SMALL)
             painter.sheet(picture, (left - picture.get_width() / 2, top + 5))
-    return f"{int(counts.sum()):,} of {len(balls):,} balls are in bins; line: binomial distribution"
+    return f"{int(counts.sum()):,} of {len(balls):,} in bins; line: binomial"
 
 
 def binomial(k: NDArray[np.floating], n: int) -> NDArray[np.float64]:

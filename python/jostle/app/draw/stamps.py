@@ -31,7 +31,13 @@ def _places_of(radius: float) -> int:
 
 
 class Stamps:
-    """The cache, filled on demand."""
+    """The cache, filled on demand.
+
+    Attributes
+    ----------
+    bytes
+        Memory of all stamps.
+    """
 
     def __init__(self) -> None:
         radii = np.arange(_BUCKETS) / STEPS
@@ -44,7 +50,7 @@ class Stamps:
         self._table = np.full(_BUCKETS * _SHADES * _CELLS, not_yet, object)
         self._have = np.zeros(len(self._table), np.bool_)
         self._masks: dict[tuple[int, int], pygame.Surface] = {}
-        self._bytes = 0
+        self.bytes = 0
 
     def blit(
         self,
@@ -55,7 +61,7 @@ class Stamps:
         shades: NDArray[np.uint8],
     ) -> None:
         """Draw discs with radii up to MAX_RADIUS, in pixels."""
-        if self._bytes > MEMORY_LIMIT:
+        if self.bytes > MEMORY_LIMIT:
             self._clear()
         buckets = np.rint(radii * STEPS).astype(np.intp)
         places, half = self._places[buckets], self._half[buckets]
@@ -81,7 +87,7 @@ class Stamps:
             stamp = self._mask(bucket, cell).copy()
             stamp.fill(DISCS[shade], special_flags=pygame.BLEND_RGB_MULT)
             self._table[key] = stamp
-            self._bytes += stamp.get_pitch() * stamp.get_height()
+            self.bytes += stamp.get_pitch() * stamp.get_height()
         self._have[missing] = True
 
     def _mask(self, bucket: int, cell: int) -> pygame.Surface:

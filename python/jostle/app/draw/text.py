@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 from functools import lru_cache
+from pathlib import Path
 
 import pygame
 
@@ -10,36 +12,38 @@ from jostle.app.draw.palette import PANEL, PANEL_EDGE, TEXT, Colour
 
 TITLE, BODY, SMALL = 20, 14, 12
 
-# Regular fonts that are legible when small, best first; pygame's own is bold and the last choice.
-FACES = "inter,segoeui,helveticaneue,notosans,dejavusans,liberationsans,arial"
+# Packages of the extra `[app]`, and the fonts in them, best first: text is alike on all machines.
+FONTS = (
+    ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
+    ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),
+)
+ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
 
 Place = tuple[int, int]
+
+
+@lru_cache(maxsize=2)
+def font_file(fonts: tuple[tuple[str, str], ...] = FONTS) -> str | None:
+    """Return the path of the first font that exists; None if no package has one."""
+    for package, path in fonts:
+        found = importlib.util.find_spec(package)
+        for folder in (found and found.submodule_search_locations) or ():
+            if (Path(folder) / path).is_file():
+                return str(Path(folder) / path)
+    return None
 
 
 @lru_cache(maxsize=8)
 def font(size: int) -> pygame.font.Font:
     """Return the font at a size in pixels."""
     pygame.font.init()  # videos and tests open no window
-    return pygame.font.SysFont(FACES, size)
+    return pygame.font.Font(font_file(), size)
 
 
 @lru_cache(maxsize=512)
 def word(text: str, colour: Colour = TEXT, size: int = BODY) -> pygame.Surface:
     """Return a rendered text."""
     return font(size).render(text, True, colour)
-
-
-def wrapped(text: str, width: float, size: int = BODY) -> list[str]:
-    """Return lines of at most a width in pixels, except for longer words."""
-    first, *words = text.split(" ")
-    lines = [first]
-    for word in words:
-        longer = f"{lines[-1]} {word}"
-        if font(size).size(longer)[0] <= width:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
 
 
 def write(

@@ -8,19 +8,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import DISCS
 from jostle.app.draw.subsampling import subset
-from jostle.app.simulate.simulation import Container, Frame
+from jostle.app.simulate.containers import crosses
+from jostle.app.simulate.simulation import Frame
 
 SECONDS = 1.0
 POINTS = 20  # per path, evenly over that time
 MOST = 150  # paths; their lines take about 4 ms
 STRONGEST = 0.95  # alpha at the newest part of a trail
-
-Floats = NDArray[np.float64]
 
 
 class Trails:
@@ -68,21 +66,14 @@ class Trails:
         share = STRONGEST * (1 - np.nan_to_num(age, nan=1.0, posinf=1.0))
         steps, many = ends.shape[:2]
         flat = ends.reshape(-1, 4)
-        gaps = np.isnan(flat).any(axis=1) | _jumped(flat, frame.container)
+        gaps = np.isnan(flat).any(axis=1) | crosses(frame.container, flat[:, :2], flat[:, 2:])
         kept = np.flatnonzero(~gaps & np.repeat(share > 0.02, many))
         flat = flat[kept]
         colours = np.tile(np.array(DISCS, np.uint8)[shades[rows]], (steps, 1))
         alpha = np.rint(255 * np.repeat(share, many)).astype(np.uint8)
-        x0, y0 = camera.to_screen(flat[:, :2])
-        x1, y1 = camera.to_screen(flat[:, 2:])
-        width, height = camera.size
-        seen = (np.maximum(x0, x1) > 0) & (np.maximum(y0, y1) > 0)
-        seen &= (np.minimum(x0, x1) < width) & (np.minimum(y0, y1) < height)
-        seen &= (np.abs(x1 - x0) < 20_000) & (np.abs(y1 - y0) < 20_000)
-        painter.lines(
-            np.column_stack([x0, y0, x1, y1])[seen],
-            np.column_stack([colours, alpha])[kept][seen],
-        )
+        lines = camera.lines_to_screen(flat[:, :2], flat[:, 2:])
+        seen = camera.sees(lines)
+        painter.lines(lines[seen], np.column_stack([colours, alpha])[kept][seen])
         movable = int(np.count_nonzero(frame.movable))
         return f"trails: {len(rows):,} of {movable:,} shown" if len(rows) < movable else None
 
@@ -97,12 +88,3 @@ class Trails:
             ring[:, new] = self._ring[:, old]
             self._tags, self._ring = tags, ring
         self._rows = rows
-
-
-def _jumped(ends: Floats, container: Container) -> NDArray[np.bool_]:
-    """Return which parts of a path cross the boundary of a torus."""
-    if not isinstance(container, jostle.Torus):
-        return np.zeros(len(ends), np.bool_)
-    sides = np.array([container.width, container.height])
-    over = np.abs(ends[:, 2:] - ends[:, :2]) > sides / 2
-    return np.logical_or(over[:, 0], over[:, 1])

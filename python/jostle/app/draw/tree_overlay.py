@@ -37,7 +37,7 @@ def draw_heat(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | Non
     top = max(float(np.quantile(counts, FULLEST)), 1.0)
     step = np.clip(tree.counts[shown] / top * len(HEAT), 0, len(HEAT) - 1).astype(np.intp)
     painter.rects(corners, np.array(HEAT, np.uint8)[step], filled=True)
-    return Legend("particles in a leaf", "0", f"{top:,.0f}", HEAT)
+    return Legend("particles in a leaf", "0", f"{top:,.0f}", tuple(HEAT))
 
 
 def draw_outline(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,7 @@ class ColourBy(_Cycle):
     AGE = "age"
     ENERGY = "kinetic energy"
     RANDOM = "each its own"
+    KIND = "kind"
 
 
 @dataclass
@@ -72,8 +73,13 @@ class ViewOptions:
 def option_rules(spell: Callable[[Enum], str]) -> dict[str, Rule]:
     """Return the rule of each view option in a file, in which `spell` writes a choice."""
     return {
-        option.name: one_of(*map(spell, type(option.default)))
+        option.name: _choice(type(option.default), spell)
         if isinstance(option.default, Enum)
         else TRUTH
         for option in fields(ViewOptions)
     }
+
+
+def _choice(kind: type[Enum], spell: Callable[[Enum], str]) -> Rule:
+    choices = {spell(choice): choice for choice in kind}
+    return replace(one_of(*choices), read=choices.__getitem__)

@@ -48,8 +48,10 @@ class Gui:
 
     Attributes
     ----------
+    drawing
+        Draws ImGui's output on that canvas.
     marks
-        Rectangles of the widgets named by `mark`, in points.
+        Rectangles of the widgets and windows named by `mark` and `mark_window`, in points.
     """
 
     def __init__(self, painter: Painter) -> None:
@@ -60,9 +62,8 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        self._drawing = _drawing_for(painter)
+        self.drawing = _drawing_for(painter)
         self.marks: dict[str, pygame.Rect] = {}
-        self._windows: list[pygame.Rect] = []
         self._owned: set[int] = set()  # buttons pressed in a panel
         self._scene: set[int] = set()  # buttons pressed in the scene
         self._dismiss = False
@@ -76,7 +77,7 @@ class Gui:
         io.delta_time = max(elapsed, SHORTEST)
         io.display_size = imgui.ImVec2(*size)
         io.display_framebuffer_scale = imgui.ImVec2(scale, scale)
-        self._drawing.begin()
+        self.drawing.begin()
         imgui.new_frame()
         self._in_frame = True
         if self._dismiss:
@@ -87,19 +88,21 @@ class Gui:
         """End the frame and draw it over the canvas."""
         self._in_frame = False
         imgui.render()
-        data = imgui.get_draw_data()
-        self._windows = _windows_of(data)
-        self._drawing.draw(data)
+        self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
         """Draw the last frame over the canvas again."""
         imgui.set_current_context(self._context)
-        self._drawing.again()
+        self.drawing.again()
 
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""
-        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        self.marks[name] = pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)
+        self.marks[name] = _rect(imgui.get_item_rect_min(), imgui.get_item_rect_max())
+
+    def mark_window(self, name: str) -> None:
+        """Record the rectangle of the present window."""
+        low, size = imgui.get_window_pos(), imgui.get_window_size()
+        self.marks[name] = _rect(low, low + size)
 
     def handle(self, event: pygame.event.Event) -> bool:
         """Handle an event; return whether it is for the panels, and not for the scene.
@@ -135,7 +138,16 @@ class Gui:
 
     def covers(self, place: tuple[float, float]) -> bool:
         """Return whether a panel is at a point, or a menu is open."""
-        return any(window.collidepoint(place) for window in self._windows) or self.modal
+        return self.modal or any(rect.collidepoint(place) for rect in self._windows())
+
+    def _windows(self) -> list[pygame.Rect]:
+        """Return the rectangles of the visible windows that receive the mouse."""
+        imgui.set_current_context(self._context)
+        return [
+            _rect(window.rect().min, window.rect().max)
+            for window in self._context.windows
+            if window.active and not window.flags & imgui.WindowFlags_.no_mouse_inputs
+        ]
 
     @property
     def modal(self) -> bool:
@@ -149,7 +161,7 @@ class Gui:
         implot.set_current_context(self._plots)
         if self._in_frame:
             imgui.end_frame()
-        self._drawing.close()
+        self.drawing.close()
         implot.destroy_context(self._plots)
         imgui.destroy_context(self._context)
 
@@ -164,7 +176,7 @@ class Gui:
             owners.discard(button)
         if down:
             (self._owned if mine else self._scene).add(button)
-        if mine or not down or not self._windows:
+        if mine or not down or not self._windows():
             io.add_mouse_button_event(button, down)
         elif button == 0:
             imgui.set_window_focus(None)  # text fields lose the keyboard focus
@@ -193,13 +205,5 @@ def _drawing_for(painter: Painter) -> GuiDrawing:
     return SoftwareGui(painter)
 
 
-def _windows_of(data: imgui.ImDrawData) -> list[pygame.Rect]:
-    """Return the rectangles of the visible windows that receive the mouse."""
-    found = []
-    for commands in data.cmd_lists:
-        window = imgui.internal.find_window_by_name(commands._owner_name)
-        if window is not None and not window.flags & imgui.WindowFlags_.no_mouse_inputs:
-            rect = window.rect()
-            low, high = rect.min, rect.max
-            found.append(pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y))
-    return found
+def _rect(low: imgui.ImVec2, high: imgui.ImVec2) -> pygame.Rect:
+    return pygame.Rect(low.x, low.y, high.x - low.x, high.y - low.y)

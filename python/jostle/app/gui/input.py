@@ -6,8 +6,7 @@ import math
 
 import pygame
 
-from jostle.app.act.keymap import HELD, PANNING, Action, action_of
-from jostle.app.gui.key_bindings import HANDLERS
+from jostle.app.gui.keymap import HANDLERS, HELD, PANNING, command_of
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Point
 
@@ -22,7 +21,7 @@ class Input:
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._down: set[Action] = set()  # those of `HELD`
+        self._down: set[str] = set()  # those of `HELD`
         self._panning: dict[int, Point] = {}  # buttons that pan, and where each was pressed
         self._moved = False  # whether the view was panned since then
 
@@ -31,7 +30,7 @@ class Input:
         if event.type == pygame.KEYDOWN:
             self._press_key(event)
         elif event.type == pygame.KEYUP:
-            self._release_key(action_of(event.key))
+            self._release_key(command_of(event.key))
         elif event.type == pygame.WINDOWFOCUSLOST:
             self.release_keys()
         elif event.type == pygame.MOUSEMOTION:
@@ -46,33 +45,33 @@ class Input:
 
     def hold(self, elapsed: float) -> None:
         """Apply the keys that are down; called once per frame."""
-        for action in self._down & PANNING.keys():
-            x, y = PANNING[action]
+        for command in self._down & PANNING.keys():
+            x, y = PANNING[command]
             distance = PAN_SPEED * elapsed
             self._session.camera.pan((x * distance, y * distance))
-        if Action.ATTRACT in self._down:
+        if "attract" in self._down:
             self._session.interaction.attractors.attract_to_cursor(
                 self._session.interaction.at_cursor()
             )
 
     def release_keys(self) -> None:
         """Release every key: the window gets no events without focus."""
-        for action in list(self._down):
-            self._release_key(action)
+        for command in list(self._down):
+            self._release_key(command)
 
     # Keys
 
     def _press_key(self, event: pygame.event.Event) -> None:
-        action = action_of(event.key)
-        if action in HELD:
-            self._down.add(action)
-        elif action is not None:
-            HANDLERS[action](self._session)
+        command = command_of(event.key)
+        if command in HELD:
+            self._down.add(command)
+        elif command is not None:
+            HANDLERS[command](self._session)
 
-    def _release_key(self, action: Action | None) -> None:
-        if action in self._down:
-            self._down.discard(action)
-            if action is Action.ATTRACT:
+    def _release_key(self, command: str | None) -> None:
+        if command in self._down:
+            self._down.discard(command)
+            if command == "attract":
                 self._session.interaction.attractors.attract_to_cursor(None)
 
     # Mouse

@@ -8,19 +8,16 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-FINE = 4  # sample rows per row of pixels, for the edges of polygons
+FINE = 4  # scale at which polygons are drawn, for antialiasing
 THIN = 6.0  # pixels; a box up to this width is a line
-MANY = 4  # more polygons of one colour are a plot, which changes every frame and is not cached
-KEPT = 4000  # glyphs, and shapes, before the cache is cleared
+MANY = 4  # more polygons of one colour are a plot, which changes often and is not cached
+KEPT = 4000  # glyphs, and polygons, before the cache is cleared
+LARGEST = 3000.0  # pixels; ImGui draws no larger shape
 GLYPH, BOX, POLYGON = range(3)
 
-LARGEST = 3000.0  # pixels
-WHITE = (255, 255, 255)
-
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating]
 Indices = NDArray[np.intp]
-Shade = NDArray[np.uint8]  # red, green, blue, alpha
-Vertices = NDArray[np.void]  # rows of `gui_software.VERTEX`
+Vertices = NDArray[np.void]  # rows of `software.VERTEX`
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ def outlines_of(triangles: Indices) -> Outlines:
 
 
 class Shapes:
-    """Draws outlines, with a cache of glyphs and antialiased shapes."""
+    """Draws outlines, with a cache of glyphs and polygons."""
 
     def __init__(self) -> None:
         self._atlases: dict[int, NDArray[np.uint8]] = {}
@@ -80,20 +77,20 @@ class Shapes:
     def draw(
         self, target: pygame.Surface, texture: int, vertices: Vertices, outlines: Outlines
     ) -> None:
-        """Draw outlines in order, successive ones of a kind together."""
+        """Draw outlines in order, successive ones of a kind and colour together."""
         kinds = _kinds(vertices, outlines)
+        colours = np.ascontiguousarray(vertices["colour"][outlines.quads[:, 0]]).view(np.uint32)
         for run in _runs(kinds):
             if kinds[run[0]] == GLYPH:
                 self._write(target, texture, vertices[outlines.quads[run]])
             elif kinds[run[0]] == BOX:
                 _fill_boxes(target, vertices[outlines.quads[run]])
             else:
-                self._fill_polygons(target, vertices, outlines, run)
+                for part in _runs(colours[run].ravel()):
+                    self._fill(target, vertices, outlines, run[part])
 
     def _write(self, target: pygame.Surface, texture: int, quads: Vertices) -> None:
         """Draw glyphs: boxes with a part of the font atlas."""
-        if len(self._glyphs) > KEPT:
-            self._glyphs.clear()
         low, high = quads["at"].min(axis=1), quads["at"].max(axis=1)
         sizes = np.maximum(np.rint(high - low), 1).astype(np.int32)
         parts = quads["uv"][:, :3].reshape(len(quads), -1), sizes, quads["colour"][:, 0]
@@ -101,74 +98,63 @@ class Shapes:
             [np.ascontiguousarray(part).view(np.uint8).reshape(len(quads), -1) for part in parts],
             axis=1,
         )
-        places = np.rint(low).astype(np.intp).tolist()
         blits = []
-        for number, (row, place) in enumerate(zip(keys, places, strict=True)):
-            key = row.tobytes()
-            glyph = self._glyphs.get(key)
+        for row, key, place in zip(quads, keys, np.rint(low).astype(np.intp).tolist(), strict=True):
+            glyph = self._glyphs.get(key.tobytes())
             if glyph is None:
-                glyph = self._glyph(texture, quads[number], sizes[number].tolist())
-                self._glyphs[key] = glyph
+                glyph = _remember(self._glyphs, key.tobytes(), self._glyph(texture, row))
             blits.append((glyph, place))
         target.fblits(blits, pygame.BLEND_PREMULTIPLIED)
 
-    def _glyph(self, texture: int, quad: Vertices, size: list[int]) -> pygame.Surface:
-        """Cut out a glyph; vertical text is rotated."""
+    def _glyph(self, texture: int, quad: Vertices) -> pygame.Surface:
+        """Cut out a glyph of the font atlas, at the size of its box."""
         atlas = self._atlases[texture]
         whole = np.rint(quad["uv"] * atlas.shape[::-1]).astype(int)
         (left, top), (right, bottom) = whole.min(axis=0), whole.max(axis=0)
         picture = _tinted(atlas[top:bottom, left:right].T, quad["colour"][0])
-        if abs(quad["at"][1, 0] - quad["at"][0, 0]) < 0.5:
-            picture = pygame.transform.rotate(picture, 90)
+        size = np.maximum(np.rint(np.ptp(quad["at"], axis=0)), 1).tolist()
         if picture.get_size() != tuple(size) and min(picture.get_size()) > 0:
             picture = pygame.transform.smoothscale(picture, size)
         return picture
 
-    def _fill_polygons(
-        self, target: pygame.Surface, vertices: Vertices, outlines: Outlines, run: Indices
+    def _fill(
+        self, target: pygame.Surface, vertices: Vertices, outlines: Outlines, members: Indices
     ) -> None:
-        """Fill convex polygons: few from the cache, the many of a plot in one call."""
-        colours = vertices["colour"][outlines.quads[run, 0]]
-        for part in _runs(np.ascontiguousarray(colours).view(np.uint32).ravel()):
-            colour, members = colours[part[0]], run[part]
-            if len(part) > MANY:
-                four = outlines.count[members] == 4
-                others = [vertices["at"][outlines.corners(k)] for k in members[~four]]
-                _fill_at_once(target, vertices["at"][outlines.quads[members[four]]], others, colour)
-                continue
-            for k in members:
-                self._fill_polygon(target, vertices["at"][outlines.corners(k)], colour)
-
-    def _fill_polygon(self, target: pygame.Surface, shape: Floats, colour: Shade) -> None:
-        corner = np.floor(shape.min(axis=0))
-        if (np.ptp(shape, axis=0) > LARGEST).any():
-            return  # ImGui draws no shape of this size
-        local = np.rint((shape - corner) * 8).astype(np.int32)
-        key = local.tobytes() + colour.tobytes()
+        """Fill convex polygons of one colour as one shape; few of them come from the cache."""
+        shapes = [vertices["at"][outlines.corners(k)] for k in members]
+        points, colour = np.concatenate(shapes), vertices["colour"][outlines.quads[members[0], 0]]
+        low, high = np.floor(points.min(axis=0)), np.ceil(points.max(axis=0)) + 1
+        if (high - low > LARGEST).any():
+            return
+        key = (points - low).astype("<f4").tobytes() + colour.tobytes()
         picture = self._polygons.get(key)
         if picture is None:
-            if len(self._polygons) > KEPT // 4:
-                self._polygons.clear()
-            picture = _tinted(coverage(local / 8), colour)
-            self._polygons[key] = picture
-        target.blit(picture, corner.tolist(), special_flags=pygame.BLEND_PREMULTIPLIED)
+            width, height = (high - low).astype(int).tolist()
+            picture = _tinted(coverage([shape - low for shape in shapes], (width, height)), colour)
+            if len(members) <= MANY:
+                _remember(self._polygons, key, picture)
+        target.blit(picture, low.tolist(), special_flags=pygame.BLEND_PREMULTIPLIED)
 
 
-def coverage(corners: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return the coverage of each pixel by a convex polygon, (width, height) in 0..255."""
-    width, height = (int(np.ceil(top)) + 1 for top in corners.max(axis=0))
-    y = (np.arange(height * FINE) + 0.5) / FINE
-    (x0, y0), (x1, y1) = corners.T, np.roll(corners, -1, axis=0).T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x = x0[:, None] + (y - y0[:, None]) * ((x1 - x0) / (y1 - y0))[:, None]
-    crossed = (np.minimum(y0, y1)[:, None] <= y) & (y < np.maximum(y0, y1)[:, None])
-    left = np.where(crossed, x, np.inf).min(axis=0).astype(np.float32)
-    right = np.where(crossed, x, -np.inf).max(axis=0).astype(np.float32)
-    pixels = np.arange(width, dtype=np.float32)[:, None]
-    inside = np.minimum(pixels + 1, right) - np.maximum(pixels, left)
-    mean = np.clip(inside, 0.0, 1.0).reshape(width, height, FINE).mean(axis=2)
-    share: NDArray[np.uint8] = np.rint(mean * 255).astype(np.uint8)
-    return share
+def _remember(
+    cache: dict[bytes, pygame.Surface], key: bytes, picture: pygame.Surface
+) -> pygame.Surface:
+    if len(cache) > KEPT:
+        cache.clear()
+    cache[key] = picture
+    return picture
+
+
+def coverage(shapes: list[Floats], size: tuple[int, int]) -> NDArray[np.uint8]:
+    """Return the coverage of each pixel by convex polygons, (width, height) in 0..255."""
+    mask = pygame.Surface((FINE * size[0], FINE * size[1]), 0, 32)
+    for shape in shapes:
+        # pygame fills the pixels of the corners, too: each is moved to the next centre inside.
+        points = FINE * shape - 0.5
+        middle = (points[0] + points[len(points) // 2]) / 2
+        inner = np.where(points < middle, np.ceil(points), np.floor(points))
+        pygame.draw.polygon(mask, (255, 255, 255), inner.tolist())
+    return pygame.surfarray.array_red(pygame.transform.smoothscale(mask, size))
 
 
 def _runs(values: NDArray[np.integer]) -> list[Indices]:
@@ -177,7 +163,7 @@ def _runs(values: NDArray[np.integer]) -> list[Indices]:
 
 
 def _kinds(vertices: Vertices, outlines: Outlines) -> Indices:
-    """Tell atlas and upright boxes from everything else."""
+    """Distinguish glyphs, upright boxes, and everything else."""
     four = outlines.count == 4
     quads = vertices[outlines.quads]
     at, uv = quads["at"], quads["uv"]
@@ -206,49 +192,13 @@ def _fill_boxes(target: pygame.Surface, quads: Vertices) -> None:
             target.blit(overlay, box, special_flags=pygame.BLEND_PREMULTIPLIED)
 
 
-def _fill_at_once(
-    target: pygame.Surface, quads: Floats, others: list[Floats], colour: Shade
-) -> None:
-    """Fill polygons of one colour as one shape, drawn at twice the size for antialiasing."""
-    points = np.concatenate([quads.reshape(-1, 2), *others])
-    low, high = np.floor(points.min(axis=0)) - 1, np.ceil(points.max(axis=0)) + 1
-    low, high = np.maximum(low, -LARGEST), np.minimum(high, LARGEST)
-    box = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(target.get_clip())
-    if box.size == (0, 0):
-        return
-    mask = pygame.Surface((2 * box.width, 2 * box.height), 0, 32)
-    corner = np.array(box.topleft, np.float32) + 0.25  # pygame's coordinates are pixel centres
-    for shape in others:
-        pygame.draw.polygon(mask, WHITE, (2 * (shape - corner)).tolist())
-    quads = 2 * (quads - corner)
-    width = np.hypot(*(quads[:, 3] - quads[:, 0]).T)
-    line = width <= 2 * THIN
-    for quad in quads[~line].tolist():
-        pygame.draw.polygon(mask, WHITE, quad)
-    starts, ends = (quads[line, 0] + quads[line, 3]) / 2, (quads[line, 1] + quads[line, 2]) / 2
-    widths = np.maximum(np.rint(width[line]), 1).astype(int).tolist()
-    for start, end, thick in zip(starts.tolist(), ends.tolist(), widths, strict=True):
-        pygame.draw.aaline(mask, WHITE, start, end, thick)
-    mask = pygame.transform.smoothscale(mask, box.size)
-    picture = _tinted(pygame.surfarray.pixels_red(mask), colour)
-    target.blit(picture, box, special_flags=pygame.BLEND_PREMULTIPLIED)
-
-
-def _tinted(cover: NDArray[np.uint8], colour: Shade) -> pygame.Surface:
+def _tinted(cover: NDArray[np.uint8], colour: NDArray[np.uint8]) -> pygame.Surface:
     """Return a colour times its coverage, premultiplied; `cover` is (width, height)."""
     surface = pygame.Surface(cover.shape, pygame.SRCALPHA, 32)
     if cover.size:
-        shares = np.arange(256)[:, None] * (colour[:3].astype(int) * int(colour[3])) / 255**2
-        for channel, pixels in enumerate(
-            (
-                pygame.surfarray.pixels_red,
-                pygame.surfarray.pixels_green,
-                pygame.surfarray.pixels_blue,
-            )
-        ):
-            pixels(surface)[:] = np.rint(shares[:, channel]).astype(np.uint8)[cover]
-        alpha = np.rint(np.arange(256) * (int(colour[3]) / 255)).astype(np.uint8)
-        pygame.surfarray.pixels_alpha(surface)[:] = alpha[cover]
+        pygame.surfarray.pixels3d(surface)[:] = cover[:, :, None]
+        pygame.surfarray.pixels_alpha(surface)[:] = cover
+        surface.fill(_premultiplied(colour.tolist()), special_flags=pygame.BLEND_RGBA_MULT)
     return surface
 
 

@@ -5,10 +5,11 @@ a session and call its methods; every widget is named by `gui.mark`, so that a t
 Only this package and `gui` import ImGui. In reading order:
 
 ========================= ======================================================================
-theme, widgets, sliders   colours; labels, numbers, buttons and lists; sliders
+widgets, sliders          labels, numbers, buttons and lists; sliders
 plots                     lines and stacked bars over time
 playback_panel            pause, step, restart, previous and next scene
 scenes_panel              the list of scenes
+life_panel                the matrix of particle life
 method_panel              quadtree or brute force, exact physics or the article's program
 settings_panel            the sliders of the settings
 display_panel             what is drawn beside the particles
@@ -16,6 +17,7 @@ rewind_panel              a slider over the last 30 s
 files_panel               scenes, videos and tables in files
 statistics_panel          times, pairs, energy, momentum
 column                    the sections at the left
+cards, help_window        messages and explanations over the scene; the list of mouse and keys
 menu_items, menus         the items of the context menus; the menus
 ========================= ======================================================================
 """
@@ -28,19 +30,20 @@ from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import arrange
-from jostle.app.panels import column, statistics_panel
+from jostle.app.panels import cards, column, help_window, menus, statistics_panel
 from jostle.app.session import Session
 
 Builder = Callable[[Session, Gui], None]
 
-BUILDERS: list[Builder] = [column.build, statistics_panel.build]
+PANELS: list[Builder] = [column.build, statistics_panel.build]
+OVERLAYS: list[Builder] = [cards.build, help_window.build, menus.build]
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build all panels, except under the help; call it between `gui.begin` and `gui.end`."""
+    """Build everything that covers the scene; the help takes the place of the panels."""
     io = imgui.get_io()
     size, scale = io.display_size, io.display_framebuffer_scale.x
     arrange(session, size.x, size.y, scale)
-    if session.view_options.panels and not session.view_options.help:
-        for builder in BUILDERS:
-            builder(session, gui)
+    panels = session.view_options.panels and not session.view_options.help
+    for builder in (*(PANELS if panels else ()), *OVERLAYS):
+        builder(session, gui)

@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from jostle.app.draw.formatting import method_name
+from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import layout
+from jostle.app.gui.style import vec
 from jostle.app.panels import (
     display_panel,
     files_panel,
+    life_panel,
     method_panel,
     playback_panel,
     rewind_panel,
@@ -19,13 +21,15 @@ from jostle.app.panels import (
     settings_panel,
     statistics_panel,
 )
-from jostle.app.panels.theme import ACCENT, TEXT_SOFT, vec
-from jostle.app.panels.widgets import at_right, colours, part, section
+from jostle.app.panels.widgets import at_right, colours, part, section, side_panel
 from jostle.app.session import Session
+from jostle.app.simulate.settings import METHODS
 
 TITLE = 21.0
+LIFE = "Particle life"
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Scenes", scenes_panel.build),
+    (LIFE, life_panel.build),
     ("Method", method_panel.build),
     ("Particles and tree", settings_panel.build_tree),
     ("Display", display_panel.build),
@@ -36,35 +40,23 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Files", files_panel.build),
 ]
 
-FIXED = (
-    imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_bring_to_front_on_focus
-)  # fmt: skip
-
 
 def build(session: Session, gui: Gui) -> None:
     """Build the column, if the window is wide enough."""
     widths = layout(session, *imgui.get_io().display_size)
     if not widths.column:
         return
-    imgui.set_next_window_pos((0.0, 0.0))
-    imgui.set_next_window_size((widths.column, widths.height))
-    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
-    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
-    imgui.begin("controls", None, FIXED & ~imgui.WindowFlags_.no_scrollbar)
-    imgui.pop_style_var(2)
-    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
-    _title(session)
-    playback_panel.build(session, gui)
-    for title, contents in SECTIONS:
-        if section(gui, title):
-            with part(title):
-                contents(session, gui)
-    if not widths.statistics:
-        statistics_panel.build_sections(session, gui)
-    imgui.pop_style_var()
-    imgui.end()
+    with side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
+        _title(session)
+        playback_panel.build(session, gui)
+        for title, contents in SECTIONS:
+            if title == LIFE and session.frame.matrix is None:
+                continue
+            if section(gui, title):
+                with part(title):
+                    contents(session, gui)
+        if not widths.statistics:
+            statistics_panel.build_sections(session, gui)
 
 
 def _title(session: Session) -> None:
@@ -75,6 +67,6 @@ def _title(session: Session) -> None:
         with colours(text=vec(ACCENT)):
             at_right("paused")
     with colours(text=vec(TEXT_SOFT)):
-        words = f"{len(session.frame):,} particles · {method_name(session.settings.method)}"
+        words = f"{len(session.frame):,} particles · {METHODS[session.settings.method]}"
         imgui.text_unformatted(words)
     imgui.dummy((0.0, 2.0))

@@ -1,10 +1,10 @@
-"""The display panel: what is drawn same_line the particles."""
+"""The display panel: what is drawn beside the particles."""
 
 from __future__ import annotations
 
 from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.gui.host import Gui
-from jostle.app.panels.widgets import button_width, choice, combo, same_line
+from jostle.app.panels.widgets import choice, combo, in_rows
 from jostle.app.session import Session
 
 SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")
@@ -21,9 +21,6 @@ def build(session: Session, gui: Gui) -> None:
     )
     if colour is not None:
         options.colour_by = ColourBy(colour)
-    across = button_width(3)
-    for k, name in enumerate(SWITCHES):
-        if k % 3:
-            same_line()
+    for name, across in in_rows(SWITCHES, 3):
         if choice(gui, name, name, across, chosen=getattr(options, name)):
             session.toggle(name)

@@ -7,16 +7,15 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import FILLED, vec
+from jostle.app.gui.style import FILLED, vec
 from jostle.app.panels.widgets import (
     BUTTON,
-    button_width,
     choice,
     colours,
     combo,
     hint,
+    in_rows,
     label,
-    same_line,
     soft,
     width,
 )
@@ -32,27 +31,25 @@ LENGTHS = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
 def build(session: Session, gui: Gui) -> None:
     """Build the buttons, the options of a video, and its progress."""
     files = session.files
-    across = button_width(2)
-    if choice(gui, "save", "save", across, chosen=False):
-        session.files.save()
-    same_line()
-    if choice(gui, "screenshot", "screenshot", across, chosen=False):
-        session.files.screenshot()
+    commands = {"save": files.save, "screenshot": files.screenshot}
+    for (name, command), across in in_rows(commands.items(), 2):
+        if choice(gui, name, name, across, chosen=False):
+            command()
     saved = {str(path): path.stem for path in files.scenes()}
     none = "" if saved else f"There is no saved scene in {files.folder}."
     picked = combo(gui, "load", saved, "choose a scene" if saved else "none yet", reason=none)
     if picked is not None:
-        session.files.load(Path(picked))
+        files.load(Path(picked))
     _film(session, gui)
     label("export")
-    across = button_width(2)
-    if choice(gui, "export CSV", "CSV", across, chosen=False):
-        files.export_csv()
-    hint("The present particles, and energy and momentum over time, as tables.")
-    same_line()
-    if choice(gui, "export GSD", "GSD", across, chosen=False):
-        files.export_gsd()
-    hint("The last 30 s, ten frames per second, for OVITO and other programs.")
+    exports = (
+        ("CSV", files.export_csv, "The present particles, and energy and momentum over time."),
+        ("GSD", files.export_gsd, "The last 30 s, ten frames per second, for OVITO and others."),
+    )
+    for (name, export, contents), across in in_rows(exports, 2):
+        if choice(gui, f"export {name}", name, across, chosen=False):
+            export()
+        hint(contents)
 
 
 def build_why(session: Session, gui: Gui) -> None:
@@ -67,12 +64,8 @@ def _film(session: Session, gui: Gui) -> None:
     recording, options = session.files.recording, session.files.options
     busy = "A video is being recorded." if recording else ""
     label("video")
-    across = button_width(len(FORMATS))
-    for k, suffix in enumerate(FORMATS):
-        if k:
-            same_line()
-        name = suffix.lstrip(".").upper()
-        chosen = options.suffix == suffix
+    for suffix, across in in_rows(FORMATS, len(FORMATS)):
+        name, chosen = suffix.lstrip(".").upper(), options.suffix == suffix
         if choice(gui, f"film {name}", name, across, chosen=chosen, reason=busy):
             options.suffix = suffix
     size = next((name for name, size in SIZES.items() if size == options.size), str(options.size))

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from jostle.app.act.keymap import Action, key_of
 from jostle.app.act.menu import Menu
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Point, Tags
@@ -26,7 +25,7 @@ class Item:
     command: Callable[[], None]
     checked: bool = False
     enabled: bool = True
-    key: str = ""  # of the keymap
+    key: str = ""  # the command of the keymap that does the same
 
 
 @dataclass(frozen=True)
@@ -57,8 +56,8 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     movable = bool(frame.movable[rows].all())
     attracts, selected = attractors.attracts(tag), tag in session.interaction.selection
     return [
-        Item("delete", "Delete", lambda: commands.delete(tags), key=key_of(Action.DELETE)),
-        Item("clone", "Clone", lambda: commands.clone(tags), key=key_of(Action.CLONE)),
+        Item("delete", "Delete", lambda: commands.delete(tags), key="delete"),
+        Item("clone", "Clone", lambda: commands.clone(tags), key="clone"),
         None,
         Item(
             "attract",
@@ -93,7 +92,7 @@ def _explain_item(session: Session, tags: Tags) -> list[Line]:
             "Why do these two touch or not?",
             session.explain,
             checked=session.question.pair is not None,
-            key=key_of(Action.WHY),
+            key="why",
         )
     ]
 
@@ -105,9 +104,7 @@ def _of_background(session: Session, point: Point) -> list[Line]:
     )  # fmt: skip
     can_fall = "gravity" in session.engine.adjustable
     return [
-        Item(
-            "create", "New particle here", lambda: commands.create(point), key=key_of(Action.CREATE)
-        ),
+        Item("create", "New particle here", lambda: commands.create(point), key="create"),
         Item("attractor", "New attractor here", lambda: attractors.place(point)),
         Item(
             "stop attraction",
@@ -123,9 +120,9 @@ def _of_background(session: Session, point: Point) -> list[Line]:
             "Invert gravity",
             gravity.invert,
             enabled=can_fall,
-            key=key_of(Action.INVERT_GRAVITY),
+            key="invert gravity",
         ),
-        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=key_of(Action.ZERO_GRAVITY)),
+        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key="zero gravity"),
         Number("gravity", "y", gravity.value[1], gravity.set_downwards, enabled=can_fall),
         None,
         Item("scramble", "Randomise positions", commands.scramble),

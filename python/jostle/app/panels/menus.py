@@ -5,9 +5,10 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from jostle.app.act.menu import Menu
-from jostle.app.draw.palette import TEXT_SOFT
 from jostle.app.gui.host import Gui
+from jostle.app.gui.keymap import key_of
 from jostle.app.panels.menu_items import Item, Number, lines_of
+from jostle.app.panels.widgets import soft
 from jostle.app.session import Session
 
 POPUP = "menu"
@@ -34,11 +35,9 @@ def build(session: Session, gui: Gui) -> None:
 
 
 def _fill(session: Session, gui: Gui, menu: Menu) -> None:
-    red, green, blue = TEXT_SOFT
-    soft = imgui.ImVec4(red / 255, green / 255, blue / 255, 1.0)
     imgui.text(menu.title(session.frame))
     for name, value in menu.numbers(session.frame):
-        imgui.text_colored(soft, name)
+        soft(name)
         imgui.same_line(imgui.get_font_size() * 5)
         imgui.text(value)
     imgui.separator()
@@ -52,7 +51,8 @@ def _fill(session: Session, gui: Gui, menu: Menu) -> None:
 
 
 def _item(session: Session, gui: Gui, item: Item) -> None:
-    clicked, _ = imgui.menu_item(item.label, item.key, item.checked, item.enabled)
+    key = key_of(item.key) if item.key else ""
+    clicked, _ = imgui.menu_item(item.label, key, item.checked, item.enabled)
     gui.mark(f"menu {item.name}")
     if clicked:
         item.command()

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from jostle.app.draw.formatting import method_name
 from jostle.app.gui.host import Gui
-from jostle.app.panels.widgets import button_width, choice, combo, label, same_line
+from jostle.app.panels.widgets import choice, combo, in_rows, label
 from jostle.app.session import Session
-from jostle.app.simulate.settings import METHODS
-from jostle.app.simulate.switch_rules import ARTICLE_LIMIT
-from jostle.app.simulate.world_simulation import BRUTE_LIMIT
+from jostle.app.simulate.settings import METHODS, too_slow
 
 METHODS_BY_RULES = (
     ("exact physics", {"quadtree": "quadtree", "brute": "brute force"}),
@@ -21,12 +18,9 @@ def build(session: Session, gui: Gui) -> None:
     now, count = session.settings.method, len(session.frame)
     for rules, methods in METHODS_BY_RULES:
         label(rules)
-        across = button_width(len(methods))
-        for k, (method, words) in enumerate(methods.items()):
-            if k:
-                same_line()
-            reason = "" if method == now else _reason(method, count)
+        for (method, words), across in in_rows(methods.items(), len(methods)):
             chosen = method == now
+            reason = "" if chosen else too_slow(method, count) or ""
             if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
                 session.runner.choose_method(method)
 
@@ -36,7 +30,7 @@ def build(session: Session, gui: Gui) -> None:
 def _race(session: Session, gui: Gui) -> None:
     """Build the choice of a second method, which runs on the same scene."""
     now, rival = session.settings.method, session.runner.race.method if session.runner.race else ""
-    rivals = {"": "nothing"} | {method: method_name(method) for method in METHODS if method != now}
+    rivals = {"": "nothing"} | {method: METHODS[method] for method in METHODS if method != now}
     chosen = combo(gui, "compare with", rivals, rival)
     if chosen is None or chosen == rival:
         return
@@ -44,14 +38,3 @@ def _race(session: Session, gui: Gui) -> None:
         session.runner.toggle_race(rival)
     if chosen:
         session.runner.toggle_race(chosen)
-
-
-def _reason(method: str, count: int) -> str:
-    """Return why a method is not available now."""
-    if method.startswith("article-") and count > ARTICLE_LIMIT:
-        return f"The article's programs are limited to {ARTICLE_LIMIT:,} particles."
-    if method == "brute" and count > BRUTE_LIMIT:
-        return (
-            f"Brute force is limited to {BRUTE_LIMIT:,} particles; a step with more takes seconds."
-        )
-    return ""

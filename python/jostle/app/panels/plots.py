@@ -9,8 +9,8 @@ import numpy as np
 from imgui_bundle import imgui, implot
 from numpy.typing import NDArray
 
-from jostle.app.draw.palette import Colour
-from jostle.app.panels.theme import TEXT_SOFT, rgba, vec
+from jostle.app.draw.palette import TEXT_SOFT, Colour
+from jostle.app.gui.style import rgba, vec
 
 Floats = NDArray[np.float64]
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 import jostle
+from jostle.app.draw.palette import ACCENT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import ACCENT, CHOSEN, vec
+from jostle.app.gui.style import CHOSEN, vec
 from jostle.app.panels.widgets import at_right, colours, wrapped
 from jostle.app.session import Session
 
-ROWS = 5.5  # visible rows; half a row indicates that there are more
-LINE = 22.0
+ROWS = 6  # visible
+LINE, PADDING = 22.0, 5.0  # points
 BY_ARTICLE = (
     "The article's own rules. Balls overlap, piles never come to rest, and energy is not conserved."
 )
@@ -21,12 +22,14 @@ def build(session: Session, gui: Gui) -> None:
     """Build the list and the description."""
     names, present = jostle.scenes.names(), session.engine.scene
     with colours(child_bg=vec((255, 255, 255), 0.025)):
-        imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, 5.0))
+        imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, PADDING))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
         imgui.begin_child(
-            "scenes", (0.0, LINE * min(ROWS, len(names)) + 10.0),
+            "scenes", (0.0, LINE * min(ROWS, len(names)) + PADDING),
             imgui.ChildFlags_.always_use_window_padding,
         )  # fmt: skip
+        if imgui.is_window_appearing() and present in names:
+            imgui.set_scroll_y(LINE * (names.index(present) - ROWS // 2))  # whole rows
         for name in names:
             _line(session, gui, name, present=name == present)
         imgui.end_child()
@@ -44,8 +47,6 @@ def _line(session: Session, gui: Gui, name: str, *, present: bool) -> None:
         flags = imgui.SelectableFlags_.allow_overlap
         clicked, _ = imgui.selectable(f"{name}##scene", present, flags, (0.0, LINE - 3.0))
     gui.mark(f"scene {name}")
-    if present and imgui.is_window_appearing():
-        imgui.set_scroll_here_y()
     at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
     if clicked:
         session.runner.choose_scene(name)

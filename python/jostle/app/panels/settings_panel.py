@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-import jostle
 from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import combo, signed
 from jostle.app.session import Session
+from jostle.app.simulate.containers import kind_of
 
 ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
 FIXED = "The article's rules are fixed."
@@ -37,14 +37,6 @@ def _signed(value: float) -> str:
     return signed(value, ",.0f")
 
 
-def _depth(value: float) -> str:
-    return "no limit" if value >= UNLIMITED else _whole(value)
-
-
-def _times(value: float) -> str:
-    return f"{value:.2f} ×"
-
-
 @dataclass(frozen=True)
 class Line:
     """A slider on one field of the settings."""
@@ -61,17 +53,22 @@ UNLIMITED = 4_096  # subdivisions that no tree reaches
 COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
 TREE = (
     Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
-    Line("max. depth", "max_depth", Range(1, UNLIMITED, log=True, whole=True), _depth),
+    Line(
+        "max. depth",
+        "max_depth",
+        Range(1, UNLIMITED, log=True, whole=True),
+        lambda value: "no limit" if value >= UNLIMITED else _whole(value),
+    ),
     Line("threads", "threads", Range(1, max(CORES, 2), whole=True), default=CORES),
 )
 WORLD = (
-    Line("world size", "world_size", Range(0.25, 4.0, log=True), _times, 1.0),
+    Line("world size", "world_size", Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("drag", "drag", Range(0.0, 5.0), _short),
     Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
     Line("friction", "friction", Range(0.0, 2.0), _short),
 )
 TIME = (
-    Line("speed", "time_scale", Range(0.05, 4.0, log=True), _times, 1.0),
+    Line("speed", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
 LINES = (COUNT, *TREE, *WORLD, *TIME)
@@ -88,20 +85,10 @@ def build_tree(session: Session, gui: Gui) -> None:
 
 def build_world(session: Session, gui: Gui) -> None:
     """Build the settings of the world."""
-    reason = _reason(session, "container")
-    kind = combo(gui, "container", CONTAINERS, kind_of(session.frame.container), reason=reason)
-    if kind is not None:
-        session.runner.adjust("container", kind)
-    touch = session.engine.effective_settings.on_touch or "bounce"
-    reason = _reason(session, "on_touch")
-    chosen = combo(gui, "collisions", ON_TOUCH, touch, reason=reason)
-    if chosen is not None:
-        session.runner.adjust("on_touch", chosen)
-    is_on = session.engine.effective_settings.sleeping is not False
-    reason = _reason(session, "sleeping")
-    chosen = combo(gui, "sleeping", SLEEPING, "on" if is_on else "off", reason=reason)
-    if chosen is not None:
-        session.runner.adjust("sleeping", chosen == "on")
+    now = session.engine.effective_settings
+    _choice(session, gui, "container", CONTAINERS, kind_of(session.frame.container))
+    _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce", "collisions")
+    _choice(session, gui, "sleeping", SLEEPING, "off" if now.sleeping is False else "on")
     _lines(session, gui, WORLD[:1])
     _gravity(session, gui)
     _lines(session, gui, WORLD[1:])
@@ -112,15 +99,18 @@ def build_time(session: Session, gui: Gui) -> None:
     _lines(session, gui, TIME)
 
 
-def kind_of(container: object) -> str:
-    """Return the name of a container's kind."""
-    kinds = {jostle.Box: "box", jostle.Circle: "circle", jostle.Torus: "torus"}
-    return kinds.get(type(container), "none")
-
-
 def _reason(session: Session, field: str) -> str:
     by_article = session.settings.by_article and field not in ALWAYS
     return FIXED if by_article and field not in session.engine.adjustable else ""
+
+
+def _choice(
+    session: Session, gui: Gui, field: str, options: dict[str, str], now: str, name: str = ""
+) -> None:
+    """Build a list of the values of a setting."""
+    chosen = combo(gui, name or field, options, now, reason=_reason(session, field))
+    if chosen is not None:
+        session.runner.adjust(field, chosen == "on" if options is SLEEPING else chosen)
 
 
 def _lines(session: Session, gui: Gui, lines: tuple[Line, ...]) -> None:

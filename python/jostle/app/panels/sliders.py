@@ -9,8 +9,9 @@ from enum import Enum
 
 from imgui_bundle import imgui
 
+from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import ACCENT, FILLED, RAISED, TEXT, TEXT_SOFT, rgba, vec
+from jostle.app.gui.style import FILLED, RAISED, rgba, vec
 from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, width
 
 KNOB = 6.0  # radius

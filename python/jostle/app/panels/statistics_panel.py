@@ -5,24 +5,12 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from jostle.app.draw.formatting import pairs_of, scientific, share
-from jostle.app.draw.palette import Colour
+from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
 from jostle.app.gui.host import Gui
 from jostle.app.gui.layout import layout
+from jostle.app.gui.style import RAISED, rgba, vec
 from jostle.app.measure.traces import SPAN, Floats
 from jostle.app.panels import plots
-from jostle.app.panels.theme import (
-    ACROSS,
-    DOWN,
-    KINETIC,
-    POTENTIAL,
-    RAISED,
-    STAGES,
-    TEXT,
-    TEXT_SOFT,
-    TOTAL,
-    rgba,
-    vec,
-)  # fmt: skip
 from jostle.app.panels.widgets import (
     at_right,
     button,
@@ -31,6 +19,7 @@ from jostle.app.panels.widgets import (
     part,
     row,
     section,
+    side_panel,
     signed,
     width,
 )
@@ -51,11 +40,26 @@ RESETS = (
 )
 TEXT_LINES = 540.0  # points, of everything except the three plots
 
-FLAGS = (
-    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_bring_to_front_on_focus
-)  # fmt: skip
+# Stages in the order of work, from cool to warm; then drawing.
+STAGES: dict[str, Colour] = {
+    "bounds": (79, 109, 158),
+    "build": (85, 144, 168),
+    "pairs": (111, 176, 162),
+    "contacts": (167, 197, 140),
+    "resting": (198, 205, 130),
+    "events": (226, 198, 124),
+    "correction": (218, 172, 110),
+    "store": (150, 158, 172),
+    "forces": (131, 121, 210),
+    "frame": (111, 176, 162),
+    "draw": (224, 155, 106),
+    "panels": (201, 104, 106),
+}
+KINETIC: Colour = (226, 198, 124)
+POTENTIAL: Colour = (85, 144, 168)
+TOTAL: Colour = (220, 227, 236)
+ACROSS: Colour = (111, 176, 162)
+DOWN: Colour = (224, 155, 106)
 
 
 def build(session: Session, gui: Gui) -> None:
@@ -64,18 +68,11 @@ def build(session: Session, gui: Gui) -> None:
     if not widths.statistics:
         return
     height = widths.height if session.view_options.statistics else TAB
-    imgui.set_next_window_pos((widths.width - widths.statistics, 0.0))
-    imgui.set_next_window_size((widths.statistics, height))
-    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
-    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
-    imgui.begin("statistics", None, FLAGS)
-    imgui.pop_style_var(2)
-    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
-    _head(session, gui)
-    if session.view_options.statistics:
-        build_sections(session, gui, (widths.height - TEXT_LINES) / 3)
-    imgui.pop_style_var()
-    imgui.end()
+    place = widths.width - widths.statistics, 0.0
+    with side_panel("statistics", place, (widths.statistics, height)):
+        _head(session, gui)
+        if session.view_options.statistics:
+            build_sections(session, gui, (widths.height - TEXT_LINES) / 3)
 
 
 def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
@@ -164,7 +161,7 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.energies
     names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
     _lines(gui, "energy", height, time, names, tints, columns)
-    row("change since start", _drift(session, _percent(100 * session.traces.energy_drift)))
+    row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
         "the range of the potential energy. With exact physics only restitution, friction and drag "
@@ -181,8 +178,12 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 def _momentum(session: Session, gui: Gui, height: float) -> None:
     time, *columns = session.traces.momenta
     _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
-    row("change since start", _drift(session, f"{100 * session.traces.momentum_drift:.2f} %"))
-    hint(f"Change of momentum, relative to that of all particles moving one way. {RESETS}")
+    row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    hint(
+        "Change of momentum since the reference, relative to that of all particles moving one way: "
+        "by walls, immovable particles and forces. Collisions of particles conserve momentum. "
+        f"{RESETS}"
+    )
     if button(gui, "measure drift", "Reset reference"):
         session.runner.statistics.reset_reference()
 
@@ -216,7 +217,7 @@ def _lines(
         _swatch(word, tint, _sum(float(values[-1])))
 
 
-def _drift(session: Session, change: str) -> str:
+def change_text(session: Session, change: str) -> str:
     """Return a change and its duration, or why there is none."""
     if not session.traces.changing:
         return f"{change} in {session.traces.measured:,.0f} s"

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import TypeVar
 
 from imgui_bundle import imgui
 
+from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
-from jostle.app.panels.theme import ACCENT, CHOSEN, RAISED, TEXT, TEXT_SOFT, rgba, vec
+from jostle.app.gui.style import CHOSEN, RAISED, rgba, vec
 
 LABEL = 92.0  # points: width of the label column
 NUMBER = 62.0  # width of the number column
@@ -17,7 +19,13 @@ BUTTON = 25.0  # height
 ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
+T = TypeVar("T")
 Col = imgui.Col_
+FIXED = (
+    imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+)  # fmt: skip
 STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
@@ -45,6 +53,21 @@ def _chevron(x: float, *, down: bool) -> None:
     draw, rise = imgui.get_window_draw_list(), 2.0 if down else -2.0
     for side in (-4.0, 4.0):
         draw.add_line((x + side, y - rise), (x, y + rise), tint, 1.5)
+
+
+@contextmanager
+def side_panel(name: str, place: tuple[float, float], size: tuple[float, float]) -> Iterator[None]:
+    """Build the contents in a window of fixed place and size at a side."""
+    imgui.set_next_window_pos(place)
+    imgui.set_next_window_size(size)
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 0.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
+    imgui.begin(name, None, FIXED)
+    imgui.pop_style_var(2)
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
+    yield
+    imgui.pop_style_var()
+    imgui.end()
 
 
 @contextmanager
@@ -147,14 +170,13 @@ def button(gui: Gui, name: str, text: str) -> bool:
     return choice(gui, name, text, width(), chosen=False)
 
 
-def button_width(count: int) -> float:
-    """Return the width of each of `count` buttons that fill the line."""
-    return (width() - GAP * (count - 1)) / count
-
-
-def same_line() -> None:
-    """Continue to the right of the last button."""
-    imgui.same_line(0.0, GAP)
+def in_rows(items: Iterable[T], columns: int) -> Iterator[tuple[T, float]]:
+    """Yield items with the width of their buttons, of which `columns` fill a line."""
+    across = (width() - GAP * (columns - 1)) / columns
+    for k, item in enumerate(items):
+        if k % columns:
+            imgui.same_line(0.0, GAP)
+        yield item, across
 
 
 def combo(

@@ -5,12 +5,12 @@ validation, settings    rules for values and their messages; the settings of a s
 simulation              the protocol of simulations; `Frame`, `StepStats`
 packing                 values and arrays as bytes
 state_validation        checks of saved states
-motors                  motors whose walls are removed or moved
+motors, kinds           motors whose walls change; kinds of particles, and their matrix
 containers              the container of a world, of any kind and size
 wall_segments           line segments: the walls inside a container
 placement               free positions for discs
 rng, emitters           random numbers that are the same on every machine; nozzles that add drops
-particle_table, copies  the columns that the app adds to those of a world; copies of particles
+particle_table          the columns that the app adds to those of a world
 attractor_forces        attractors placed by the user, as forces
 world_frame             a world as a frame
 world_state             a world as bytes

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike
 import jostle
 from jostle import article
 from jostle.app.simulate.packing import pack, unpack
-from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, settings_of
+from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
+    WIDTHS,
     Attractor,
     Energies,
     Frame,
@@ -26,17 +27,17 @@ from jostle.app.simulate.simulation import (
     StepStats,
     Tags,
     TreeBoxes,
+    find,
 )
 from jostle.app.simulate.state_validation import (
     ATTRACTORS,
     COUNT,
     Arrays,
-    attractors_of,
     column,
     particles_of,
     within,
 )
-from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, require, whole
+from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
@@ -241,8 +242,9 @@ class ArticleSimulation:
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
+        kinds: ArrayLike | None = None,
     ) -> Tags:
-        """Add particles with whole numbers, as in the article; all are movable."""
+        """Add particles with whole numbers, as in the article; all are movable, without kinds."""
         if np.any(sensors):
             raise ValueError("The article's particles cannot be sensors.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)
@@ -275,34 +277,16 @@ class ArticleSimulation:
             if attractor.tag is None or attractor.tag in left
         )
 
-    def change(
-        self,
-        tags: ArrayLike,
-        *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-    ) -> None:
+    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set positions, velocities, densities; the article has no immovable particles."""
-        wanted = np.atleast_1d(np.asarray(tags, np.int64))
-        n, known = len(wanted), dict(zip(self._tags.tolist(), self.program.particles, strict=True))
-        found = [(row, known[tag]) for row, tag in enumerate(wanted.tolist()) if tag in known]
-        if positions is not None:
-            places = np.broadcast_to(np.asarray(positions, np.float64), (n, 2)).tolist()
-            for row, particle in found:
-                particle.x, particle.y = places[row]
-        if velocities is not None:
-            wanted_velocities = np.broadcast_to(np.asarray(velocities, np.float64), (n, 2)).tolist()
-            for row, particle in found:
-                x, y = wanted_velocities[row]
-                particle.speed = math.hypot(x, y) / FRAME_RATE
-                particle.angle = math.atan2(x, -y)
-        if densities is not None:
-            heavy = np.broadcast_to(np.asarray(densities, np.float64), n).tolist()
-            for row, particle in found:
-                particle.density = max(round(heavy[row]), 1)
-                particle.__post_init__()  # mass and drag follow
+        rows, there = find(self._tags, tags)
+        for name, value in columns.items():
+            if value is None:
+                continue
+            shape = len(there), *WIDTHS[name]
+            values = np.broadcast_to(np.asarray(value, np.float64), shape)[there].tolist()
+            for row, new in zip(rows.tolist(), values, strict=True):
+                _set(self.program.particles[row], name, new)
 
     def add_wall(self, line: Polyline) -> None:
         """Raise a ValueError: the article has no walls inside its display."""
@@ -347,8 +331,8 @@ class ArticleSimulation:
     def load(self, state: bytes) -> None:
         """Restore a state from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("article", state)
-        require(facts, FACTS)
-        settings, method = settings_of(facts["settings"]), facts["method"]
+        facts = read(facts, FACTS)
+        settings, method = facts["settings"], facts["method"]
         if settings.method != f"article-{method}":
             raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
         particles = _particles_of(arrays)
@@ -360,7 +344,7 @@ class ArticleSimulation:
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self.program, self.settings = program, settings
         self._take_size()
-        self._attractors, self._frames = attractors_of(facts["pulls"]), facts["frames"]
+        self._attractors, self._frames = facts["pulls"], facts["frames"]
         self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:
@@ -390,6 +374,17 @@ def _particles_of(arrays: Arrays) -> list[article.Particle]:
 
 def _rows(arrays: Arrays, name: str) -> int:
     return len(arrays[name]) if name in arrays and arrays[name].ndim else 0
+
+
+def _set(particle: article.Particle, name: str, value: Any) -> None:
+    if name == "positions":
+        particle.x, particle.y = value
+    elif name == "velocities":
+        x, y = value
+        particle.speed, particle.angle = math.hypot(x, y) / FRAME_RATE, math.atan2(x, -y)
+    elif name == "densities":
+        particle.density = max(round(value), 1)
+        particle.__post_init__()  # mass and drag follow
 
 
 def _energies(frame: Frame) -> Energies:

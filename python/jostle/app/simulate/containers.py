@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.settings import CONTAINERS, PARTICLES
 from jostle.app.simulate.simulation import Container, Rect
+from jostle.app.simulate.validation import FARTHEST, limited, one_of, or_none, rect
 
 Floats = NDArray[np.floating]
+
+# A scene may be scaled by up to 100; its view must then still be within the limits.
+_RECT = rect(FARTHEST / 1_000)
 
 
 def bounds(container: Container) -> Rect | None:
@@ -26,6 +29,30 @@ def bounds(container: Container) -> Rect | None:
         (x, y), radius = container.center, container.radius
         return x - radius, y - radius, x + radius, y + radius
     return container.min_x, container.min_y, container.max_x, container.max_y
+
+
+def minimum_image(container: Container, offsets: Floats) -> Floats:
+    """Return the shortest periodic images of offsets, (2,) or (n, 2)."""
+    if isinstance(container, jostle.Torus):
+        sides = np.array([container.width, container.height])
+        offsets = offsets - sides * np.round(offsets / sides)
+    return offsets
+
+
+def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bool_]:
+    """Return which lines are longer than half a side of a torus: they cross its boundary."""
+    if not isinstance(container, jostle.Torus):
+        return np.zeros(len(starts), np.bool_)
+    sides = np.array([container.width, container.height])
+    over = np.abs(ends - starts) > sides / 2
+    crossing: NDArray[np.bool_] = over[:, 0] | over[:, 1]
+    return crossing
+
+
+def diagonal(rect: Rect) -> float:
+    """Return the length of the diagonal of a rectangle."""
+    width, height = rect[2] - rect[0], rect[3] - rect[1]
+    return math.sqrt(width * width + height * height)
 
 
 def kind_of(container: Container) -> str:
@@ -48,20 +75,15 @@ def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
 class InitialRegion:
     """The initial container, view and number of particles of a scene."""
 
-    view: Rect
-    rect: Rect  # bounds of the container; the view if there is none
-    kind: str
-    n: int | None
+    view: Rect = limited(_RECT)
+    rect: Rect = limited(_RECT)  # bounds of the container; the view if there is none
+    kind: str = limited(one_of(*CONTAINERS))
+    n: int | None = limited(or_none(PARTICLES))
 
     @classmethod
     def of(cls, container: Container, view: Rect, n: int | None) -> InitialRegion:
         """Return those of a scene."""
         return cls(view, bounds(container) or view, kind_of(container), n)
-
-    @classmethod
-    def read(cls, facts: Mapping[str, Any]) -> InitialRegion:
-        """Return them from checked fields."""
-        return cls(tuple(facts["view"]), tuple(facts["rect"]), facts["kind"], facts["n"])
 
     def fitted(self, kind: str | None, factor: float) -> tuple[Container, Rect]:
         """Return a container of a kind (None: the scene's own), scaled, and its view.

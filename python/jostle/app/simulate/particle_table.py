@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.simulation import Tags
+from jostle.app.simulate.simulation import Tags, find
 
 
 class ParticleTable:
@@ -101,11 +101,7 @@ class ParticleTable:
 
     def find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         """Return the rows of the tags that exist, in order, and which exist."""
-        wanted = np.atleast_1d(np.asarray(tags, np.int64))
-        at = np.searchsorted(self.tags, wanted)
-        there = at < len(self.tags)
-        there[there] = self.tags[at[there]] == wanted[there]
-        return at[there], there
+        return find(self.tags, tags)
 
     def usual_mass(self, world: jostle.World) -> float:
         """Return the median mass of the movable particles, computed on demand."""

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.settings import Polyline, Settings
+from jostle.app.simulate.settings import TRUTH, VECTOR, Polyline, Settings
+from jostle.app.simulate.settings import Rect as Rect
+from jostle.app.simulate.validation import limited, or_none, real, whole
 
 Point = tuple[float, float]
-Rect = tuple[float, float, float, float]
 Container = jostle.Box | jostle.Circle | jostle.Torus | None
 Tags = NDArray[np.int64]
+
+STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
+
+
+def find(tags: Tags, wanted: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Return the rows of those wanted that are among ascending tags, and which they are."""
+    wanted = np.atleast_1d(np.asarray(wanted, np.int64))
+    at = np.searchsorted(tags, wanted)
+    there = at < len(tags)
+    there[there] = tags[at[there]] == wanted[there]
+    return at[there], there
 
 
 @dataclass(frozen=True)
@@ -27,8 +38,17 @@ class FrameRequest:
     energies: bool = False
 
 
+class ReadOnly:
+    """The base of records whose arrays cannot be changed: threads share them."""
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+
 @dataclass(frozen=True)
-class TreeBoxes:
+class TreeBoxes(ReadOnly):
     """The boxes of the tree: (k, 4) as min_x, min_y, max_x, max_y; levels, counts, leaves."""
 
     boxes: NDArray[np.float64]
@@ -43,7 +63,7 @@ class TreeBoxes:
 
 
 @dataclass(frozen=True)
-class FrameContacts:
+class FrameContacts(ReadOnly):
     """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
 
     Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
@@ -91,8 +111,8 @@ class StepStats:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One state, as copies.
+class Frame(ReadOnly):
+    """One state, as copies that cannot be changed.
 
     A particle's *tag* is its number in the order of adding over the whole run. Rows change when
     others are removed; tags do not.
@@ -119,6 +139,8 @@ class Frame:
     walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
     own_walls: int = 0  # the number of those of the scene
     sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
+    kinds: NDArray[np.uint8] | None = None  # (n,); None if forces do not depend on kinds
+    matrix: NDArray[np.float64] | None = None  # (K, K), of particle life
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -130,29 +152,23 @@ class Frame:
 
     def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
         """Return the rows of the tags that exist."""
-        wanted = np.atleast_1d(np.asarray(tags, np.int64))
-        at = np.searchsorted(self.tags, wanted)
-        there = at < len(self.tags)
-        there[there] = self.tags[at[there]] == wanted[there]
-        found: NDArray[np.intp] = at[there]
-        return found
+        return find(self.tags, tags)[0]
 
 
 @dataclass(frozen=True)
 class Attractor:
     """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
 
-    strength: float  # 1/s²
-    point: Point | None = None
-    tag: int | None = None
-    passing: bool = False  # whether it ends when a key is released
+    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
+    point: Point | None = limited(or_none(VECTOR), None)
+    tag: int | None = limited(or_none(whole(0, 2**62)), None)
+    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
-    @classmethod
-    def of(cls, facts: Mapping[str, Any]) -> Attractor:
-        """Return an attractor from its fields in JSON."""
-        x_y = facts["point"]
-        point = None if x_y is None else (float(x_y[0]), float(x_y[1]))
-        return cls(facts["strength"], point, facts["tag"], facts["passing"])
+
+# The shape of one value of each column that `Simulation.change` sets.
+WIDTHS: dict[str, tuple[int, ...]] = {
+    "positions": (2,), "velocities": (2,), "densities": (), "movable": ()
+}  # fmt: skip
 
 
 class Simulation(Protocol):
@@ -197,6 +213,7 @@ class Simulation(Protocol):
         densities: ArrayLike = ...,
         movable: ArrayLike = ...,
         sensors: ArrayLike = ...,
+        kinds: ArrayLike | None = ...,
     ) -> Tags:
         """Add particles; return their tags."""
 

@@ -2,42 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle.app.simulate.settings import TRUTH
-from jostle.app.simulate.simulation import Attractor, Rect, Tags
-from jostle.app.simulate.validation import FARTHEST, Fields, Many, each, or_none, real, rect, whole
+from jostle.app.simulate.simulation import Attractor, Tags
+from jostle.app.simulate.validation import FARTHEST, Many, fields_of, whole
 
 Arrays = Mapping[str, NDArray[Any]]
 
 COUNT = whole(0, 2**62)  # of tags or steps
-STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
-VIEW = rect()
-ATTRACTORS = Many(
-    Fields(
-        {
-            "strength": real(-STRONGEST, STRONGEST),
-            "point": or_none(each(real(), "x", "y")),
-            "tag": or_none(COUNT),
-            "passing": TRUTH,
-        }
-    )
-)
-
-
-def rect_of(corners: Sequence[Any]) -> Rect:
-    """Return the corners of a rectangle that has been checked."""
-    x0, y0, x1, y1 = map(float, corners)
-    return x0, y0, x1, y1
-
-
-def attractors_of(values: Sequence[Mapping[str, Any]]) -> tuple[Attractor, ...]:
-    """Return attractors from checked fields."""
-    return tuple(map(Attractor.of, values))
+ATTRACTORS = Many(fields_of(Attractor))
 
 
 def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[np.float64]]:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.settings import Settings, too_slow
 from jostle.app.simulate.simulation import Frame, Rect, Simulation
 from jostle.app.simulate.start import start
-
-ARTICLE_LIMIT = 4_000  # particles; with more the article's programs take seconds per frame
 
 
 def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:
@@ -20,13 +18,10 @@ def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:
     Raises
     ------
     ValueError
-        If there are too many particles for the article's rules.
+        If there are too many particles for the method.
     """
-    if settings.by_article and len(frame) > ARTICLE_LIMIT:
-        raise ValueError(
-            f"With {len(frame):,} particles a frame of the article's rules would take seconds; "
-            f"choose {ARTICLE_LIMIT:,} or fewer."
-        )
+    if reason := too_slow(settings.method, len(frame)):
+        raise ValueError(reason)
     simulation = start(settings)
     if np.array_equal(simulation.frame().tags, frame.tags):
         corner = np.array(simulation.view[:2]) - np.array(view[:2])

@@ -1,11 +1,14 @@
 """Rules for the values of settings and files, and the error messages for other values.
 
-A rule is a `Rule` for one value, `Fields` for named values, or `Many` for a list. `refusals`
-compares values with a rule, whether they come from the command line, TOML or a scene file.
+A rule is a `Rule` for one value, `Fields` for named values, or `Many` for a list. The fields of a
+dataclass declare their rules with `limited`, and `fields_of` collects them: one declaration serves
+the command line, TOML, scene files and panels. `refusals` compares values with a rule, and `read`
+returns them as the program uses them.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import difflib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -16,14 +19,21 @@ SMALLEST = 1e-6  # the shortest side of a view, as a share of its coordinates
 LONGEST = 60  # characters of a value in a message
 
 Key = tuple[str | int, ...]  # names of fields, and numbers within lists
+Refusals = Iterator[tuple[Key, str]]
+
+
+def unchanged(value: Any) -> Any:
+    """Return the value."""
+    return value
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A condition for a value, in words and as a test."""
+    """A condition for a value, in words and as a test; `read` converts a value that fits."""
 
     words: str
     fits: Callable[[Any], bool]
+    read: Callable[[Any], Any] = unchanged
 
 
 @dataclass(frozen=True)
@@ -38,14 +48,20 @@ class Fields:
         Description of a known name, for errors: "a setting".
     words
         Description of the table, for errors.
-    complete
-        Whether every name is required.
+    required
+        The names that must be given; all if None.
+    make
+        Makes the result of `read` from the values by name.
+    also
+        Yields further refusals of a table whose values all fit.
     """
 
     rules: Mapping[str, AnyRule]
     what: str = "a field"
     words: str = "a table"
-    complete: bool = True
+    required: Iterable[str] | None = None
+    make: Callable[..., Any] = dict
+    also: Callable[[Mapping[str, Any]], Refusals] = lambda table: iter(())
 
 
 @dataclass(frozen=True)
@@ -60,18 +76,45 @@ class Many:
 AnyRule = Rule | Fields | Many
 
 
-def check(name: str, value: object, rule: Rule) -> str | None:
+def limited(rule: AnyRule, default: Any = dataclasses.MISSING) -> Any:
+    """Return a field of a dataclass with a rule for its values; required without a default."""
+    return dataclasses.field(default=default, metadata={"rule": rule})
+
+
+def rules_of(kind: Any) -> dict[str, AnyRule]:
+    """Return the rule of each field of a dataclass."""
+    return {field.name: field.metadata["rule"] for field in dataclasses.fields(kind)}
+
+
+def fields_of(kind: Any, what: str = "a field", words: str = "a table", **more: Any) -> Fields:
+    """Return the table of the fields of a dataclass; it is read as an object of that class."""
+    required = [
+        field.name for field in dataclasses.fields(kind) if field.default is dataclasses.MISSING
+    ]
+    return Fields(rules_of(kind), what, words, required, kind, **more)
+
+
+def check(name: str, value: object, rule: AnyRule) -> str | None:
     """Return why a value is refused, or None."""
-    return None if rule.fits(value) else f"{name} {_must_be(value, rule.words)}"
+    return next((f"{name} {why}" for _, why in refusals(value, rule)), None)
 
 
-def require(value: object, rule: AnyRule) -> None:
-    """Raise a ValueError with the first field that breaks its rule, and its value."""
+def read(value: Any, rule: AnyRule) -> Any:
+    """Return a value as the program uses it; raise a ValueError with the first wrong field."""
     for key, why in refusals(value, rule):
         raise ValueError(f"{dotted(key)} {why}".lstrip())
+    return _read(value, rule)
 
 
-def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Iterator[tuple[Key, str]]:
+def _read(value: Any, rule: AnyRule) -> Any:
+    if isinstance(rule, Rule):
+        return rule.read(value)
+    if isinstance(rule, Many):
+        return tuple(_read(one, rule.rule) for one in value)
+    return rule.make(**{name: _read(one, rule.rules[name]) for name, one in value.items()})
+
+
+def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Refusals:
     """Yield each field that breaks its rule: its key, and the message after its name."""
     if isinstance(rule, Rule):
         if not rule.fits(value):
@@ -81,17 +124,23 @@ def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Iterator[tuple[Key, st
     elif not isinstance(value, Mapping):
         yield key, _must_be(value, rule.words)
     else:
-        for name, one in value.items():
-            if name in rule.rules:
-                yield from refusals(one, rule.rules[name], (*key, name))
-            else:
-                yield (*key, name), _unknown(name, rule.what, rule.rules)
-        for name in rule.rules if rule.complete else ():
-            if name not in value:
-                yield (*key, name), "is missing"
+        wrong = list(_in_table(value, rule))
+        for inner, why in wrong or rule.also(value):
+            yield (*key, *inner), why
 
 
-def _in_list(value: Any, rule: Many, key: Key) -> Iterator[tuple[Key, str]]:
+def _in_table(value: Mapping[str, Any], rule: Fields) -> Refusals:
+    for name, one in value.items():
+        if name in rule.rules:
+            yield from refusals(one, rule.rules[name], (name,))
+        else:
+            yield (name,), _unknown(name, rule.what, rule.rules)
+    for name in rule.rules if rule.required is None else rule.required:
+        if name not in value:
+            yield (name,), "is missing"
+
+
+def _in_list(value: Any, rule: Many, key: Key) -> Refusals:
     if not isinstance(value, list | tuple):
         yield key, _must_be(value, rule.words)
     elif len(value) > rule.most:
@@ -108,9 +157,14 @@ def unknown(name: str, what: str, known: Iterable[str]) -> str:
 
 def _unknown(name: str, what: str, known: Iterable[str]) -> str:
     known = list(known)
-    alike = difflib.get_close_matches(shorten(name), known, 1, 0.5)
-    hint = f"did you mean {alike[0]}?" if alike else f"there are {', '.join(known)}"
+    alike = similar(name, known)
+    hint = f"did you mean {alike}?" if alike else f"there are {', '.join(known)}"
     return f"is not {what}; {hint}"
+
+
+def similar(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that is most similar to another, if one is."""
+    return next(iter(difflib.get_close_matches(shorten(name), list(known), 1, 0.5)), None)
 
 
 def _must_be(value: object, words: str) -> str:
@@ -146,6 +200,7 @@ def real(low: float = -FARTHEST, high: float = FARTHEST) -> Rule:
     return Rule(
         f"a number from {low:g} to {high:g}",
         lambda value: _is_number(value) and low <= value <= high,
+        float,
     )
 
 
@@ -173,12 +228,17 @@ def each(rule: Rule, *names: str) -> Rule:
             and len(value) == len(names)
             and all(map(rule.fits, value))
         ),
+        lambda value: tuple(map(rule.read, value)),
     )
 
 
 def or_none(rule: Rule) -> Rule:
     """Return the rule of a value that may be None."""
-    return Rule(rule.words, lambda value: value is None or rule.fits(value))
+    return Rule(
+        rule.words,
+        lambda value: value is None or rule.fits(value),
+        lambda value: None if value is None else rule.read(value),
+    )
 
 
 def range_of(low: float, high: float = FARTHEST) -> Rule:
@@ -187,6 +247,7 @@ def range_of(low: float, high: float = FARTHEST) -> Rule:
     return Rule(
         f"{one.words}, or two [smallest, largest] in this order",
         lambda value: one.fits(value) or (two.fits(value) and value[0] <= value[1]),
+        lambda value: (float(value), float(value)) if one.fits(value) else two.read(value),
     )
 
 
@@ -201,7 +262,7 @@ def rect(farthest: float = FARTHEST, *, least: float = SMALLEST) -> Rule:
         shortest = least * max(1.0, *map(abs, value))
         return bool(x1 - x0 >= shortest and y1 - y0 >= shortest)
 
-    return Rule(f"{corners.words}, the smaller ones first", fits)
+    return Rule(f"{corners.words}, the smaller ones first", fits, corners.read)
 
 
 def _is_number(value: object) -> bool:

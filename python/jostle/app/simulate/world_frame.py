@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle import life
+from jostle.app.simulate.kinds import pair_force
+from jostle.app.simulate.motors import Forces
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import (
     Attractor,
@@ -29,6 +32,8 @@ def frame_of(
     begun_with: int | None,
 ) -> Frame:
     """Return the present state of a world."""
+    forces = world.forces
+    pair = pair_force(forces)
     return Frame(
         positions=world.positions,
         velocities=world.velocities,
@@ -40,9 +45,9 @@ def frame_of(
         container=world.container,
         stats=_stats(world),
         energies=_energies(world) if request.energies else None,
-        tree=_tree_boxes(world, columns) if request.tree else None,
+        tree=_tree_boxes(world) if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
-        springs=_springs(world, columns),
+        springs=_springs(forces, columns),
         attractors=attractors,
         angles=world.angles if columns.turns else None,
         scene=scene,
@@ -50,6 +55,8 @@ def frame_of(
         walls=world.walls,
         own_walls=segments.own,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
+        kinds=None if pair is None else pair.kinds,
+        matrix=None if pair is None else life.matrix_of(pair),
     )
 
 
@@ -90,22 +97,13 @@ def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:
     )
 
 
-def _springs(world: jostle.World, columns: ParticleTable) -> NDArray[np.int64] | None:
-    pairs = [force.pairs for force in world.forces if isinstance(force, jostle.Springs)]
+def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None:
+    pairs = [force.pairs for force in forces if isinstance(force, jostle.Springs)]
     return columns.rows(np.concatenate(pairs)) if pairs else None
 
 
-def _tree_boxes(world: jostle.World, columns: ParticleTable) -> TreeBoxes:
-    """Build a tree over the present positions, with the world's settings, for its boxes."""
-    nodes = jostle.Quadtree(
-        world.positions,
-        columns.radii,
-        leaf_capacity=world.leaf_capacity,
-        max_depth=world.max_depth,
-    ).nodes()
-    return TreeBoxes(
-        np.asarray(nodes.boxes, np.float64),
-        np.asarray(nodes.depths, np.intp),
-        np.asarray(nodes.counts, np.intp),
-        nodes.is_leaf,
-    )
+def _tree_boxes(world: jostle.World) -> TreeBoxes:
+    """Return the boxes of a tree over the present positions."""
+    nodes = world.quadtree().nodes()
+    levels, counts = nodes.depths.astype(np.intp), nodes.counts.astype(np.intp)
+    return TreeBoxes(nodes.boxes, levels, counts, nodes.is_leaf)

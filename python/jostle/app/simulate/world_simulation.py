@@ -8,16 +8,25 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle.app.simulate.attractor_forces import AttractorForces
-from jostle.app.simulate.containers import InitialRegion, bounds, center_of, moved_inside
-from jostle.app.simulate.copies import copies_of
+from jostle.app.simulate.containers import (
+    InitialRegion,
+    bounds,
+    center_of,
+    diagonal,
+    minimum_image,
+    moved_inside,
+)
 from jostle.app.simulate.emitters import Emitters
+from jostle.app.simulate.kinds import kind_count, set_matrix
 from jostle.app.simulate.particle_table import ParticleTable
-from jostle.app.simulate.settings import Polyline, Settings
+from jostle.app.simulate.placement import free_positions
+from jostle.app.simulate.settings import Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
+    WIDTHS,
     Attractor,
     Container,
     Frame,
@@ -31,7 +40,6 @@ from jostle.app.simulate.world_frame import frame_of
 from jostle.app.simulate.world_state import WorldState
 
 TIME_STEP = 1 / 60
-BRUTE_LIMIT = 30_000  # particles; with more a step of brute force takes seconds
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
 LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
 SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
@@ -75,6 +83,8 @@ class WorldSimulation:
             self._set_friction(settings.friction)
         if settings.container_restitution is not None:
             self.world.container_restitution = settings.container_restitution
+        if settings.matrix is not None:
+            set_matrix(self.world, settings.matrix)
         self._initial = InitialRegion.of(self.world.container, view, settings.n)
         self.emitters: Emitters | None = None
         if settings.world_size != 1.0 or settings.container is not None:
@@ -107,7 +117,7 @@ class WorldSimulation:
     def adjustable(self) -> frozenset[str]:
         """Return the settings that can change while it runs."""
         return frozenset(
-            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container"}
+            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container", "matrix"}
         )
 
     @property
@@ -156,12 +166,12 @@ class WorldSimulation:
                 self._set_count(value)
             elif name in ("world_size", "container"):
                 self._fit_container()
-            elif name == "method" and value == "brute" and len(self) > BRUTE_LIMIT:
-                raise ValueError(
-                    f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles."
-                )
+            elif name == "method" and (reason := too_slow(value, len(self))):
+                raise ValueError(reason)
             elif name == "friction":
                 self._set_friction(value)
+            elif name == "matrix":
+                set_matrix(self.world, value)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
@@ -200,16 +210,24 @@ class WorldSimulation:
         if more <= 0:
             self.remove(self._columns.tags[moving[n:]])
             return
-        if self.method == "brute" and len(self) + more > BRUTE_LIMIT:
-            raise ValueError(f"Brute force is too slow for more than {BRUTE_LIMIT:,} particles.")
-        copies = None
-        if more <= MOST_AT_ONCE and len(moving):
-            copies = copies_of(
-                self.world, self._columns, moving, more, self.view, self.settings.seed
-            )
-        if copies is None:
+        if reason := too_slow(self.method, len(self) + more):
+            raise ValueError(reason)
+        if more > MOST_AT_ONCE or not len(moving) or not self._add_copies(moving, more):
             raise ValueError(f"There is no room for {more:,} more particles.")
-        self.add(*copies)
+
+    def _add_copies(self, rows: NDArray[np.intp], count: int) -> bool:
+        """Add copies of random rows at random free positions; return whether there are enough."""
+        columns, world = self._columns, self.world
+        rng = np.random.default_rng([self.settings.seed, columns.next_tag])
+        rows = rng.choice(rows, count)
+        radii = columns.radii[rows]
+        places, found = free_positions(
+            world.positions, columns.radii, radii, world.container, self.view,
+            int(rng.integers(2**31)), world.walls,
+        )  # fmt: skip
+        if len(found) == count:
+            self.add(places, world.velocities[rows], radii, columns.densities[rows])
+        return len(found) == count
 
     def add(
         self,
@@ -219,10 +237,16 @@ class WorldSimulation:
         densities: ArrayLike = 1.0,
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
+        kinds: ArrayLike | None = None,
     ) -> Tags:
-        """Add particles; return their tags."""
+        """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
         with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
+        count = kind_count(self.world)
+        if count is None:
+            kinds = None
+        elif kinds is None:
+            kinds = (len(self.world) + np.arange(len(places))) % count
         self.world.add(
             places,
             np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
@@ -231,6 +255,7 @@ class WorldSimulation:
             movable=np.asarray(movable),
             sensors=np.asarray(sensors),
             friction=self._columns.friction,
+            kinds=kinds,
         )
         return self._columns.add(self.world)
 
@@ -245,31 +270,18 @@ class WorldSimulation:
         self._columns.remove(self.world, rows)
         self._attractions.renew(self.world, self._columns)
 
-    def change(
-        self,
-        tags: ArrayLike,
-        *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-    ) -> None:
+    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set columns of particles."""
         rows, there = self._columns.find(tags)
-        columns: dict[str, Any] = {}
-        for name, value, width in [
-            ("positions", positions, 2),
-            ("velocities", velocities, 2),
-            ("masses", densities, 1),
-            ("movable", movable, 1),
-        ]:
-            if value is not None:
-                shape = (len(there), 2) if width == 2 else (len(there),)
-                columns[name] = np.broadcast_to(np.asarray(value), shape)[there]
-        if densities is not None:
-            columns["masses"] = columns["masses"] * self._columns.radii[rows] ** 2
-        self.world.set(self._columns.ids[rows], **columns)
-        if movable is not None or densities is not None:
+        given: dict[str, Any] = {
+            name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS[name]))[there]
+            for name, value in columns.items()
+            if value is not None
+        }
+        if "densities" in given:
+            given["masses"] = given.pop("densities") * self._columns.radii[rows] ** 2
+        self.world.set(self._columns.ids[rows], **given)
+        if not given.keys() <= {"positions", "velocities"}:
             self._columns.copy(self.world)
 
     def add_own_walls(self, lines: Sequence[Polyline]) -> None:
@@ -303,21 +315,18 @@ class WorldSimulation:
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
-        (row,), dt = rows, self.time_step
-        rate = DRAG_RATE * self._response(row)
-        offset = np.array(point) - self.world.positions[row]
-        if isinstance(self.container, jostle.Torus):
-            sides = np.array([self.container.width, self.container.height])
-            offset -= sides * np.round(offset / sides)  # minimum image
-        dragged = self.world.velocities[row] + dt * rate * (rate * offset + 2 * np.array(velocity))
+        held, dt = int(self._columns.ids[rows[0]]), self.time_step
+        disc = self.world.read(held)
+        rate = DRAG_RATE * self._response(disc.masses)
+        offset = minimum_image(self.container, np.array(point) - disc.positions)
+        dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
-        limit, speed = SPEED_LIMIT * self._diagonal(), math.hypot(*dragged)
-        held = int(self._columns.ids[row])
+        limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
         self.world.set(held, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
-    def _response(self, row: int) -> float:
+    def _response(self, mass: float) -> float:
         """Return the factor of the rate for a particle: 1, or less for a heavy one."""
-        share = self._columns.usual_mass(self.world) / float(self.world.masses[row])
+        share = self._columns.usual_mass(self.world) / mass
         return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
@@ -333,7 +342,3 @@ class WorldSimulation:
         self.settings, self.view, self._initial = new.settings, new.view, new.home
         self.world, self._columns, self._segments = new.world, new.columns, new.segments
         self._attractions, self.emitters = new.attractions, new.emitters
-
-    def _diagonal(self) -> float:
-        min_x, min_y, max_x, max_y = self.view
-        return math.hypot(max_x - min_x, max_y - min_y)

@@ -11,35 +11,12 @@ from jostle.app.simulate.containers import InitialRegion
 from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.packing import blob, pack, unpack
 from jostle.app.simulate.particle_table import ParticleTable
-from jostle.app.simulate.settings import CONTAINERS, PARTICLES, SETTINGS, Settings, settings_of
+from jostle.app.simulate.settings import PARTICLES, SETTINGS, Settings
 from jostle.app.simulate.simulation import Rect
-from jostle.app.simulate.state_validation import (
-    ATTRACTORS,
-    COUNT,
-    VIEW,
-    attractors_of,
-    bytes_of,
-    particles_of,
-    rect_of,
-)
-from jostle.app.simulate.validation import (
-    FARTHEST,
-    Fields,
-    Rule,
-    one_of,
-    or_none,
-    real,
-    rect,
-    require,
-    shown,
-)
+from jostle.app.simulate.state_validation import ATTRACTORS, COUNT, bytes_of, particles_of
+from jostle.app.simulate.validation import Fields, Rule, fields_of, or_none, read, real, rect, shown
 from jostle.app.simulate.wall_segments import WallSegments
 
-# A scene may be scaled by up to 100; its view must then still be within the limits.
-HOME_RECT = rect(FARTHEST / 1_000)
-HOME = Fields(
-    {"view": HOME_RECT, "rect": HOME_RECT, "kind": one_of(*CONTAINERS), "n": or_none(PARTICLES)},
-)
 EMITTERS = Rule(
     "[cap, emitted, debt], two whole numbers and one from 0 to 1",
     lambda value: (
@@ -53,11 +30,11 @@ EMITTERS = Rule(
 STATE_FIELDS = Fields(
     {
         "settings": SETTINGS,
-        "view": VIEW,
+        "view": rect(),
         "next_tag": COUNT,
         "own_forces": COUNT,
         "pulls": ATTRACTORS,
-        "home": HOME,
+        "home": fields_of(InitialRegion),
         "emitters": or_none(EMITTERS),
         "own_walls": COUNT,
     }
@@ -97,10 +74,9 @@ class WorldState:
     def load(cls, state: bytes) -> WorldState:
         """Return it from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("world", state)
-        facts = {"own_walls": 0, **facts}  # older files have no walls
-        require(facts, STATE_FIELDS)
+        facts = read({"own_walls": 0, **facts}, STATE_FIELDS)  # older files have no walls
         world = jostle.World.restore(bytes_of(arrays, "world"))
-        settings, home = settings_of(facts["settings"]), InitialRegion.read(facts["home"])
+        settings, home = facts["settings"], facts["home"]
         if world.method != settings.method:
             raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
         tags, born = particles_of(arrays, len(world), facts["next_tag"])
@@ -112,12 +88,12 @@ class WorldState:
             raise ValueError(f"own_walls is {own_walls}; its world has {count} walls")
         return cls(
             settings=settings,
-            view=rect_of(facts["view"]),
+            view=facts["view"],
             home=home,
             world=world,
             columns=ParticleTable.read(world, tags, born, facts["next_tag"]),
             segments=WallSegments(own_walls),
-            attractions=AttractorForces(own, attractors_of(facts["pulls"])),
+            attractions=AttractorForces(own, facts["pulls"]),
             emitters=_emitters(facts["emitters"], home, settings),
         )
 

@@ -11,18 +11,17 @@ import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from pathlib import Path
 from typing import Any
 
 from jostle.app.draw.camera import Size
 from jostle.app.draw.view_options import ViewOptions, option_rules
 from jostle.app.simulate.settings import (
+    FIXED_BY_ARTICLE,
     RENDERERS,
+    RULES,
     SETTINGS,
     Settings,
-    degenerate_walls,
-    settings_of,
     unknown_scene,
 )
 from jostle.app.simulate.validation import (
@@ -32,6 +31,7 @@ from jostle.app.simulate.validation import (
     dotted,
     each,
     one_of,
+    read,
     refusals,
     shorten,
     whole,
@@ -41,26 +41,14 @@ LARGEST, SMALLEST = 16_384, 64  # pixels
 DEEPEST = 100  # nested brackets
 LONGEST = 1_000  # characters of a key or a number
 
-# Settings that are fixed in the article's programs.
-FIXED_BY_ARTICLE = (
-    *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "container_restitution", "threads", "on_touch", "sleeping", "walls"),
-)
-
 WINDOW_RULES: dict[str, Rule] = {
     "size": each(whole(SMALLEST, LARGEST), "width", "height"),
     "renderer": one_of(*RENDERERS),
 }
 SHOWN_RULES = option_rules(lambda choice: choice.name.lower())
-ENTRIES = Fields(
-    {
-        **SETTINGS.rules,
-        "window": Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", complete=False),
-        "shown": Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", complete=False),
-    },
-    SETTINGS.what,
-    complete=False,
-)
+WINDOW = Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", required=())
+SHOWN = Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", required=())
+ENTRIES = Fields({**RULES, "window": WINDOW, "shown": SHOWN}, SETTINGS.what, required=())
 
 
 class ConfigError(ValueError):
@@ -93,14 +81,14 @@ def read_config(path: Path) -> Config:
     entries = _parsed(path.name, text)
     for key, refusal in _refusals(entries):
         raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
-    window, shown = entries.pop("window", {}), entries.pop("shown", {})
-    size = window.get("size")
+    values = read(entries, ENTRIES)
+    window, shown = values.pop("window", {}), values.pop("shown", {})
     return Config(
         name=path.name,
-        settings=settings_of(entries),
-        given=frozenset(entries),
-        view_options={name: _switch(name, value) for name, value in shown.items()},
-        size=(size[0], size[1]) if size else None,
+        settings=Settings(**values),
+        given=frozenset(values),
+        view_options=shown,
+        size=window.get("size"),
         renderer=window.get("renderer"),
     )
 
@@ -108,8 +96,6 @@ def read_config(path: Path) -> Config:
 def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
     """Yield the key and the message of each error."""
     for key, why in refusals(entries, ENTRIES):
-        yield key, f"{_name(key)} {why}"
-    for key, why in degenerate_walls(entries):
         yield key, f"{_name(key)} {why}"
     if unheard := unknown_scene(entries.get("scene", Settings.scene)):
         yield ("scene",), unheard
@@ -124,11 +110,6 @@ def _name(key: Key) -> str:
     if key[0] == "walls":
         return dotted(key)
     return shorten(next(part for part in reversed(key) if isinstance(part, str)))
-
-
-def _switch(name: str, value: Any) -> Any:
-    default = getattr(ViewOptions(), name)
-    return type(default)[value.upper()] if isinstance(default, Enum) else value
 
 
 # ---- TOML ----------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.software import SoftwarePainter
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.runner import Runner
+from jostle.app.simulate.engine import message_of
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.start import resume
@@ -72,7 +73,9 @@ class Files:
         """Queue the frame for the recording, and show messages about finished files."""
         recording, messages = self.recording, self._messages
         if recording is not None:
-            recording.offer(self._runner.frame, self._camera, self._view_options, messages.now)
+            recording.offer(
+                self._runner.engine.frame, self._camera, self._view_options, messages.now
+            )
             if recording.done:
                 self.recording = None
                 messages.say(_summary(recording))
@@ -136,7 +139,7 @@ class Files:
 
         With very many particles it is drawn on a worker thread, and without trails.
         """
-        frame, options = self._runner.frame, copy.copy(self._view_options)
+        frame, options = self._runner.engine.frame, copy.copy(self._view_options)
         camera = copy.copy(self._camera) if size is None else self._camera.on(size)
         many = len(frame) > MANY
 
@@ -174,7 +177,7 @@ class Files:
 
     def export_csv(self) -> None:
         """Write the present particles, and the sums over time, as CSV."""
-        frame, sums = self._runner.frame, self._runner.statistics.sums
+        frame, sums = self._runner.engine.frame, self._runner.statistics.sums
         table = {name: sums[name].copy() for name in sums.names}
 
         def write(path: Path) -> None:
@@ -202,37 +205,36 @@ class Files:
     ) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
         if self._exporter is None:
-            self._exporter = Worker("jostle-export")
-        scene = self._runner.engine.scene
-
-        def work() -> str:
-            try:
-                new = path or new_path(self.folder, scene, suffix)
-                write(new)
-            except (OSError, RuntimeError, MemoryError) as error:  # of pygame
-                return f"Nothing could be saved: {error}"
-            return f"Saved {new}"
-
-        self._exports.append(self._exporter.submit(work))
+            synchronous = self._runner.engine.synchronous
+            self._exporter = Worker("jostle-export", synchronous=synchronous)
+        self._exports.append(self._exporter.submit(lambda: self._write(suffix, write, path)))
 
     def _try(
         self,
         suffix: str,
-        write: Callable[[Path], None],
+        write: Callable[[Path], object],
         path: Path | None,
         done: str = "Saved {}",
     ) -> None:
         """Write a file, and show its path or an error."""
-        messages = self._messages
+        self._messages.say(self._write(suffix, write, path, done))
+
+    def _write(
+        self,
+        suffix: str,
+        write: Callable[[Path], object],
+        path: Path | None,
+        done: str = "Saved {}",
+    ) -> str:
+        """Write a file, with a new name unless one is given; return its path or an error."""
         try:
             path = path or new_path(self.folder, self._runner.engine.scene, suffix)
             write(path)
         except OSError as error:
-            messages.say(reason_of(error, path or self.folder))
-        except (ValueError, RuntimeError) as error:  # of pygame
-            messages.say(f"{path}: {error}")
-        else:
-            messages.say(done.format(path))
+            return reason_of(error, path or self.folder)
+        except (ValueError, RuntimeError, MemoryError) as error:  # of pygame
+            return f"{path}: {message_of(error)}"
+        return done.format(path)
 
 
 def _newest_first(folder: Path) -> list[Path]:

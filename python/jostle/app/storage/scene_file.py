@@ -1,9 +1,9 @@
-"""A scene in a file, `.jostle`: state, settings, camera and tree_overlay."""
+"""A scene in a file, `.jostle`: state, settings, camera and view options."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -11,15 +11,15 @@ from typing import Any
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.view_options import ViewOptions, option_rules
 from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
-from jostle.app.simulate.settings import SETTINGS, TRUTH, settings_of, unknown_scene
+from jostle.app.simulate.settings import SETTINGS, TRUTH, unknown_scene
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.state_validation import bytes_of
-from jostle.app.simulate.validation import Fields, each, real, require, whole
+from jostle.app.simulate.validation import Fields, each, read, real, whole
 
 SUFFIX = ".jostle"
 KIND = "scene"
-NOT_RESTORED = ("help", "panels")  # view options of the window
+NOT_RESTORED = {"help", "panels"}  # view options of the window
 
 TINY, HUGE = 1e-30, 1e30  # limits of pixels per world unit, and of world units
 
@@ -31,7 +31,7 @@ CAMERA = Fields(
         "at_home": TRUTH,
     }
 )
-SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", complete=False)
+SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", required=())
 FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
 
 
@@ -49,14 +49,12 @@ class SavedScene:
         scale = self.camera["scale"] * min(camera.size[0] / width, camera.size[1] / height)
         camera.look_at(self.simulation.view)
         if not self.camera["at_home"]:
-            camera.aim((float(x), float(y)), float(scale))
+            camera.aim((x, y), scale)
 
     def apply_view_options(self, options: ViewOptions) -> None:
         """Set the view options of the file."""
-        for field in fields(options):
-            if field.name in self.view_options and field.name not in NOT_RESTORED:
-                now = getattr(options, field.name)
-                setattr(options, field.name, type(now)(self.view_options[field.name]))
+        for name in self.view_options.keys() - NOT_RESTORED:
+            setattr(options, name, self.view_options[name])
 
 
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
@@ -81,8 +79,8 @@ def read_scene(path: Path) -> SavedScene:
         raise ValueError(f"{path.name} is not a scene of this version of jostle.")
     try:
         facts, arrays = unpack(KIND, unseal(data))
-        require(facts, FACTS)
-        settings = settings_of(facts["settings"])
+        facts = read(facts, FACTS)
+        settings = facts["settings"]
         if why := unknown_scene(settings.scene):
             raise ValueError(why)
         simulation = resume(settings, bytes_of(arrays, "state"))

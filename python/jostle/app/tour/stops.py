@@ -26,6 +26,8 @@ class Stop:
     settings: Settings
     script: Callable[[ScriptedUser], None]
     filmed: bool = False
+    tree: TreeView = TreeView.OFF
+    colour_by: ColourBy = ColourBy.AUTO
 
 
 def first_look(user: ScriptedUser) -> None:
@@ -33,16 +35,19 @@ def first_look(user: ScriptedUser) -> None:
     user.live(6)
 
 
+def waiting(seconds: float) -> Callable[[ScriptedUser], None]:
+    """Return the script that only waits."""
+    return lambda user: user.wait(seconds)
+
+
 def pile(user: ScriptedUser) -> None:
     """Contacts in a pile at rest."""
-    user.session.view_options.tree = TreeView.OFF
     user.session.toggle("contacts")
     user.wait(7)
 
 
 def rules(user: ScriptedUser) -> None:
     """Exact physics first, then the article's rules with the same particles."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(8)
     user.session.runner.choose_method("article-quadtree")
     user.wait(8)
@@ -50,20 +55,12 @@ def rules(user: ScriptedUser) -> None:
 
 def race(user: ScriptedUser) -> None:
     """Two methods at the same time."""
-    user.session.view_options.tree = TreeView.OFF
     user.key(pygame.K_q)
-    user.live(6)
-
-
-def heat(user: ScriptedUser) -> None:
-    """Leaves coloured by occupancy."""
-    user.session.view_options.tree = TreeView.HEAT
-    user.wait(1.5)
+    user.live(5)
 
 
 def springs(user: ScriptedUser) -> None:
     """Drag a soft body, swing it, and throw it at the others."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(2.5)
     user.start_recording()
     user.move(user.pixel((260, 480)), 0.6)
@@ -77,16 +74,25 @@ def springs(user: ScriptedUser) -> None:
 
 
 def stars(user: ScriptedUser) -> None:
-    """Dust that attractors itself together."""
-    user.session.view_options.tree = TreeView.OFF
+    """A cloud that contracts by its own gravity."""
     zoom(user, (0.0, 0.0), 2)
     user.start_recording()
     user.wait(8)
+    user.session.runner.paused = True  # the panels show the number of this frame
+    user.look()
+
+
+def life(user: ScriptedUser) -> None:
+    """Flowers form, and the panel with their matrix."""
+    user.session.view_options.tree = TreeView.OFF
+    user.session.runner.adjust("matrix", "flowers")
+    fold(user, "Scenes")
+    user.hide_pointer()
+    user.wait(20, every=30)
 
 
 def sand(user: ScriptedUser) -> None:
     """The hourglass begins to run."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(1)
     user.start_recording()
     user.wait(8)
@@ -94,27 +100,12 @@ def sand(user: ScriptedUser) -> None:
 
 def galton(user: ScriptedUser) -> None:
     """The board, after its balls have fallen."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(58, every=30)
     user.wait(5)
 
 
-def thermostat(user: ScriptedUser) -> None:
-    """Hot and cold gas that approach one temperature."""
-    user.session.view_options.tree = TreeView.OFF
-    user.session.view_options.colour_by = ColourBy.VELOCITY
-    user.wait(4)
-
-
-def brownian(user: ScriptedUser) -> None:
-    """The path of the large disc."""
-    user.session.view_options.tree = TreeView.OFF
-    user.wait(25)
-
-
 def emitters(user: ScriptedUser) -> None:
     """Three jets and a fountain."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(3)
     user.start_recording()
     user.wait(6.5)
@@ -122,7 +113,6 @@ def emitters(user: ScriptedUser) -> None:
 
 def menu(user: ScriptedUser) -> None:
     """A right click on a particle."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(6)
     user.session.runner.paused = True
     frame = user.session.frame
@@ -135,7 +125,6 @@ def menu(user: ScriptedUser) -> None:
 def why(user: ScriptedUser) -> None:
     """Two neighbours selected, and W."""
     session = user.session
-    session.view_options.tree = TreeView.OFF
     user.wait(6)
     session.runner.paused = True
     min_x, min_y, max_x, max_y = session.engine.view
@@ -159,7 +148,6 @@ def controls(user: ScriptedUser) -> None:
 def walls(user: ScriptedUser) -> None:
     """Rain on drawn walls, deflected by an attractor."""
     session = user.session
-    session.view_options.tree = TreeView.OFF
     min_x, min_y, max_x, max_y = session.engine.view
 
     def at(across: float, down: float) -> tuple[float, float]:
@@ -179,27 +167,21 @@ def walls(user: ScriptedUser) -> None:
 
 def trails(user: ScriptedUser) -> None:
     """Colours by velocity, and trails."""
-    session = user.session
-    session.view_options.tree = TreeView.OFF
-    session.view_options.colour_by = ColourBy.VELOCITY
-    session.toggle("trails")
-    user.wait(3, every=2)
+    user.session.toggle("trails")
+    user.wait(1.3, every=2)
 
 
 def rewind(user: ScriptedUser) -> None:
-    """Back in time with the slider."""
-    user.session.view_options.tree = TreeView.OFF
-    user.session.toggle("velocities")
+    """Back in time with the slider, to the middle of a fall."""
     user.wait(4)
-    fold(user, "Method", "Particles and tree", "World")
-    user.session.runner.rewind(3.2)
+    fold(user, "Scenes", "Method", "Particles and tree", "World")
+    user.session.runner.rewind(4.4)
     user.hide_pointer()
     user.look()
 
 
 def settings(user: ScriptedUser) -> None:
     """Another container and another gravity while it runs."""
-    user.session.view_options.tree = TreeView.OFF
     user.wait(3)
     fold(user, "Scenes", "Method", "Particles and tree", "Display")
     user.session.runner.adjust("container", "circle")
@@ -231,28 +213,32 @@ def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
 
 STOPS = (
     Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
-         Settings("mixed"), first_look),
+         Settings("mixed"), first_look, tree=TreeView.OUTLINE),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
          Settings("gas", 500), rules),
-    Stop("race", "Brute force and quadtree side by side.", Settings("gas", 6_000, threads=1), race),
-    Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"), heat),
+    Stop("race", "Brute force and quadtree side by side.",
+         Settings("clusters", 12_000, threads=1), race),
+    Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"),
+         waiting(1.5), tree=TreeView.HEAT),
     Stop("springs", "A soft body is dragged and thrown.", Settings("springs"), springs, True),
     Stop("stars", "A cloud of points becomes stars.", Settings("stars"), stars, True),
+    Stop("life", "Particle life: flowers of six kinds.", Settings("life", 2_500), life),
     Stop("sand", "An hourglass.", Settings("sand"), sand, True),
     Stop("galton", "A Galton board, and the binomial curve.", Settings("galton"), galton),
     Stop("thermostat", "Two gases between walls that have a temperature.",
-         Settings("thermostat"), thermostat),
+         Settings("thermostat"), waiting(4), colour_by=ColourBy.VELOCITY),
     Stop("brownian", "The path of a large disc among small ones.",
-         Settings("brownian"), brownian),
+         Settings("brownian"), waiting(25)),
     Stop("emitters", "Jets, a fountain, and steps.", Settings("emitters"), emitters, True),
     Stop("menu", "A right click on a particle.", Settings("mixed", 600), menu),
     Stop("why", "Why two particles touch.", Settings("pile"), why),
-    Stop("help", "The list of mouse and keys.", Settings("pile"), controls),
+    Stop("help", "The list of mouse and keys.", Settings("pile"), controls, tree=TreeView.OUTLINE),
     Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900),
          walls, True),
-    Stop("trails", "Colours by velocity, and trails.", Settings("orbit", 600), trails),
-    Stop("rewind", "Back in time.", Settings("billiards"), rewind),
+    Stop("trails", "Colours by velocity, and trails.", Settings("billiards"), trails,
+         colour_by=ColourBy.VELOCITY),
+    Stop("rewind", "Back in time.", Settings("pile", 300), rewind),
     Stop("settings", "Another container and gravity, while it runs.",
          Settings("pile"), settings),
 )  # fmt: skip

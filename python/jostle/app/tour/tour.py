@@ -77,7 +77,9 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     began, pictures = time.perf_counter(), 0
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
-    window.session.files.folder = out
+    session = window.session
+    session.files.folder = out
+    session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
     with contextlib.ExitStack() as ending:
         ending.callback(window.close)
         recorder = ending.enter_context(VideoWriter(path, size, RATE)) if film else None

@@ -1,10 +1,12 @@
 //! Forces as bytes. They name particles by rows.
 
+use std::sync::Arc;
+
 use crate::bytes::{Reader, Writer, damaged};
 use crate::error::Result;
 use crate::forces::{
-    Andersen, Attractor, Force, Gravitation, Law, Motor, Pole, Spring, Springs, ThermalWalls,
-    Thermostat,
+    Andersen, Attractor, Flocking, Force, Gravitation, Law, Motor, PairForce, PairTable, Pole,
+    Spring, Springs, ThermalWalls, Thermostat,
 };
 use crate::space::Id;
 
@@ -61,6 +63,22 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put([*center, *velocity]);
             to.put([*angular_velocity, *period]);
         }
+        Force::Pair(PairForce { kinds, table }) => {
+            to.put(7u8);
+            to.put_count(kinds.len());
+            to.put_all(kinds);
+            to.put_count(table.kinds());
+            to.put([table.cutoff(), table.damping()]);
+            to.put_count(table.values().len());
+            to.put_all(table.values());
+        }
+        Force::Flocking(flocking) => {
+            let Flocking { cutoff, separation, alignment, cohesion, max_speed, min_speed } =
+                *flocking;
+            to.put(8u8);
+            to.put([cutoff, separation, alignment]);
+            to.put([cohesion, max_speed, min_speed]);
+        }
     }
 }
 
@@ -109,6 +127,22 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
             let [center, velocity] = from.get()?;
             let [angular_velocity, period] = from.get()?;
             Force::Motor(Motor { ids, walls, center, angular_velocity, velocity, period })
+        }
+        7 => {
+            let count = from.get_count()?;
+            let kinds = from.get_all(count)?;
+            let (kind_count, [cutoff, damping]) = (from.get_count()?, from.get()?);
+            let count = from.get_count()?;
+            let table = PairTable::new(kind_count, from.get_all(count)?, cutoff, damping);
+            let table = table.map_err(|error| damaged(&error.to_string()))?;
+            Force::Pair(PairForce { kinds, table: Arc::new(table) })
+        }
+        8 => {
+            let ([cutoff, separation, alignment], [cohesion, max_speed, min_speed]) =
+                (from.get()?, from.get()?);
+            let flocking =
+                Flocking { cutoff, separation, alignment, cohesion, max_speed, min_speed };
+            Force::Flocking(flocking)
         }
         _ => return Err(damaged("there is no such force")),
     })

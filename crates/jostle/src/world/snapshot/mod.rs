@@ -125,7 +125,9 @@ impl World {
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.forces = forces?;
-        all_forces::validate(&world.forces, |row| world.contains(row)).map_err(valid)?;
+        let (forces, len) = (&world.forces, world.len());
+        all_forces::validate(forces, len, |row| world.contains(row)).map_err(valid)?;
+        all_forces::check_fit(forces, world.settings.container).map_err(valid)?;
         if version > 5 {
             let walls = get_walls(&mut from, version)?;
             check_plane(world.settings.container, walls.len()).map_err(valid)?;

@@ -1,0 +1,146 @@
+"""Neighbours of every point within a distance, compared with other libraries, building included.
+
+.venv/bin/python benchmarks/neighbors.py [ROUNDS] [POINTS]
+
+All use float64 and two threads where they have threads. The answers are compared before they are
+timed: pairs of points whose distance differs from the limit by less than the rounding errors do
+not occur. freud computes in float32.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle.bench.machine import version_of
+from jostle.bench.timing import interleaved
+
+POINTS, ROUNDS, NEIGHBORS = 100_000, 15, 8
+# So that no rounding decides who is a neighbour, points are on a coarse grid and the squared
+# distances of the grid leave out the limit.
+GRID = 2.0**-20
+
+Points = NDArray[np.float64]
+Call = Callable[[Points, float], Any]
+
+
+def points_of(count: int) -> Points:
+    """Points of the unit square, on a grid."""
+    return np.floor(np.random.default_rng(0).random((count, 2)) / GRID) * GRID
+
+
+def distance_for(count: int) -> float:
+    """A distance within which a point has about `NEIGHBORS` others, between those of the grid."""
+    steps = np.floor(np.sqrt(NEIGHBORS / (np.pi * count)) / GRID)
+    return float((steps + 0.5) * GRID)
+
+
+def ours(points: Points, distance: float) -> Any:
+    return jostle.Quadtree(points).neighbors(distance)
+
+
+def ours_periodic(points: Points, distance: float) -> Any:
+    return jostle.Quadtree(points, period=1.0).neighbors(distance)
+
+
+def our_pairs(points: Points, distance: float) -> Any:
+    return jostle.find_pairs(points, distance=distance)
+
+
+def our_periodic_pairs(points: Points, distance: float) -> Any:
+    return jostle.find_pairs(points, distance=distance, period=1.0)
+
+
+def scipy_lists(points: Points, distance: float) -> Any:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points).query_ball_point(points, distance, workers=os.cpu_count())
+
+
+def scipy_periodic_lists(points: Points, distance: float) -> Any:
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points, boxsize=1.0)
+    return tree.query_ball_point(points, distance, workers=os.cpu_count())
+
+
+def scipy_pairs(points: Points, distance: float) -> Any:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points).query_pairs(distance, output_type="ndarray")
+
+
+def scipy_periodic_pairs(points: Points, distance: float) -> Any:
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points, boxsize=1.0).query_pairs(distance, output_type="ndarray")
+
+
+def freud_list(points: Points, distance: float) -> Any:
+    """Find the neighbours as freud's documents do: in a periodic box around the origin."""
+    import freud
+
+    places = np.column_stack([points - 0.5, np.zeros(len(points))]).astype(np.float32)
+    query = freud.locality.LinkCell(freud.box.Box.square(1.0), places, cell_width=distance)
+    found = query.query(places, {"r_max": distance, "exclude_ii": True})
+    return found.toNeighborList()
+
+
+def count_of(found: Any) -> int:
+    """Return the number of pairs, each in both orders."""
+    if isinstance(found, jostle.Hits):
+        return len(found.ids)
+    if isinstance(found, np.ndarray) and found.dtype == object:
+        return sum(map(len, found)) - len(found)  # each point finds itself
+    return 2 * len(found) if isinstance(found, np.ndarray) else len(found)
+
+
+PARTS: dict[str, list[tuple[str, str, Call]]] = {
+    "lists": [
+        ("jostle, neighbors", "jostle", ours),
+        ("SciPy cKDTree, query_ball_point", "scipy", scipy_lists),
+    ],
+    "lists, periodic": [
+        ("jostle, neighbors", "jostle", ours_periodic),
+        ("SciPy cKDTree, boxsize, query_ball_point", "scipy", scipy_periodic_lists),
+        ("freud LinkCell, float32", "freud-analysis", freud_list),
+    ],
+    "pairs": [
+        ("jostle, find_pairs", "jostle", our_pairs),
+        ("SciPy cKDTree, query_pairs", "scipy", scipy_pairs),
+    ],
+    "pairs, periodic": [
+        ("jostle, find_pairs", "jostle", our_periodic_pairs),
+        ("SciPy cKDTree, boxsize, query_pairs", "scipy", scipy_periodic_pairs),
+    ],
+}
+
+
+def compare(rounds: int, count: int) -> None:
+    """Print the times of all that are installed."""
+    points, distance = points_of(count), distance_for(count)
+    print(f"{count:,} points, about {NEIGHBORS} neighbours each, {os.cpu_count()} cores")
+    for part, rivals in PARTS.items():
+        there = [rival for rival in rivals if version_of(rival[1])]
+        counts = [count_of(call(points, distance)) for _, _, call in there]
+        # freud's float32 moves points across the limit.
+        if any(abs(found - counts[0]) > 1e-4 * counts[0] for found in counts):
+            raise SystemExit(f"{part}: {counts} neighbours")
+        calls = [lambda call=call: call(points, distance) for _, _, call in there]
+        timings = interleaved(calls, rounds)
+        print(part)
+        for (name, package, _), timing in zip(there, timings, strict=True):
+            ratio = timing.median / timings[0].median
+            told = f"{name} {version_of(package)}"
+            print(f"  {told:52} {1e3 * timing.median:9.1f} ms {ratio:7.1f}", flush=True)
+
+
+if __name__ == "__main__":
+    asked = [int(text) for text in sys.argv[1:]]
+    compare(*(asked + [ROUNDS, POINTS][len(asked) :]))

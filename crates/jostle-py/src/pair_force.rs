@@ -1,0 +1,491 @@
+//! `jostle.PairForce` and `jostle.Flocking`.
+
+use std::sync::Arc;
+
+use jostle::forces::pair::{MAX_KINDS, check_kinds};
+use jostle::forces::{Flocking, PairForce, PairTable};
+use numpy::ndarray::Array3;
+use numpy::{IntoPyArray, PyArray1, PyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::arrays::{Argument, Given, column, decimal, number, read_only};
+use crate::error::{refused, value_error};
+
+/// Forces between kinds of particles within a cutoff.
+///
+/// The force on a particle of kind a by one of kind b is a function of their distance. It is given
+/// at m equally spaced distances from 0 to `cutoff`, and linear between. The forces on each other
+/// need not be equal and opposite. The constructors `particle_life`, `lennard_jones` and
+/// `soft_discs` make well-known tables.
+///
+/// Parameters
+/// ----------
+/// kinds : array_like of int, shape (n,)
+///     The kind of each particle of the world, from 0 to K - 1.
+/// table : array_like, shape (K, K, m)
+///     ``table[a, b, k]`` is the force on kind a by kind b at the distance ``k * cutoff / (m - 1)``.
+///     It is positive if kind a is repelled. K is at most 64, m at least 2.
+/// cutoff : float
+///     Distance from which there is no force, in units of length. On a torus at most half of each
+///     side.
+/// damping : float, default 0.0
+///     Force that resists a relative speed of 1 along the line between two particles, at distance 0;
+///     at the distance d it is ``damping * (1 - d / cutoff)**2``.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument has the wrong type.
+/// ValueError
+///     If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
+///     assigned to `World.forces`, also if there is not one kind for each particle, or the cutoff is
+///     too large for the torus.
+///
+/// See Also
+/// --------
+/// Flocking : Another force between neighbours.
+/// Gravitation : A force without a cutoff.
+///
+/// Notes
+/// -----
+/// Particles keep their kind when others are added or removed. Those that `World.add` adds have kind
+/// 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
+/// act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
+/// its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
+/// length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
+/// includes forces that are equal and opposite for all kinds.
+///
+/// Examples
+/// --------
+/// Kind 0 follows kind 1, which flees:
+///
+/// >>> import jostle
+/// >>> table = [[[0, 0], [-1, -1]], [[1, 1], [0, 0]]]
+/// >>> force = jostle.PairForce([0, 1], table, cutoff=5.0)
+/// >>> world = jostle.World([(0, 0), (2, 0)], [(0, 0)] * 2, 0.1, masses=1.0, forces=[force])
+/// >>> world.step(0.1, steps=10)
+/// >>> world.velocities.round(3)
+/// array([[1., 0.],
+///        [1., 0.]], dtype=float32)
+#[pyclass(module = "jostle", name = "PairForce", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyPairForce(pub PairForce);
+
+#[pymethods]
+impl PyPairForce {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str, &str) = ("kinds", "table", "cutoff", "damping");
+
+    #[new]
+    #[pyo3(
+        signature = (kinds, table, cutoff, damping=Given::NOTHING),
+        text_signature = "(kinds, table, cutoff, damping=0.0)"
+    )]
+    fn new(
+        kinds: &Bound<'_, PyAny>,
+        table: &Bound<'_, PyAny>,
+        cutoff: &Bound<'_, PyAny>,
+        damping: Given<'_>,
+    ) -> PyResult<Self> {
+        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
+        let (count, values) = Argument::reals("table", table)?.cube()?;
+        let cutoff = number("cutoff", cutoff)? as f32;
+        let damping = optional("damping", &damping, 0.0)?;
+        Self::of(kinds, PairTable::new(count, values, cutoff, damping))
+    }
+
+    /// Particle life: kinds attract and repel each other, not always mutually.
+    ///
+    /// Within ``core * cutoff`` all particles repel each other, with the force `strength` at
+    /// distance 0. From there to the cutoff, kind a is attracted by kind b with the force
+    /// ``matrix[a, b] * strength`` in the middle, which decreases to 0 on both sides.
+    ///
+    /// Parameters
+    /// ----------
+    /// kinds : array_like of int, shape (n,)
+    ///     The kind of each particle, from 0 to K - 1.
+    /// matrix : array_like, shape (K, K)
+    ///     Attraction of kind a (row) by kind b (column), usually -1 to 1; negative values repel.
+    /// cutoff : float
+    ///     Distance from which there is no force, in units of length.
+    /// core : float, default 0.3
+    ///     Share of the cutoff within which all repel each other, between 0 and 1.
+    /// strength : float, default 1.0
+    ///     Factor of all forces.
+    ///
+    /// Returns
+    /// -------
+    /// PairForce
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for `PairForce`.
+    ///
+    /// See Also
+    /// --------
+    /// jostle.life : Matrices with interesting results.
+    ///
+    /// Notes
+    /// -----
+    /// The forces are not conservative, so the world needs a `drag`.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> kinds = np.arange(1000) % 2
+    /// >>> force = jostle.PairForce.particle_life(kinds, [[1, -0.5], [0.5, 1]], cutoff=4.0)
+    /// >>> force.table.shape
+    /// (2, 2, 21)
+    #[staticmethod]
+    #[pyo3(
+        signature = (kinds, matrix, cutoff, core=Given::NOTHING, *, strength=Given::NOTHING),
+        text_signature = "(kinds, matrix, cutoff, core=0.3, *, strength=1.0)"
+    )]
+    fn particle_life(
+        kinds: &Bound<'_, PyAny>,
+        matrix: &Bound<'_, PyAny>,
+        cutoff: &Bound<'_, PyAny>,
+        core: Given<'_>,
+        strength: Given<'_>,
+    ) -> PyResult<Self> {
+        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
+        let (count, matrix) = Argument::reals("matrix", matrix)?.square(None)?;
+        let cutoff = number("cutoff", cutoff)? as f32;
+        let core = optional("core", &core, 0.3)?;
+        let strength = optional("strength", &strength, 1.0)?;
+        Self::of(kinds, PairTable::particle_life(count, &matrix, cutoff, core, strength))
+    }
+
+    /// The Lennard-Jones force, truncated at the cutoff.
+    ///
+    /// The potential energy is ``4 * epsilon * ((sigma / d)**12 - (sigma / d)**6)``, shifted to 0 at
+    /// the cutoff. Below ``sigma / 2`` the force is that at ``sigma / 2``.
+    ///
+    /// Parameters
+    /// ----------
+    /// kinds : array_like of int, shape (n,)
+    ///     The kind of each particle, from 0 to K - 1.
+    /// epsilon : array_like, a number or shape (K, K)
+    ///     Depth of the potential, in units of energy.
+    /// sigma : array_like, a number or shape (K, K)
+    ///     Distance at which it is 0, in units of length. The minimum is at ``2**(1/6) * sigma``.
+    /// cutoff : float
+    ///     Distance from which there is no force, usually 2.5 times the largest sigma.
+    ///
+    /// Returns
+    /// -------
+    /// PairForce
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for `PairForce`.
+    ///
+    /// Notes
+    /// -----
+    /// A sub-step of ``0.005 * sigma * sqrt(m / epsilon)`` seconds conserves energy to 0.1 %. Use
+    /// ``on_touch="ignore"``, so that the particles do not also collide as discs.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
+    /// >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
+    /// >>> world = jostle.World(apart, [(0, 0)] * 2, 0.1, on_touch="ignore", forces=[force])
+    /// >>> round(world.potential_energy, 3)
+    /// -0.984
+    #[staticmethod]
+    fn lennard_jones(
+        kinds: &Bound<'_, PyAny>,
+        epsilon: &Bound<'_, PyAny>,
+        sigma: &Bound<'_, PyAny>,
+        cutoff: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
+        let (count, [epsilon, sigma]) = squares(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
+        let cutoff = number("cutoff", cutoff)? as f32;
+        Self::of(kinds, PairTable::lennard_jones(count, &epsilon, &sigma, cutoff))
+    }
+
+    /// Soft discs, which repel each other with a force proportional to their overlap.
+    ///
+    /// Parameters
+    /// ----------
+    /// kinds : array_like of int, shape (n,)
+    ///     The kind of each particle, from 0 to K - 1.
+    /// stiffness : array_like, a number or shape (K, K)
+    ///     Force per unit of overlap.
+    /// diameters : array_like, a number or shape (K, K)
+    ///     Distance below which two kinds overlap, in units of length. The largest is the cutoff.
+    /// damping : float, default 0.0
+    ///     As for `PairForce`.
+    ///
+    /// Returns
+    /// -------
+    /// PairForce
+    ///
+    /// Raises
+    /// ------
+    /// TypeError, ValueError
+    ///     As for `PairForce`.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
+    /// >>> world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, 1, on_touch="ignore", forces=[force])
+    /// >>> world.potential_energy
+    /// 50.0
+    #[staticmethod]
+    #[pyo3(
+        signature = (kinds, stiffness, diameters, damping=Given::NOTHING),
+        text_signature = "(kinds, stiffness, diameters, damping=0.0)"
+    )]
+    fn soft_discs(
+        kinds: &Bound<'_, PyAny>,
+        stiffness: &Bound<'_, PyAny>,
+        diameters: &Bound<'_, PyAny>,
+        damping: Given<'_>,
+    ) -> PyResult<Self> {
+        let kinds = Argument::integers("kinds", kinds)?.kinds()?;
+        let (count, [stiffness, diameters]) =
+            squares(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
+        let damping = optional("damping", &damping, 0.0)?;
+        Self::of(kinds, PairTable::soft_discs(count, &stiffness, &diameters, damping))
+    }
+
+    /// The kind of each particle: read-only ndarray of uint8, shape (n,).
+    #[getter]
+    fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        read_only(column(py, self.0.kinds.clone()))
+    }
+
+    /// The forces: read-only ndarray of float32, shape (K, K, m).
+    #[getter]
+    fn table<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        let table = &self.0.table;
+        let shape = (table.kinds(), table.kinds(), table.points());
+        let values = Array3::from_shape_vec(shape, table.values().to_vec());
+        read_only(values.expect("a table has this shape").into_pyarray(py))
+    }
+
+    /// Distance from which there is no force, in units of length.
+    #[getter]
+    fn cutoff(&self) -> f64 {
+        decimal(self.0.table.cutoff())
+    }
+
+    /// Force that resists a relative speed of 1 at distance 0.
+    #[getter]
+    fn damping(&self) -> f64 {
+        decimal(self.0.table.damping())
+    }
+
+    /// Whether all kinds act on each other with equal and opposite forces, so that momentum is
+    /// conserved: bool.
+    #[getter]
+    fn reciprocal(&self) -> bool {
+        self.0.table.is_reciprocal()
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        (self.kinds(py), self.table(py), self.cutoff(), self.damping()).into_pyobject(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let PairForce { kinds, table } = &self.0;
+        let (count, len, cutoff) = (table.kinds(), kinds.len(), self.cutoff());
+        format!("<jostle.PairForce between {count} kinds of {len} particles, cutoff {cutoff:?}>")
+    }
+}
+
+impl PyPairForce {
+    fn of(kinds: Vec<u8>, table: jostle::Result<PairTable>) -> PyResult<Self> {
+        let table = table.map_err(refused)?;
+        check_kinds(&kinds, table.kinds()).map_err(refused)?;
+        Ok(Self(PairForce { kinds, table: Arc::new(table) }))
+    }
+}
+
+/// Two arguments with a number for each pair of kinds, or one for all, with the number of kinds.
+fn squares(
+    kinds: &[u8],
+    arguments: [(&'static str, &Bound<'_, PyAny>); 2],
+) -> PyResult<(usize, [Vec<f32>; 2])> {
+    let [a, b] = arguments.map(|(name, value)| Argument::reals(name, value));
+    let [a, b] = [a?, b?];
+    let largest = kinds.iter().copied().max().unwrap_or(0);
+    let count = a.side().or(b.side()).unwrap_or(usize::from(largest) + 1);
+    Ok((count, [a.square(Some(count))?.1, b.square(Some(count))?.1]))
+}
+
+/// A number, or its default.
+fn optional(name: &str, given: &Given<'_>, default: f32) -> PyResult<f32> {
+    given.value().map_or(Ok(default), |value| number(name, value).map(|v| v as f32))
+}
+
+impl Argument<'_> {
+    /// Kinds of particles.
+    pub fn kinds(&self) -> PyResult<Vec<u8>> {
+        let rule = format!("a kind, between 0 and {}", MAX_KINDS - 1);
+        self.small_integers(MAX_KINDS, &rule)
+    }
+}
+
+/// Flocking: separation, alignment and cohesion.
+///
+/// The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over
+/// these of ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of
+/// velocities, and ``cohesion`` times the offset. Forces keep the speed within limits.
+///
+/// Parameters
+/// ----------
+/// cutoff : float
+///     Distance below which particles are neighbours, in units of length. On a torus at most half of
+///     each side.
+/// separation : float
+///     Acceleration away from a neighbour at distance 0, at least 0.
+/// alignment : float
+///     Rate at which velocities become equal, per second, at least 0.
+/// cohesion : float
+///     Acceleration towards a neighbour per unit of distance, at least 0.
+/// max_speed : float
+///     Limit of the speed, in units of length per second; may be infinite.
+/// min_speed : float, default 0.0
+///     Lower limit of the speed of particles that move.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not a number.
+/// ValueError
+///     If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too
+///     large for the torus.
+///
+/// See Also
+/// --------
+/// PairForce : Forces between kinds of particles.
+///
+/// Notes
+/// -----
+/// The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy
+/// are not conserved.
+///
+/// References
+/// ----------
+/// C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
+/// >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+/// >>> world.step(0.1, steps=100)
+/// >>> world.velocities.round(3)
+/// array([[2., 0.],
+///        [2., 0.]], dtype=float32)
+#[pyclass(module = "jostle", name = "Flocking", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyFlocking(pub Flocking);
+
+#[pymethods]
+impl PyFlocking {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str, &str, &str, &str) =
+        ("cutoff", "separation", "alignment", "cohesion", "max_speed", "min_speed");
+
+    #[new]
+    #[pyo3(
+        signature = (cutoff, separation, alignment, cohesion, max_speed, min_speed=Given::NOTHING),
+        text_signature = "(cutoff, separation, alignment, cohesion, max_speed, min_speed=0.0)"
+    )]
+    fn new(
+        cutoff: &Bound<'_, PyAny>,
+        separation: &Bound<'_, PyAny>,
+        alignment: &Bound<'_, PyAny>,
+        cohesion: &Bound<'_, PyAny>,
+        max_speed: &Bound<'_, PyAny>,
+        min_speed: Given<'_>,
+    ) -> PyResult<Self> {
+        let flocking = Flocking {
+            cutoff: number("cutoff", cutoff)? as f32,
+            separation: number("separation", separation)? as f32,
+            alignment: number("alignment", alignment)? as f32,
+            cohesion: number("cohesion", cohesion)? as f32,
+            max_speed: number("max_speed", max_speed)? as f32,
+            min_speed: optional("min_speed", &min_speed, 0.0)?,
+        };
+        flocking.validate().map_err(refused)?;
+        Ok(Self(flocking))
+    }
+
+    /// Distance below which particles are neighbours, in units of length.
+    #[getter]
+    fn cutoff(&self) -> f64 {
+        decimal(self.0.cutoff)
+    }
+
+    /// Acceleration away from a neighbour at distance 0.
+    #[getter]
+    fn separation(&self) -> f64 {
+        decimal(self.0.separation)
+    }
+
+    /// Rate at which velocities become equal, per second.
+    #[getter]
+    fn alignment(&self) -> f64 {
+        decimal(self.0.alignment)
+    }
+
+    /// Acceleration towards a neighbour per unit of distance.
+    #[getter]
+    fn cohesion(&self) -> f64 {
+        decimal(self.0.cohesion)
+    }
+
+    /// Limit of the speed.
+    #[getter]
+    fn max_speed(&self) -> f64 {
+        decimal(self.0.max_speed)
+    }
+
+    /// Lower limit of the speed of particles that move.
+    #[getter]
+    fn min_speed(&self) -> f64 {
+        decimal(self.0.min_speed)
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64, f64, f64, f64, f64) {
+        let Flocking { cutoff, separation, alignment, cohesion, max_speed, min_speed } = self.0;
+        let [cutoff, separation, alignment] = [cutoff, separation, alignment].map(decimal);
+        let [cohesion, max_speed, min_speed] = [cohesion, max_speed, min_speed].map(decimal);
+        (cutoff, separation, alignment, cohesion, max_speed, min_speed)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__().into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let (cutoff, separation, alignment, cohesion, max, min) = self.__getnewargs__();
+        format!(
+            "Flocking({cutoff:?}, {separation:?}, {alignment:?}, {cohesion:?}, {max:?}, {min:?})"
+        )
+    }
+}
+
+/// The kinds of new particles.
+pub fn kinds_of_new(value: Option<&Bound<'_, PyAny>>, len: usize) -> PyResult<Option<Vec<u8>>> {
+    let Some(value) = value else { return Ok(None) };
+    let argument = Argument::integers("kinds", value)?;
+    let kinds = argument.kinds()?;
+    match kinds.len() {
+        1 if argument.is_scalar() => Ok(Some(vec![kinds[0]; len])),
+        found if found == len && !argument.is_scalar() => Ok(Some(kinds)),
+        found => Err(value_error("kinds", format!("{found} kinds"), &format!("one or {len}"))),
+    }
+}

@@ -1,0 +1,357 @@
+//! Neighbours within a cutoff, for forces of short range.
+//!
+//! The bodies are sorted by a tree of their own. In its order, every [`LANES`] bodies are a block.
+//! For each group of bodies, the tree gives the blocks that may have neighbours. The neighbours of a
+//! body are then packed into dense columns, in the order of blocks and bodies. So a law sums them
+//! in an order that depends only on the state, and not on the blocks that were tested in vain.
+
+use std::cmp::Ordering;
+use std::sync::Mutex;
+
+use super::Bodies;
+use super::sorted::Sorted;
+use crate::container::Container;
+use crate::parallel::{self, locked};
+use crate::quadtree::Quadtree;
+use crate::settings::Method;
+use crate::simd::{LANES, Number, Simd, Work, block, block_mut};
+
+/// Maximum number of bodies in a group.
+const MAX_GROUP: usize = 32;
+
+/// Number of groups in a task.
+const TASK_GROUPS: usize = 16;
+
+/// Fewer bodies are not worth sharing with other threads, or waking these for.
+const WORTH_SHARING: usize = 512;
+const WORTH_WAKING: usize = 2048;
+
+/// Maximum number of columns that a law reads, beside positions.
+const COLUMNS: usize = 3;
+
+/// What its neighbours do to a body.
+pub trait Law: Sync {
+    /// The force or acceleration on the body at a place of the columns. Must be inlined.
+    fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2];
+}
+
+/// A body, as a place of the columns of a law.
+#[derive(Clone, Copy, Debug)]
+pub struct Own<'a> {
+    place: usize,
+    columns: &'a [Vec<f32>],
+}
+
+impl Own<'_> {
+    /// Its number in the column `k`.
+    #[inline(always)]
+    pub fn of(self, k: usize) -> f32 {
+        self.columns[k][self.place]
+    }
+}
+
+/// The neighbours of a body, with itself: dense columns whose last block is filled up with zeros.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// Offsets from the body.
+    pub x: Vec<f32>,
+    /// Offsets from the body.
+    pub y: Vec<f32>,
+    /// The other columns of the law.
+    pub columns: [Vec<f32>; COLUMNS],
+    /// Number of neighbours.
+    pub len: usize,
+}
+
+/// Scratch of all forces of short range in one evaluation: the bodies in the order of a tree.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    sorted: Sorted,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// The columns of the current law.
+    columns: [Vec<f32>; COLUMNS],
+    sums: Vec<[f64; 2]>,
+    lists: Mutex<Vec<List>>,
+}
+
+/// A block that may have neighbours of a group, at one image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Near {
+    block: u32,
+    /// Offset of the image.
+    image: [f32; 2],
+}
+
+/// Scratch of one thread.
+#[derive(Debug, Default)]
+struct List {
+    near: Vec<Near>,
+    stack: Vec<u32>,
+    found: Found,
+}
+
+impl Scratch {
+    /// Sorts the bodies; `tie` compares rows whose positions coincide.
+    pub fn sort(&mut self, bodies: &Bodies<'_>, tie: impl Fn(usize, usize) -> Ordering) {
+        self.sorted.sort(bodies, MAX_GROUP, &tie);
+        let (tree, len) = (&self.sorted.tree, self.sorted.tree.len());
+        let columns = tree.columns();
+        for (to, from) in [(&mut self.x, &columns.x), (&mut self.y, &columns.y)] {
+            to.clear();
+            to.extend_from_slice(&from[..len]);
+            // The bodies after the last are no neighbours.
+            to.resize(len.next_multiple_of(LANES), f32::NAN);
+        }
+    }
+
+    /// Fills the column `k` of the next law; `value` returns the number of a row.
+    pub fn fill(&mut self, k: usize, value: impl Fn(usize) -> f32) {
+        let column = &mut self.columns[k];
+        column.clear();
+        column.extend(self.sorted.tree.rows().iter().map(|&row| value(row as usize)));
+        column.resize(self.x.len(), 0.0);
+    }
+
+    /// The columns of the law in the order of the tree.
+    pub fn columns(&self) -> &[Vec<f32>; COLUMNS] {
+        &self.columns
+    }
+
+    /// Calls `add` with each row and what the law says of it. `count` is the number of columns of
+    /// the law.
+    pub fn sum<L: Law>(
+        &mut self,
+        bodies: &Bodies<'_>,
+        cutoff: f32,
+        count: usize,
+        law: &L,
+        mut add: impl FnMut(usize, [f64; 2]),
+    ) {
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.clear();
+        sums.resize(self.sorted.tree.len(), [0.0; 2]);
+        let search = self.search(bodies, cutoff, count);
+        let tasks = self.sorted.tasks(TASK_GROUPS, &mut sums);
+        let threads = threads(bodies);
+        parallel::for_each(threads, tasks, |(groups, sums)| {
+            let mut list = locked(&self.lists).pop().unwrap_or_default();
+            f32::with_widest(Share { search, law, groups, sums, list: &mut list });
+            locked(&self.lists).push(list);
+        });
+        sums.iter().zip(self.sorted.tree.rows()).for_each(|(&sum, &row)| add(row as usize, sum));
+        self.sums = sums;
+    }
+
+    /// The sum of `value` over all ordered pairs of neighbours: it gets their places and their
+    /// distance.
+    pub fn sum_of_pairs(
+        &self,
+        bodies: &Bodies<'_>,
+        cutoff: f32,
+        value: impl Fn([usize; 2], f64) -> f64 + Sync + Send,
+    ) -> f64 {
+        let search = self.search(bodies, cutoff, 0);
+        let groups = &self.sorted.groups;
+        let parts = parallel::map(threads(bodies), groups.len(), |index| {
+            let mut list = List::default();
+            search.list(groups[index], &mut list);
+            let own = |place| search.sum_of_body(place, &list.near, &value);
+            self.sorted.range(groups[index]).map(own).sum::<f64>()
+        });
+        parts.iter().sum()
+    }
+
+    fn search(&self, bodies: &Bodies<'_>, cutoff: f32, count: usize) -> Search<'_> {
+        Search {
+            tree: &self.sorted.tree,
+            x: &self.x,
+            y: &self.y,
+            columns: &self.columns[..count],
+            container: bodies.container,
+            square: cutoff * cutoff,
+            is_brute: bodies.method == Method::Brute,
+        }
+    }
+}
+
+fn threads(bodies: &Bodies<'_>) -> Option<usize> {
+    let len = bodies.positions.len();
+    parallel::threads_for(bodies.threads, len, WORTH_SHARING, WORTH_WAKING)
+}
+
+/// The input of a search.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    tree: &'a Quadtree<f32>,
+    x: &'a [f32],
+    y: &'a [f32],
+    columns: &'a [Vec<f32>],
+    container: Container,
+    /// Of the cutoff.
+    square: f32,
+    is_brute: bool,
+}
+
+impl Search<'_> {
+    /// Lists the blocks that may have neighbours of a group.
+    fn list(&self, group: u32, list: &mut List) {
+        list.near.clear();
+        if let Container::Torus { size: [w, h] } = self.container {
+            for y in [-h, 0.0, h] {
+                for x in [-w, 0.0, w] {
+                    self.list_image(group, [x, y], list);
+                }
+            }
+            // Stable, so that the images of a block stay in order.
+            if !list.near.is_sorted_by_key(|near| near.block) {
+                list.near.sort_by_key(|near| near.block);
+            }
+        } else {
+            self.list_image(group, [0.0; 2], list);
+        }
+    }
+
+    fn list_image(&self, group: u32, image: [f32; 2], list: &mut List) {
+        let List { near, stack, .. } = list;
+        if self.is_brute {
+            let blocks = 0..(self.x.len() / LANES) as u32;
+            return near.extend(blocks.map(|block| Near { block, image }));
+        }
+        let mut next = 0;
+        stack.push(0);
+        while let Some(index) = stack.pop() {
+            let node = &self.tree.nodes()[index as usize];
+            if !self.is_near(group, index, image) {
+                continue;
+            }
+            if !node.is_leaf() {
+                stack.extend(node.children().rev().map(|child| child as u32));
+                continue;
+            }
+            let range = node.range();
+            let [first, last] = [range.start, range.end - 1].map(|place| (place / LANES) as u32);
+            near.extend((first.max(next)..last + 1).map(|block| Near { block, image }));
+            next = next.max(last + 1);
+        }
+    }
+
+    /// Whether an image of a node may have neighbours of a group. The test rounds as that of two
+    /// bodies does, and rounding is monotone, so it needs no tolerance.
+    #[inline]
+    fn is_near(&self, group: u32, node: u32, image: [f32; 2]) -> bool {
+        let [target, source] = [group, node].map(|index| &self.tree.bounds()[index as usize]);
+        let [x, y] = [0, 1].map(|k| {
+            let above = (source.min[k] - target.max[k]) + image[k];
+            let below = (target.min[k] - source.max[k]) - image[k];
+            above.max(below).max(0.0)
+        });
+        x * x + y * y < self.square
+    }
+
+    /// Packs the neighbours of the body at `place` into columns.
+    #[inline(always)]
+    fn collect<S: Simd<f32>>(&self, simd: S, place: usize, near: &[Near], found: &mut Found) {
+        let (own_x, own_y) = (simd.splat(self.x[place]), simd.splat(self.y[place]));
+        let limit = simd.splat(self.square);
+        let mut len = 0;
+        for &Near { block: index, image } in near {
+            let start = index as usize * LANES;
+            let x = simd.sub(simd.load(block(self.x, start)), own_x);
+            let y = simd.sub(simd.load(block(self.y, start)), own_y);
+            let (x, y) = (simd.add(x, simd.splat(image[0])), simd.add(y, simd.splat(image[1])));
+            let bits = simd.less(simd.add(simd.mul(x, x), simd.mul(y, y)), limit);
+            if bits == 0 {
+                continue;
+            }
+            simd.pack(x, bits, block_mut(&mut found.x, len));
+            simd.pack(y, bits, block_mut(&mut found.y, len));
+            for (from, to) in self.columns.iter().zip(&mut found.columns) {
+                simd.pack(simd.load(block(from, start)), bits, block_mut(to, len));
+            }
+            len += bits.count_ones() as usize;
+        }
+        found.len = len;
+        *block_mut(&mut found.x, len) = [0.0; LANES];
+        *block_mut(&mut found.y, len) = [0.0; LANES];
+        for to in &mut found.columns[..self.columns.len()] {
+            *block_mut(to, len) = [0.0; LANES];
+        }
+    }
+
+    /// The sum of `value` over the neighbours of a body.
+    fn sum_of_body(
+        &self,
+        place: usize,
+        near: &[Near],
+        value: impl Fn([usize; 2], f64) -> f64,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for &Near { block: index, image } in near {
+            let start = index as usize * LANES;
+            for other in (start..start + LANES).filter(|&other| other != place) {
+                let x = (self.x[other] - self.x[place]) + image[0];
+                let y = (self.y[other] - self.y[place]) + image[1];
+                if x * x + y * y < self.square {
+                    let (x, y) = (f64::from(x), f64::from(y));
+                    sum += value([place, other], (x * x + y * y).sqrt());
+                }
+            }
+        }
+        sum
+    }
+}
+
+impl Found {
+    /// Makes room for the neighbours in so many blocks.
+    fn reserve(&mut self, blocks: usize) {
+        let len = (blocks + 1) * LANES;
+        for column in [&mut self.x, &mut self.y].into_iter().chain(&mut self.columns) {
+            if column.len() < len {
+                column.resize(len, 0.0);
+            }
+        }
+    }
+}
+
+/// The work of one task.
+struct Share<'a, L> {
+    search: Search<'a>,
+    law: &'a L,
+    groups: &'a [u32],
+    sums: &'a mut [[f64; 2]],
+    list: &'a mut List,
+}
+
+impl<L: Law> Work<f32> for Share<'_, L> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run<S: Simd<f32>>(self, simd: S) {
+        let Self { search, law, groups, sums, list } = self;
+        let mut sums = sums.iter_mut();
+        for &group in groups {
+            search.list(group, list);
+            let List { near, found, .. } = &mut *list;
+            found.reserve(near.len());
+            for place in search.tree.nodes()[group as usize].range() {
+                search.collect(simd, place, near, found);
+                let own = Own { place, columns: search.columns };
+                let sum = law.act(simd, own, found);
+                *sums.next().expect("one for each body") = sum;
+            }
+        }
+    }
+}
+
+/// The numbers of a block added in order, in float64.
+#[inline(always)]
+pub fn total<S: Simd<f32>>(simd: S, numbers: S::Block) -> f64 {
+    let mut lanes = [0.0f32; LANES];
+    simd.store(numbers, &mut lanes);
+    let mut sum = 0.0;
+    for lane in lanes {
+        sum += f64::from(lane);
+    }
+    sum
+}

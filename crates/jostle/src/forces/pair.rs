@@ -1,0 +1,329 @@
+//! Forces between kinds of particles within a cutoff, from a table.
+//!
+//! The force on a particle of kind a by one of kind b is given at equally spaced distances from 0 to
+//! the cutoff, and linear between. Where the forces of all kinds on each other are equal and
+//! opposite, the potential energy is the exact integral of the linear pieces, so that it fits the
+//! force to rounding.
+
+use std::cmp::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use super::neighbors::{self, Found, Law, Own, total};
+use super::{Bodies, check_number};
+use crate::error::{Error, Result};
+use crate::particles::FARTHEST;
+use crate::simd::{LANES, PairPlaces, Simd, block};
+
+/// Maximum number of kinds.
+pub const MAX_KINDS: usize = 64;
+
+/// Maximum number of entries of a table. Their indices are exact in float32.
+pub const MAX_ENTRIES: usize = 1 << 22;
+
+/// Smallest cutoff.
+const MIN_CUTOFF: f32 = 1e-12;
+
+/// Lower limit of squared distances, which prevents a division by 0.
+const MIN_SQUARE: f32 = 1e-24;
+
+/// Number of neighbours whose forces are summed in float32; these sums are added in float64.
+const RUN: usize = 16 * LANES;
+
+/// Forces between kinds of particles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairForce {
+    /// The kind of each row.
+    pub kinds: Vec<u8>,
+    /// The forces.
+    pub table: Arc<PairTable>,
+}
+
+/// The forces of kinds on each other, by distance.
+#[derive(Debug)]
+pub struct PairTable {
+    kinds: usize,
+    points: usize,
+    values: Vec<f32>,
+    cutoff: f32,
+    damping: f32,
+    /// Value at the beginning of each segment between two points, and its change along the segment.
+    segments: Vec<AtomicU64>,
+    /// Potential energy at each point, 0 at the cutoff; empty if there is none.
+    potentials: Vec<f64>,
+}
+
+impl PartialEq for PairTable {
+    fn eq(&self, other: &Self) -> bool {
+        let shape = |table: &Self| (table.kinds, table.points, table.cutoff, table.damping);
+        shape(self) == shape(other) && self.values == other.values
+    }
+}
+
+impl PairTable {
+    /// `values[(a · kinds + b) · points + k]` is the force on kind a by kind b at the distance
+    /// k · cutoff / (points − 1), positive if it is repulsive. `damping` is the force that resists
+    /// a relative speed of 1 along the line between two particles at distance 0; it decreases as
+    /// (1 − d/cutoff)².
+    pub fn new(kinds: usize, values: Vec<f32>, cutoff: f32, damping: f32) -> Result<Self> {
+        check_kinds_of_table(kinds)?;
+        let points = values.len() / (kinds * kinds);
+        if points < 2 || values.len() != kinds * kinds * points || values.len() > MAX_ENTRIES {
+            let rule = format!(
+                "it must have the shape (K, K, m) with m at least 2 and at most {MAX_ENTRIES} entries"
+            );
+            return Err(Error::of("table", format!("{} numbers", values.len()), &rule));
+        }
+        if let Some(index) = values.iter().position(|value| !(value.abs() <= FARTHEST)) {
+            let rule = format!("forces must be finite and within ±{FARTHEST:e}");
+            return Err(Error::at("table", index, values[index], &rule));
+        }
+        check_cutoff(cutoff)?;
+        check_number("damping", damping, 0.0)?;
+        let mut table = Self {
+            kinds,
+            points,
+            values,
+            cutoff,
+            damping,
+            segments: Vec::new(),
+            potentials: Vec::new(),
+        };
+        table.segments = table.lines().flat_map(segments_of).collect();
+        if table.is_reciprocal() {
+            let step = f64::from(cutoff) / (points - 1) as f64;
+            table.potentials = table.lines().flat_map(|line| potentials_of(line, step)).collect();
+        }
+        Ok(table)
+    }
+
+    /// The forces at m points of each pair of kinds.
+    fn lines(&self) -> impl Iterator<Item = &[f32]> {
+        self.values.chunks(self.points)
+    }
+
+    fn line(&self, a: usize, b: usize) -> &[f32] {
+        &self.values[(a * self.kinds + b) * self.points..][..self.points]
+    }
+
+    /// Number of kinds.
+    pub fn kinds(&self) -> usize {
+        self.kinds
+    }
+
+    /// Number of distances.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// The forces.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Distance beyond which there is no force.
+    pub fn cutoff(&self) -> f32 {
+        self.cutoff
+    }
+
+    /// Resistance to relative speed.
+    pub fn damping(&self) -> f32 {
+        self.damping
+    }
+
+    /// Whether all forces are equal and opposite, so that momentum is conserved and, without
+    /// damping, energy.
+    pub fn is_reciprocal(&self) -> bool {
+        let same = |a: usize, b: usize| self.line(a, b) == self.line(b, a);
+        (0..self.kinds).all(|a| (0..a).all(|b| same(a, b)))
+    }
+
+    /// Potential energy of a particle of kind a and one of kind b at a distance below the cutoff.
+    fn potential(&self, a: usize, b: usize, distance: f64) -> f64 {
+        let (line, start) = (self.line(a, b), (a * self.kinds + b) * self.points);
+        let step = f64::from(self.cutoff) / (self.points - 1) as f64;
+        let along = distance / step;
+        let segment = (along as usize).min(self.points - 2);
+        let share = along - segment as f64;
+        let [low, high] = [line[segment], line[segment + 1]].map(f64::from);
+        self.potentials[start + segment] - step * share * (low + 0.5 * (high - low) * share)
+    }
+}
+
+impl PairForce {
+    /// Refuses a kind that the table does not have.
+    pub fn validate(&self) -> Result<()> {
+        check_kinds(&self.kinds, self.table.kinds)
+    }
+}
+
+/// Refuses a kind that a table of `count` kinds does not have.
+pub fn check_kinds(kinds: &[u8], count: usize) -> Result<()> {
+    match kinds.iter().position(|&kind| usize::from(kind) >= count) {
+        None => Ok(()),
+        Some(index) => {
+            let rule = format!("the table has {count} kinds, from 0 to {}", count - 1);
+            Err(Error::at("kinds", index, kinds[index], &rule))
+        }
+    }
+}
+
+/// Refuses a number of kinds that no table has.
+pub(super) fn check_kinds_of_table(kinds: usize) -> Result<()> {
+    if (1..=MAX_KINDS).contains(&kinds) {
+        return Ok(());
+    }
+    let rule = format!("a table has 1 to {MAX_KINDS} kinds");
+    Err(Error::of("table", format!("{kinds} kinds"), &rule))
+}
+
+/// Refuses a cutoff out of range.
+pub(super) fn check_cutoff(cutoff: f32) -> Result<()> {
+    if (MIN_CUTOFF..=FARTHEST).contains(&cutoff) {
+        return Ok(());
+    }
+    let rule = format!("it must lie between {MIN_CUTOFF:e} and {FARTHEST:e}");
+    Err(Error::of("cutoff", cutoff, &rule))
+}
+
+/// The segments of the forces of one pair of kinds.
+fn segments_of(line: &[f32]) -> impl Iterator<Item = AtomicU64> {
+    line.windows(2).map(|ends| {
+        let [low, change] = [ends[0], ends[1] - ends[0]].map(|value| u64::from(value.to_bits()));
+        AtomicU64::new(low | change << 32)
+    })
+}
+
+/// Potential energy at the points of one pair of kinds.
+fn potentials_of(line: &[f32], step: f64) -> Vec<f64> {
+    let mut all = vec![0.0; line.len()];
+    for k in (0..line.len() - 1).rev() {
+        all[k] = all[k + 1] + 0.5 * step * (f64::from(line[k]) + f64::from(line[k + 1]));
+    }
+    all
+}
+
+/// Adds the accelerations by the neighbours of each. The bodies are sorted in `scratch`.
+pub fn add(
+    force: &PairForce,
+    bodies: &Bodies<'_>,
+    scratch: &mut neighbors::Scratch,
+    accelerations: &mut [[f32; 2]],
+) {
+    let table = &*force.table;
+    let segments = table.points - 1;
+    scratch.fill(0, |row| (usize::from(force.kind(bodies, row)) * segments) as f32);
+    let mut count = 1;
+    if table.damping > 0.0 {
+        scratch.fill(1, |row| bodies.velocities[row][0]);
+        scratch.fill(2, |row| bodies.velocities[row][1]);
+        count = 3;
+    }
+    scratch.sum(bodies, table.cutoff, count, table, |row, by| {
+        let mass = f64::from(bodies.masses[row]);
+        accelerations[row] = [0, 1].map(|k| accelerations[row][k] + (by[k] / mass) as f32);
+    });
+}
+
+/// Potential energy, 0 beyond the cutoff. 0 if the forces are not equal and opposite. The bodies are
+/// sorted in `scratch`.
+pub fn energy(force: &PairForce, bodies: &Bodies<'_>, scratch: &mut neighbors::Scratch) -> f64 {
+    let table = &*force.table;
+    if table.potentials.is_empty() {
+        return 0.0;
+    }
+    scratch.fill(0, |row| f32::from(force.kind(bodies, row)));
+    let kinds = &scratch.columns()[0];
+    // Every pair is summed twice.
+    0.5 * scratch.sum_of_pairs(bodies, table.cutoff, |places, distance| {
+        let [a, b] = places.map(|place| kinds[place] as usize);
+        table.potential(a, b, distance)
+    })
+}
+
+impl PairForce {
+    /// The kind of a body.
+    fn kind(&self, bodies: &Bodies<'_>, body: usize) -> u8 {
+        self.kinds[bodies.rows[body] as usize]
+    }
+
+    /// Orders rows by their kinds.
+    pub(super) fn compare(&self, a: u32, b: u32) -> Ordering {
+        self.kinds[a as usize].cmp(&self.kinds[b as usize])
+    }
+}
+
+/// The first column has the index of the first segment of the kind of each body among those that act
+/// on one kind, the others velocities, if there is damping.
+impl Law for PairTable {
+    #[inline(always)]
+    fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2] {
+        let first = own.of(0) as u32 * self.kinds as u32;
+        let least = simd.splat(MIN_SQUARE);
+        let mut sum = [0.0f64; 2];
+        let mut start = 0;
+        while start < found.len {
+            let end = found.len.min(start + RUN);
+            let mut sums = [simd.splat(0.0); 2];
+            while start < end {
+                let x = simd.load(block(&found.x, start));
+                let y = simd.load(block(&found.y, start));
+                let square = simd.add(simd.mul(x, x), simd.mul(y, y));
+                let distance = simd.sqrt(simd.max(square, least));
+                let inverse = simd.div(simd.splat(1.0), distance);
+                let mut force = self.at(simd, first, block(&found.columns[0], start), distance);
+                if self.damping > 0.0 {
+                    let u = simd.load(block(&found.columns[1], start));
+                    let v = simd.load(block(&found.columns[2], start));
+                    let u = simd.mul(simd.sub(u, simd.splat(own.of(1))), x);
+                    let v = simd.mul(simd.sub(v, simd.splat(own.of(2))), y);
+                    let by = simd.mul(self.damping_at(simd, distance), simd.add(u, v));
+                    force = simd.sub(force, simd.mul(by, inverse));
+                }
+                let factor = simd.mul(force, inverse);
+                sums[0] = simd.sub(sums[0], simd.mul(factor, x));
+                sums[1] = simd.sub(sums[1], simd.mul(factor, y));
+                start += LANES;
+            }
+            for k in 0..2 {
+                sum[k] += total(simd, sums[k]);
+            }
+        }
+        sum
+    }
+}
+
+impl PairTable {
+    /// damping · (1 − d/cutoff)².
+    #[inline(always)]
+    fn damping_at<S: Simd<f32>>(&self, simd: S, distance: S::Block) -> S::Block {
+        let share = simd.mul(distance, simd.splat(1.0 / self.cutoff));
+        let weight = simd.max(simd.sub(simd.splat(1.0), share), simd.splat(0.0));
+        simd.mul(simd.mul(weight, weight), simd.splat(self.damping))
+    }
+
+    /// The forces on a kind whose first segment is `own`, by neighbours whose first segments among
+    /// these are `others`, at some distances.
+    #[inline(always)]
+    fn at<S: Simd<f32>>(
+        &self,
+        simd: S,
+        own: u32,
+        others: &[f32; LANES],
+        distance: S::Block,
+    ) -> S::Block {
+        let last = self.points as i32 - 2;
+        let scale = (self.points - 1) as f32 / self.cutoff;
+        let mut along = [0.0f32; LANES];
+        simd.store(simd.mul(distance, simd.splat(scale)), &mut along);
+        let mut places = [0u32; LANES];
+        let mut shares = [0.0f32; LANES];
+        for lane in 0..LANES {
+            let segment = (along[lane] as i32).min(last);
+            shares[lane] = along[lane] - segment as f32;
+            places[lane] = own + (others[lane] as i32 + segment) as u32;
+        }
+        let [low, change] = simd.gather(&self.segments, &PairPlaces::new([places; 2]), 0);
+        simd.add(low, simd.mul(change, simd.load(&shares)))
+    }
+}

@@ -1,0 +1,87 @@
+//! Overlapping pairs with normals and depths.
+
+use super::{Found, between, within};
+use crate::error::Result;
+use crate::geometry::{self, Scalar, Shape};
+use crate::interrupt::Pulse;
+use crate::memory;
+use crate::period::Period;
+use crate::quadtree::Quadtree;
+
+/// Approximate number of values read to compute a contact.
+const CONTACT_WORK: usize = 16;
+
+/// Pairs that overlap, with their contacts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlaps<T, I> {
+    /// The pairs `[i, j]`.
+    pub pairs: Vec<[I; 2]>,
+    /// Unit vectors from `i` to `j`.
+    pub normals: Vec<[T; 2]>,
+    /// Penetration depths along the normals.
+    pub depths: Vec<T>,
+    /// Number of pairs of shapes that were tested.
+    pub tests: u64,
+}
+
+impl<T: Scalar, I: Copy> Overlaps<T, I> {
+    /// The contacts of some pairs, the minimum images in a periodic plane. `shapes` returns the
+    /// shapes of a pair.
+    pub fn of(
+        pairs: Vec<[I; 2]>,
+        tests: u64,
+        period: &Period<T>,
+        shapes: impl Fn([I; 2]) -> [Shape<T>; 2],
+    ) -> Result<Self> {
+        let mut normals = memory::with_room(pairs.len())?;
+        let mut depths = memory::with_room(pairs.len())?;
+        let mut pulse = Pulse::current();
+        for &pair in &pairs {
+            pulse.check(CONTACT_WORK)?;
+            let [mut a, mut b] = shapes(pair);
+            if !period.is_none() {
+                [a, b] = period.nearest_images(&a, &b);
+            }
+            let (normal, depth) = geometry::contact(&a, &b);
+            normals.push(normal);
+            depths.push(depth);
+        }
+        Ok(Self { pairs, normals, depths, tests })
+    }
+}
+
+/// As [`within`], or as [`between`] if there is an `other` tree, with normals and depths; sorted by
+/// first, then by second, if `sorted`.
+pub fn overlaps<T: Scalar>(
+    tree: &Quadtree<T>,
+    other: Option<&Quadtree<T>>,
+    (mask, sorted): (Option<u32>, bool),
+    max_pairs: usize,
+) -> Result<Overlaps<T, u32>> {
+    let mut found = match other {
+        None => within(tree, mask, max_pairs)?,
+        Some(other) => between(tree, other, mask, max_pairs)?,
+    };
+    if sorted {
+        found.sort()?;
+    }
+    let Found { pairs, tests } = found;
+    let places = [places_of(tree)?, other.map_or_else(|| Ok(Vec::new()), places_of)?];
+    Overlaps::of(pairs, tests, &tree.period(), |[i, j]| {
+        let first = tree.columns().shape(places[0][i as usize] as usize);
+        let second = match other {
+            None => tree.columns().shape(places[0][j as usize] as usize),
+            Some(other) => other.columns().shape(places[1][j as usize] as usize),
+        };
+        [first, second]
+    })
+}
+
+/// The place of each row of a tree.
+fn places_of<T: Scalar>(tree: &Quadtree<T>) -> Result<Vec<u32>> {
+    let mut places = memory::filled(tree.len(), 0)?;
+    for (place, &row) in (0..).zip(tree.rows()) {
+        places[row as usize] = place;
+    }
+    Ok(places)
+}

@@ -1,0 +1,223 @@
+//! Periodic boundaries: positions in the first period, images of shapes, and minimum images.
+//!
+//! On a periodic axis of length p, all positions are equal that differ by a multiple of p.
+//! Centres are stored in `[0, p)`. The gap between two shapes along the axis is the smaller of
+//! two: that of the shapes as they are stored, and that after the shape with the higher centre
+//! was moved by -p. Both shapes have the same role, so the gap does not depend on their order.
+
+use crate::error::{Error, Result};
+use crate::geometry::{Scalar, Shape, gap, middle, overlap};
+
+/// Width and height of the period; 0 on an axis that is not periodic.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Period<T>([T; 2]);
+
+impl<T: Scalar> Period<T> {
+    /// Refuses sides that are not finite or out of range.
+    pub fn new(sides: [T; 2]) -> Result<Self> {
+        let [min, max] = T::RADII;
+        let fits = |side: &T| *side == T::ZERO || (*side >= min && *side <= max);
+        match sides.iter().position(|side| !fits(side)) {
+            None => Ok(Self(sides)),
+            Some(axis) => {
+                let rule = format!("a period must be 0 (none), or between {min:e} and {max:e}");
+                Err(Error::at("period", axis, sides[axis], &rule))
+            }
+        }
+    }
+
+    /// Width and height; 0 on an axis that is not periodic.
+    pub fn sides(&self) -> [T; 2] {
+        self.0
+    }
+
+    /// Whether no axis is periodic.
+    #[inline(always)]
+    pub fn is_none(&self) -> bool {
+        self.0 == [T::ZERO; 2]
+    }
+
+    /// Whether an axis is periodic.
+    pub fn is_along(&self, axis: usize) -> bool {
+        self.0[axis] > T::ZERO
+    }
+
+    /// The same position in the first period: in `[0, p)` on a periodic axis of length p.
+    pub fn wrap(&self, point: [T; 2]) -> [T; 2] {
+        [0, 1].map(
+            |axis| if self.is_along(axis) { wrap(point[axis], self.0[axis]) } else { point[axis] },
+        )
+    }
+
+    /// The multiple of the period to subtract from what has this centre, so that the centre is in
+    /// the first period, up to rounding; 0 if it is there.
+    pub fn turns(&self, center: [T; 2]) -> [T; 2] {
+        [0, 1].map(|axis| {
+            let (side, along) = (self.0[axis], center[axis]);
+            if !self.is_along(axis) || (along >= T::ZERO && along < side) {
+                return T::ZERO;
+            }
+            T::from_f64((along.to_f64() / side.to_f64()).floor() * side.to_f64())
+        })
+    }
+
+    /// The same shape with its centre in the first period. A box there is unchanged; one elsewhere
+    /// is moved, which rounds its sides.
+    pub fn wrap_shape(&self, shape: Shape<T>) -> Shape<T> {
+        if self.is_none() {
+            return shape;
+        }
+        let [min, max] = self.wrap_corners([shape.min, shape.max]);
+        Shape { min, max, ..shape }
+    }
+
+    /// As [`Period::wrap_shape`], for the corners alone.
+    pub fn wrap_corners(&self, [min, max]: [[T; 2]; 2]) -> [[T; 2]; 2] {
+        let center = [0, 1].map(|axis| middle(min[axis], max[axis]));
+        let (wrapped, turns) = (self.wrap(center), self.turns(center));
+        let (mut low, mut high) = (min, max);
+        for axis in 0..2 {
+            if !self.is_along(axis) || wrapped[axis] == center[axis] {
+                continue;
+            }
+            // Sides that touch are moved by the same number of periods, so they still touch.
+            low[axis] = min[axis] - turns[axis];
+            high[axis] = max[axis] - turns[axis];
+            let error = (middle(low[axis], high[axis]) - wrapped[axis]).abs();
+            // Far away the multiple of the period is rounded by more than the period.
+            if min[axis] == max[axis] || error * T::from_f64(8.0) > self.0[axis] {
+                let half = max[axis] * T::from_f64(0.5) - min[axis] * T::from_f64(0.5);
+                (low[axis], high[axis]) = (wrapped[axis] - half, wrapped[axis] + half);
+            }
+        }
+        [low, high]
+    }
+
+    /// The displacements to the images of a region that may overlap shapes whose centres are in the
+    /// first period, itself first.
+    pub fn images(&self) -> impl Iterator<Item = [T; 2]> {
+        let along = |axis: usize| {
+            let side = self.0[axis];
+            let count = if self.is_along(axis) { 3 } else { 1 };
+            [T::ZERO, -side, side].into_iter().take(count)
+        };
+        along(1).flat_map(move |y| along(0).map(move |x| [x, y]))
+    }
+
+    /// The images of a coordinate along an axis; three equal ones if the axis is not periodic.
+    #[inline(always)]
+    pub fn images_along(&self, axis: usize, at: T) -> [T; 3] {
+        [at, at - self.0[axis], at + self.0[axis]]
+    }
+
+    /// The gaps between the cores of two shapes along each axis: as they are, and after the
+    /// shape with the higher centre was moved by one period.
+    fn gaps(&self, a: &Shape<T>, b: &Shape<T>) -> [[T; 2]; 2] {
+        let direct = gaps(a, b);
+        let [first, second] = self.lowered(a, b);
+        let (first, second) = (gaps(&first, b), gaps(a, &second));
+        let (is_first, both) = (higher(a, b), [direct, first, second]);
+        let wrapped = [0, 1].map(|axis| both[if is_first[axis] { 1 } else { 2 }][axis]);
+        [direct, wrapped]
+    }
+
+    /// Each of two shapes, moved by minus one period.
+    fn lowered(&self, a: &Shape<T>, b: &Shape<T>) -> [Shape<T>; 2] {
+        [a.moved(self.0), b.moved(self.0)]
+    }
+
+    /// Whether two shapes overlap, with the smaller gap along each axis.
+    pub fn overlap(&self, a: &Shape<T>, b: &Shape<T>) -> bool {
+        let [direct, wrapped] = self.gaps(a, b);
+        let smaller = |axis: usize| {
+            if self.is_along(axis) { direct[axis].min(wrapped[axis]) } else { direct[axis] }
+        };
+        overlap([smaller(0), smaller(1)], a.radius + b.radius)
+    }
+
+    /// Whether none of the combinations of gaps before `wrapped` overlaps; that is the order of the
+    /// number with a bit for each axis on which the gap is the one after a move.
+    pub fn is_first_overlap(&self, a: &Shape<T>, b: &Shape<T>, wrapped: [bool; 2]) -> bool {
+        let gaps = self.gaps(a, b);
+        let own = usize::from(wrapped[0]) + 2 * usize::from(wrapped[1]);
+        let exists = |which: &usize| {
+            (which & 1 == 0 || self.is_along(0)) && (which & 2 == 0 || self.is_along(1))
+        };
+        (0..own).filter(exists).all(|which| {
+            let gaps = [gaps[which & 1][0], gaps[which >> 1][1]];
+            !overlap(gaps, a.radius + b.radius)
+        })
+    }
+
+    /// Two shapes as they are nearest to each other: the one with the higher centre is moved
+    /// by minus one period along each axis on which this makes the gap smaller.
+    pub fn nearest_images(&self, a: &Shape<T>, b: &Shape<T>) -> [Shape<T>; 2] {
+        let [direct, wrapped] = self.gaps(a, b);
+        let is_first = higher(a, b);
+        let (mut of_a, mut of_b) = ([T::ZERO; 2], [T::ZERO; 2]);
+        for axis in 0..2 {
+            if self.is_along(axis) && wrapped[axis] < direct[axis] {
+                let moved = if is_first[axis] { &mut of_a } else { &mut of_b };
+                moved[axis] = self.0[axis];
+            }
+        }
+        [a.moved(of_a), b.moved(of_b)]
+    }
+}
+
+/// Whether the centre of `a` is the higher one along each axis.
+pub fn higher<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [bool; 2] {
+    let (a, b) = (a.center(), b.center());
+    [a[0] >= b[0], a[1] >= b[1]]
+}
+
+/// The gaps between the cores of two shapes along each axis.
+fn gaps<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [T; 2] {
+    [0, 1].map(|axis| {
+        let between = gap([a.min[axis], a.max[axis]], [b.min[axis], b.max[axis]]);
+        between - (a.half_size[axis] + b.half_size[axis])
+    })
+}
+
+/// A coordinate modulo `side`, in `[0, side)`. The remainder is exact; only the addition to a
+/// negative one rounds.
+fn wrap<T: Scalar>(along: T, side: T) -> T {
+    if along >= T::ZERO && along < side {
+        return along;
+    }
+    let rest = along.remainder(side);
+    let wrapped = if rest < T::ZERO { rest + side } else { rest };
+    // A tiny negative number is rounded up to the side; −0 becomes 0.
+    if wrapped < side { wrapped + T::ZERO } else { T::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrapped_coordinates_are_in_the_first_period() {
+        for (along, side, expected) in [
+            (0.0, 3.0, 0.0),
+            (3.0, 3.0, 0.0),
+            (-0.0, 3.0, 0.0),
+            (-1e-300, 3.0, 0.0),
+            (-1.0, 3.0, 2.0),
+            (7.5, 3.0, 1.5),
+            (1e300, 0.1, 1e300 % 0.1),
+        ] {
+            let found: f64 = wrap(along, side);
+            assert_eq!(found, expected, "{along} {side}");
+            assert!(found.is_sign_positive() && found < side);
+        }
+    }
+
+    #[test]
+    fn sides_out_of_range_are_refused() {
+        assert!(Period::new([0.0f64, 1.0]).is_ok());
+        for side in [-1.0, f64::NAN, f64::INFINITY, 1e-300, 1e200] {
+            let error = Period::new([1.0, side]).unwrap_err().to_string();
+            assert!(error.starts_with("period[1] is "), "{error}");
+        }
+    }
+}

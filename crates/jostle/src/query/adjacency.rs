@@ -1,0 +1,82 @@
+//! The neighbours of every shape within a distance, in compressed sparse rows.
+
+use super::region::{Hits, MOST_IDS};
+use crate::error::{Error, Result};
+use crate::geometry::Scalar;
+use crate::interrupt::{Pulse, Stop};
+use crate::memory;
+use crate::pairs::{self, Found};
+use crate::parallel;
+use crate::quadtree::Quadtree;
+use crate::sorting;
+
+/// Rows sorted between two checks for interruption.
+const ROWS: usize = 1 << 10;
+
+/// For each row of a tree, the rows of all shapes whose gap to it is below `distance`, ascending,
+/// itself left out. If there is a `mask`, both shapes must have a category in it.
+pub fn neighbors<T: Scalar>(
+    tree: &Quadtree<T>,
+    distance: T,
+    mask: Option<u32>,
+) -> Result<Hits<u32>> {
+    let found = pairs::near(tree, None, distance, mask, MOST_IDS / 2);
+    let found = found.map_err(|error| match error {
+        Error::TooManyPairs { .. } => Error::TooManyIds { limit: MOST_IDS },
+        other => other,
+    })?;
+    neighbors_of_pairs(tree.len(), found, tree.settings().threads)
+}
+
+/// The rows of each row with which it is in a pair, ascending.
+pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> Result<Hits<u32>> {
+    let Found { pairs, tests } = found;
+    let mut pulse = Pulse::current();
+    let mut offsets: Vec<usize> = memory::filled(len + 1, 0)?;
+    // The place of the next id of each row.
+    let mut next: Vec<u32> = memory::filled(len + 1, 0)?;
+    for pairs in pairs.chunks(ROWS) {
+        pulse.check(2 * pairs.len())?;
+        for &[i, j] in pairs {
+            next[i as usize + 1] += 1;
+            next[j as usize + 1] += 1;
+        }
+    }
+    for row in 0..len {
+        next[row + 1] += next[row];
+        offsets[row + 1] = next[row + 1] as usize;
+    }
+    let mut ids: Vec<u32> = memory::zeroed(2 * pairs.len())?;
+    for pairs in pairs.chunks(ROWS) {
+        pulse.check(2 * pairs.len())?;
+        for &[i, j] in pairs {
+            for [row, other] in [[i, j], [j, i]] {
+                ids[next[row as usize] as usize] = other;
+                next[row as usize] += 1;
+            }
+        }
+    }
+    drop(pairs);
+    sort_rows(&offsets, &mut ids, parallel::worthwhile(threads, len))?;
+    Ok(Hits { offsets, ids, tests })
+}
+
+/// Sorts the ids of each row.
+fn sort_rows(offsets: &[usize], mut ids: &mut [u32], threads: Option<usize>) -> Result<()> {
+    let stop = Stop::current();
+    let rows = offsets.len() - 1;
+    let mut tasks = memory::with_room(rows.div_ceil(ROWS))?;
+    for first in (0..rows).step_by(ROWS) {
+        let offsets = &offsets[first..=rows.min(first + ROWS)];
+        let len = offsets[offsets.len() - 1] - offsets[0];
+        tasks.push((offsets, ids.split_off_mut(..len).expect("the sizes add up")));
+    }
+    parallel::for_each(threads, tasks.into_iter(), |(offsets, ids)| {
+        let mut pulse = Pulse::of(&stop);
+        for row in offsets.windows(2) {
+            // An interruption is reported below.
+            let _ = sorting::sort(&mut ids[row[0] - offsets[0]..row[1] - offsets[0]], &mut pulse);
+        }
+    });
+    stop.check()
+}

@@ -1,0 +1,91 @@
+//! Scenes: particle life, and a flock.
+
+use std::sync::Arc;
+
+use super::Start;
+use super::placing::Area;
+use super::random::Random;
+use crate::container::Container;
+use crate::forces::{Flocking, Force, PairForce, PairTable};
+use crate::particles::Particles;
+use crate::world::{OnTouch, WorldSettings};
+
+/// Radius of all particles.
+const RADIUS: f32 = 2.0;
+
+/// The forces of particle life: cutoff, share of the core, and strength, for particles of mass 1.
+const REACH: f32 = 40.0;
+const CORE: f32 = 0.3;
+const STRENGTH: f32 = 120.0;
+
+/// Half of the speed is lost in 0.07 s.
+const LIFE_DRAG: f32 = 10.0;
+
+/// Area for each particle, so that it has about 35 others within the cutoff.
+const LIFE_AREA: f32 = 145.0;
+
+/// Attraction of each kind (row) to each kind (column).
+const MATRIX: [[f32; KINDS]; KINDS] = [
+    [0.7, 0.4, -0.6, -0.7, -0.2, 0.5],
+    [0.5, 0.7, 0.4, -0.6, -0.7, -0.2],
+    [-0.2, 0.5, 0.7, 0.4, -0.6, -0.7],
+    [-0.7, -0.2, 0.5, 0.7, 0.4, -0.6],
+    [-0.6, -0.7, -0.2, 0.5, 0.7, 0.4],
+    [0.4, -0.6, -0.7, -0.2, 0.5, 0.7],
+];
+const KINDS: usize = 6;
+
+/// Side of the torus.
+fn side(n: usize, area: f32, cutoff: f32) -> f32 {
+    (n as f32 * area).sqrt().max(3.0 * cutoff)
+}
+
+/// Particles at random places on a torus, which pass through each other.
+fn scattered(n: usize, side: f32, speed: f32, random: &mut Random) -> (Particles, WorldSettings) {
+    let place = |random: &mut Random| [random.between(0.0, side), random.between(0.0, side)];
+    let places = (0..n).map(|_| place(random)).collect();
+    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * speed)).collect();
+    let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
+    particles.masses = vec![1.0; n];
+    let container = Container::Torus { size: [side, side] };
+    let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
+    (particles, settings)
+}
+
+pub fn life_view(n: usize) -> Area {
+    let side = side(n, LIFE_AREA, REACH);
+    [0.0, 0.0, side, side]
+}
+
+pub fn life(n: usize, random: &mut Random) -> Start {
+    let (particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
+    let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
+    let table = Arc::new(table.expect("the matrix is valid"));
+    let kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
+    let settings = WorldSettings { drag: LIFE_DRAG, ..settings };
+    Start::new(particles, settings).with(Force::Pair(PairForce { kinds, table }))
+}
+
+/// The flock; speeds are in px/s.
+const FLOCK: Flocking = Flocking {
+    cutoff: 30.0,
+    separation: 300.0,
+    alignment: 2.0,
+    cohesion: 4.0,
+    max_speed: 120.0,
+    min_speed: 60.0,
+};
+
+/// Area for each bird, so that it has about ten others within the cutoff.
+const FLOCK_AREA: f32 = 280.0;
+
+pub fn flock_view(n: usize) -> Area {
+    let side = side(n, FLOCK_AREA, FLOCK.cutoff);
+    [0.0, 0.0, side, side]
+}
+
+pub fn flock(n: usize, random: &mut Random) -> Start {
+    let side = side(n, FLOCK_AREA, FLOCK.cutoff);
+    let (particles, settings) = scattered(n, side, FLOCK.max_speed, random);
+    Start::new(particles, settings).with(Force::Flocking(FLOCK))
+}

@@ -1,0 +1,96 @@
+"""Cards over the scene: the message, the hint on the help, a recording, and an explanation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from imgui_bundle import imgui
+
+from jostle.app.draw.palette import RECORDING
+from jostle.app.gui.host import Gui
+from jostle.app.gui.layout import layout
+from jostle.app.gui.style import rgba
+from jostle.app.panels.widgets import soft
+from jostle.app.session import Session
+
+EDGE = 12.0  # points to the edges of the scene
+FOOT = 36.0  # points, below messages and explanations: for legends
+FRAME = 34.0  # points, the margins of a card
+FLAGS = (
+    imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_inputs
+    | imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.no_focus_on_appearing | imgui.WindowFlags_.no_move
+)  # fmt: skip
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the cards that are to be shown, inside the part that the panels leave free."""
+    sides = layout(session, *imgui.get_io().display_size)
+    statistics = sides.statistics if session.view_options.statistics else 0.0
+    left, right = sides.column, sides.width - statistics
+    middle, bottom, widest = (left + right) / 2, sides.height - EDGE, right - left - 2 * EDGE
+    explanation = session.explanation
+    if explanation is not None:
+        # In the other half of the window than the two particles.
+        _, y = session.camera.to_screen(np.array(explanation.centres))
+        above = float(y.mean()) > session.camera.size[1] / 2
+        place = (middle, EDGE) if above else (middle, bottom - FOOT)
+        with card(gui, "explanation", place, (0.5, 0.0 if above else 1.0), widest):
+            imgui.text(explanation.lines[0])
+            for line in explanation.lines[1:]:
+                soft(line)
+    if session.message:
+        with card(gui, "message", (middle, bottom - FOOT), (0.5, 1.0), widest):
+            imgui.text(session.message)
+    if not session.view_options.help:
+        with card(
+            gui, "hint", (right - EDGE / 2, bottom + EDGE / 2), (1.0, 1.0), widest, bare=True
+        ):
+            if session.files.recording is not None:
+                _recording(session.files.recording.seconds)
+            soft("H help")
+
+
+@contextmanager
+def card(
+    gui: Gui,
+    name: str,
+    place: tuple[float, float],
+    pivot: tuple[float, float],
+    widest: float,
+    *,
+    bare: bool = False,
+) -> Iterator[None]:
+    """Build a card that does not receive the mouse.
+
+    Parameters
+    ----------
+    place, pivot
+        A point in the window, and the point of the card there, from (0, 0) to (1, 1).
+    widest
+        Its largest width in points; longer lines are wrapped.
+    bare
+        Whether it has no background.
+    """
+    imgui.set_next_window_pos(place, imgui.Cond_.always, pivot)
+    imgui.set_next_window_bg_alpha(0.0 if bare else 1.0)
+    imgui.begin(name, None, FLAGS | (imgui.WindowFlags_.no_background if bare else 0))
+    imgui.push_text_wrap_pos(max(widest - FRAME, FRAME))
+    yield
+    imgui.pop_text_wrap_pos()
+    gui.mark_window(name)
+    imgui.end()
+
+
+def _recording(seconds: float) -> None:
+    """Build a red dot and the length of the recording, on the line of the hint."""
+    at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
+    draw = imgui.get_window_draw_list()
+    draw.add_circle_filled((at.x + size / 2, at.y + size / 2), size / 3, rgba(RECORDING))
+    imgui.dummy((size, size))
+    imgui.same_line()
+    minutes, rest = divmod(int(seconds), 60)
+    imgui.text(f"{minutes}:{rest:02}")
+    imgui.same_line(0.0, 2 * EDGE)

@@ -1,0 +1,149 @@
+"""Particle life: the matrix of the attractions between kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from imgui_bundle import imgui
+from numpy.typing import NDArray
+
+from jostle import life
+from jostle.app.draw.palette import KINDS, TEXT
+from jostle.app.gui.host import Gui
+from jostle.app.gui.style import RAISED, rgba
+from jostle.app.panels.widgets import choice, combo, hint, in_rows, signed
+from jostle.app.session import Session
+
+STEP = 0.1  # change of an attraction by a click
+HEAD = 20.0  # points: width of the first column, height of the first line
+GAP = 2.0  # between cells
+CELL = 30.0  # largest side
+PULL, PUSH = (86, 190, 120), (222, 92, 92)  # colours of attraction and repulsion
+PRESET = "choose one"
+ABOUT = (
+    "How strongly the kind of the row is attracted by that of the column. Click to raise it, "
+    "right-click to lower it."
+)
+
+
+def build(session: Session, gui: Gui) -> None:
+    """Build the matrix and its buttons."""
+    matrix = session.frame.matrix
+    if matrix is None:
+        return
+    _grid(session, gui, matrix)
+    _buttons(
+        gui,
+        {
+            "randomise": ("randomise", lambda: _randomise(session, len(matrix), symmetric=False)),
+            "randomise symmetric": (
+                "symmetric",
+                lambda: _randomise(session, len(matrix), symmetric=True),
+            ),
+        },
+    )
+    hint("A random matrix with mutual attractions. Everything comes to rest.")
+    names = {name: name for name in life.MATRICES}
+    picked = combo(gui, "preset", names, _name_of(matrix))
+    if picked is not None:
+        session.runner.adjust("matrix", picked)
+    _buttons(
+        gui,
+        {
+            "scatter": ("scatter", session.interaction.commands.scramble),
+            "save life": ("save scene", lambda: session.files.save()),
+        },
+    )
+
+
+def _buttons(gui: Gui, commands: dict[str, tuple[str, Callable[[], object]]]) -> None:
+    """Build a line of buttons, each with its label and its command."""
+    for (name, (text, command)), across in in_rows(commands.items(), len(commands)):
+        if choice(gui, name, text, across, chosen=False):
+            command()
+
+
+def _randomise(session: Session, kinds: int, *, symmetric: bool) -> None:
+    matrix = life.random_matrix(np.random.default_rng(), kinds, symmetric=symmetric)
+    _apply(session, matrix)
+
+
+def _apply(session: Session, matrix: NDArray[np.float64]) -> None:
+    session.runner.adjust("matrix", tuple(tuple(map(float, row)) for row in matrix))
+
+
+def _name_of(matrix: NDArray[np.float64]) -> str:
+    """Return the name of a matrix."""
+    for name, known in life.MATRICES.items():
+        if np.array_equal(matrix, known):
+            return name
+    return PRESET
+
+
+def _grid(session: Session, gui: Gui, matrix: NDArray[np.float64]) -> None:
+    """Build the cells, between the kinds that feel (left) and those that act (above)."""
+    kinds, commands = len(matrix), session.interaction.commands
+    space = imgui.get_content_region_avail().x
+    side = min((space - HEAD) / kinds - GAP, CELL)
+    corner = imgui.get_cursor_screen_pos()
+    left = corner.x + HEAD
+
+    def place(k: int) -> float:
+        return k * (side + GAP)
+
+    for k in range(kinds):
+        _dot(left + place(k) + side / 2, corner.y + HEAD / 2, k, chosen=False)
+        middle = corner.y + HEAD + place(k) + side / 2
+        imgui.set_cursor_screen_pos((corner.x, middle - side / 2))
+        if imgui.invisible_button(f"##kind {k}", (HEAD - GAP, side)):
+            commands.kind = k
+        gui.mark(f"kind {k}")
+        hint("New particles have this kind: press A at the cursor.")
+        _dot(corner.x + HEAD / 2 - 1, middle, k, chosen=k == commands.kind % kinds)
+    for a in range(kinds):
+        for b in range(kinds):
+            at = (left + place(b), corner.y + HEAD + place(a))
+            _cell(session, gui, matrix, (a, b), at, side)
+    imgui.set_cursor_screen_pos((corner.x, corner.y + HEAD + place(kinds) + GAP))
+    imgui.dummy((1.0, 1.0))
+
+
+def _cell(
+    session: Session,
+    gui: Gui,
+    matrix: NDArray[np.float64],
+    pair: tuple[int, int],
+    at: tuple[float, float],
+    side: float,
+) -> None:
+    """Build the cell of one attraction, and apply clicks."""
+    value = float(matrix[pair])
+    imgui.set_cursor_screen_pos(at)
+    flags = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
+    clicked = imgui.invisible_button(f"##cell {pair}", (side, side), flags)
+    gui.mark(f"attraction {pair[0]} {pair[1]}")
+    hint(f"{signed(value, '+.1f')}. {ABOUT}")
+    draw, share = imgui.get_window_draw_list(), min(abs(value), 1.0)
+    tint = PULL if value > 0 else PUSH
+    end = (at[0] + side, at[1] + side)
+    draw.add_rect_filled(at, end, rgba(RAISED), 3.0)
+    draw.add_rect_filled(at, end, rgba(tint, 0.15 + 0.85 * share if share else 0.0), 3.0)
+    if imgui.is_item_hovered():
+        draw.add_rect(at, end, rgba(TEXT), 3.0)
+    if not clicked:
+        return
+    change = -STEP if imgui.is_mouse_released(imgui.MouseButton_.right) else STEP
+    new = min(max(round(value + change, 1), -1.0), 1.0)
+    if new != value:
+        changed = matrix.copy()
+        changed[pair] = new
+        _apply(session, changed)
+
+
+def _dot(x: float, y: float, kind: int, *, chosen: bool) -> None:
+    """Draw a disc in the colour of a kind."""
+    draw = imgui.get_window_draw_list()
+    draw.add_circle_filled((x, y), 6.0, rgba(KINDS[kind % len(KINDS)]))
+    if chosen:
+        draw.add_circle((x, y), 8.5, rgba(TEXT), 0, 1.5)

@@ -1,0 +1,122 @@
+"""Normals, all hits of a ray, casts of boxes, a distance for each query, contacts of two trees."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jostle
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> tuple[jostle.Quadtree, jostle.Space, np.random.Generator]:
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    n = draw(st.integers(0, 60))
+    centers = rng.uniform(-10, 10, (n, 2))
+    if draw(st.booleans()):
+        centers = centers.round()
+    radii = rng.uniform(0, 1, n) * draw(st.sampled_from([0, 1]))
+    halves = rng.uniform(0, 2, (n, 2)) * draw(st.sampled_from([0, 1]))
+    space = jostle.Space()
+    space.add(centers, radii, halves)
+    return jostle.Quadtree(centers, radii, halves), space, rng
+
+
+@settings(max_examples=100)
+@given(scenes())
+def test_all_hits_are_the_first_hits_of_each_shape(scene: Any) -> None:
+    tree, space, rng = scene
+    origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
+    lengths = rng.uniform(0, 30, 5)
+    offsets, ids, distances, normals = tree.raycast_all(origins, directions, max_distance=lengths)
+    state = tree.__getnewargs_ex__()[1]
+    for row in range(5):
+        expected = []
+        for shape in range(len(tree)):
+            alone = jostle.Quadtree(
+                state["centers"][[shape]],
+                state["radii"][[shape]],
+                state.get("half_sizes", np.zeros((len(tree), 2)))[[shape]],
+            )
+            hit = alone.raycast(origins[row], directions[row], max_distance=lengths[row])
+            if hit.id == 0:
+                expected.append((hit.distance, shape, hit.normal))
+        expected.sort()
+        part = slice(offsets[row], offsets[row + 1])
+        assert ids[part].tolist() == [shape for _, shape, _ in expected]
+        assert distances[part].tolist() == [distance for distance, _, _ in expected]
+        assert normals[part].tolist() == [list(normal) for _, _, normal in expected]
+        one = tree.raycast_all(origins[row], directions[row], max_distance=lengths[row])
+        assert np.array_equal(one.ids, ids[part])
+        assert np.array_equal(one.normals, normals[part])
+    of_space = space.raycast_all(origins, directions, max_distance=lengths)
+    assert all(
+        np.array_equal(*both)
+        for both in zip(of_space, (offsets, ids, distances, normals), strict=True)
+    )
+
+
+@settings(max_examples=100)
+@given(scenes())
+def test_a_box_stops_where_it_touches(scene: Any) -> None:
+    tree, space, rng = scene
+    origins, directions = rng.uniform(-12, 12, (5, 2)), rng.normal(0, 1, (5, 2))
+    sizes = rng.uniform(0.1, 2, (5, 2))
+    hits = tree.box_cast(origins, directions, sizes, 0.25, max_distance=20.0)
+    assert np.array_equal(
+        space.box_cast(origins, directions, sizes, 0.25, max_distance=20).ids, hits.ids
+    )
+    units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    for row in range(5):
+        travelled = min(hits.distances[row], 20.0)
+        for share, touched in ((0.999, False), (1.0, hits.ids[row] >= 0)):
+            center = origins[row] + units[row] * travelled * share
+            box = jostle.Quadtree([center], 0.25 + 1e-6 * touched, [sizes[row]])
+            found = tree.pairs(box, distance=1e-6 * touched)
+            if touched:
+                assert hits.ids[row] in found[:, 0]
+            elif travelled > 0 and share < 1:
+                nearer = tree.pairs(jostle.Quadtree([center], 0.25 - 1e-9, [sizes[row] - 1e-9]))
+                assert len(nearer) == 0
+        if hits.ids[row] >= 0 and travelled > 0:
+            assert np.linalg.norm(hits.normals[row]) == pytest.approx(1)
+            assert hits.normals[row] @ units[row] < 1e-6
+
+
+def test_a_distance_for_each_query() -> None:
+    tree = jostle.Quadtree([(0, 0), (10, 0)])
+    distances, ids = tree.nearest([(1, 0), (1, 0)], max_distance=[0.5, 2.0])
+    assert ids.tolist() == [[-1], [0]]
+    assert distances.tolist() == [[np.inf], [1.0]]
+    hits = tree.raycast((-1, 0), (1, 0), max_distance=[0.5, 2.0])
+    assert hits.ids.tolist() == [-1, 0]
+    assert hits.normals.tolist() == [[0, 0], [-1, 0]] or hits.distances.tolist() == [np.inf, 1.0]
+    with pytest.raises(ValueError, match=r"max_distance\[1\] is -2; it must be at least 0"):
+        tree.nearest([(1, 0), (1, 0)], max_distance=[1, -2])
+    with pytest.raises(ValueError, match="max_distance has shape"):
+        tree.nearest([(1, 0), (1, 0)], max_distance=[1, 2, 3])
+    with pytest.raises(ValueError, match="max_distance has shape"):
+        tree.nearest((1, 0), max_distance=[1])
+
+
+def test_contacts_between_two_trees() -> None:
+    rng = np.random.default_rng(2)
+    tiles = jostle.Quadtree(boxes=[(x, 0, x + 1, 1) for x in range(20)], categories=2)
+    walkers = jostle.Quadtree(rng.uniform(0, (20, 2), (50, 2)), 0.3)
+    pairs, normals, depths = walkers.contacts(tiles, sort=True)
+    assert np.array_equal(pairs, walkers.pairs(tiles, sort=True))
+    assert (depths > 0).all()
+    # Moved by the depth along the normal, a tile only touches.
+    boxes = tiles.boxes[pairs[:, 1]] + np.tile(normals * (depths[:, None] + 1e-9), 2)
+    for pair, box in zip(pairs, boxes, strict=True):
+        walker = jostle.Quadtree(walkers.centers[[pair[0]]], walkers.radii[[pair[0]]])
+        assert len(walker.pairs(jostle.Quadtree(boxes=[box]))) == 0
+    assert len(walkers.contacts(tiles, mask=1).pairs) == 0
+    with pytest.raises(ValueError, match="max_pairs"):
+        walkers.contacts(tiles, max_pairs=1)
+    with pytest.raises(TypeError, match="other must be a Quadtree"):
+        walkers.contacts([1])  # type: ignore[arg-type]

@@ -1,0 +1,283 @@
+"""Forces between kinds and flocking, from Python: against NumPy, and errors."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import jostle
+from jostle import life
+
+SIDE = 50.0
+
+
+def random_state(n, seed=0):
+    rng = np.random.default_rng(seed)
+    positions = rng.uniform(0, SIDE, (n, 2)).astype(np.float32)
+    return positions, rng.normal(0, 2, (n, 2)).astype(np.float32), rng.integers(0, 3, n)
+
+
+def offsets(positions, periodic):
+    """Return the offsets from each particle to each other, and their lengths."""
+    offset = (positions[None] - positions[:, None]).astype(np.float64)
+    if periodic:
+        offset -= SIDE * np.round(offset / SIDE)
+    distance = np.sqrt((offset**2).sum(axis=2))
+    np.fill_diagonal(distance, np.inf)
+    return offset, distance
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+@pytest.mark.parametrize("method", ["quadtree", "brute"])
+def test_a_step_is_that_of_numpy(periodic, method):
+    """One leapfrog step: half a flight, the forces there, half a flight."""
+    positions, velocities, kinds = random_state(400)
+    rng = np.random.default_rng(3)
+    table, cutoff, dt = rng.uniform(-9, 9, (3, 3, 12)), 7.0, 0.01
+    force = jostle.PairForce(kinds, table, cutoff)
+    container = jostle.Torus(SIDE, SIDE) if periodic else None
+    masses = rng.uniform(1, 3, 400)
+    world = jostle.World(
+        positions, velocities, 0.1, masses=masses, container=container, on_touch="ignore",
+        forces=[force], method=method,
+    )  # fmt: skip
+    world.step(dt)
+    offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
+    at = np.minimum(distance / cutoff * 11, 11)
+    low = np.minimum(at.astype(int), 10)
+    pairs = kinds[:, None], kinds[None]
+    value = table[(*pairs, low)] + (table[(*pairs, low + 1)] - table[(*pairs, low)]) * (at - low)
+    value = np.where(distance < cutoff, value / distance, 0)
+    acceleration = -(value[:, :, None] * offset).sum(axis=1) / masses[:, None]
+    np.testing.assert_allclose(world.velocities, velocities + dt * acceleration, atol=2e-5)
+    moved = positions + dt * velocities + dt**2 / 2 * acceleration
+    found = world.positions - moved
+    if periodic:
+        found -= SIDE * np.round(found / SIDE)
+    assert np.abs(found).max() < 1e-5
+
+
+def test_a_flock_is_that_of_numpy():
+    positions, velocities, _ = random_state(300, 1)
+    birds = jostle.Flocking(6.0, separation=4.0, alignment=1.5, cohesion=0.3, max_speed=np.inf)
+    world = jostle.World(
+        positions, velocities, 0.1, container=jostle.Torus(SIDE, SIDE), on_touch="ignore",
+        forces=[birds],
+    )  # fmt: skip
+    world.step(0.01)
+    offset, distance = offsets(positions + velocities * np.float32(0.005), True)
+    near = distance < 6.0
+    count = np.maximum(near.sum(axis=1), 1)[:, None]
+    distance = np.minimum(distance, 6.0)  # not infinite
+    away = np.where(near, 4.0 * (1 - distance / 6.0) / distance, 0)[:, :, None]
+    apart = (velocities[None] - velocities[:, None]).astype(float)
+    pull = np.where(near[:, :, None], 0.3 * offset + 1.5 * apart, 0) - away * offset
+    expected = velocities + 0.01 * pull.sum(axis=1) / count
+    np.testing.assert_allclose(world.velocities, expected, atol=2e-5)
+
+
+def test_particle_life_is_its_definition():
+    matrix, core, strength = np.array([[0.7, -0.4], [0.2, -1.0]]), 0.3, 5.0
+    force = jostle.PairForce.particle_life([0, 1, 1], matrix, 40.0, strength=strength)
+    assert force.table.shape == (2, 2, 21)
+    share = np.linspace(0, 1, 21)
+    for a in range(2):
+        for b in range(2):
+            pull = matrix[a, b] * (1 - np.abs(2 * share - 1 - core) / (1 - core))
+            expected = strength * np.where(share < core, 1 - share / core, -pull)
+            np.testing.assert_allclose(force.table[a, b], expected, atol=1e-6 * strength)
+    assert not force.reciprocal
+    np.testing.assert_array_equal(life.matrix_of(force), matrix)
+
+
+@pytest.mark.parametrize("core", [0.1, 0.25, 1 / 3, 0.37123, 0.9])
+def test_the_matrix_can_be_read_from_the_force(core):
+    matrix = life.random_matrix(np.random.default_rng(1), 5)
+    force = jostle.PairForce.particle_life([0], matrix, 3.0, core, strength=77.0)
+    assert life.core_of(force) == pytest.approx(core, abs=1e-5)
+    np.testing.assert_allclose(life.matrix_of(force), matrix, atol=1e-3)
+
+
+def test_other_forces_have_no_matrix():
+    fluid = jostle.PairForce.lennard_jones([0], 1.0, 1.0, 2.5)
+    assert life.matrix_of(fluid) is None
+    assert life.matrix_of(jostle.PairForce([0], [[[0.0, 0.0]]], 1.0)) is None
+
+
+def test_the_scene_has_the_first_matrix():
+    (force,) = jostle.scenes.create("life", n=10).forces
+    np.testing.assert_array_equal(life.matrix_of(force), next(iter(life.MATRICES.values())))
+
+
+def test_random_matrices_are_symmetric_if_asked():
+    matrix = life.random_matrix(np.random.default_rng(0), 7, symmetric=True)
+    assert (matrix == matrix.T).all() and np.abs(matrix).max() <= 1
+    assert (life.random_matrix(np.random.default_rng(0), 7) != matrix).any()
+
+
+def test_a_soft_disc_comes_to_rest_by_damping():
+    force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0, damping=5.0)
+    world = jostle.World(
+        [(0, 0), (1.0, 0)], [(0.5, 0), (-0.5, 0)], 1.0, masses=1.0, on_touch="ignore",
+        forces=[force],
+    )  # fmt: skip
+    energy = world.kinetic_energy + world.potential_energy
+    world.step(0.005, steps=60)
+    assert world.kinetic_energy + world.potential_energy < 0.99 * energy
+    assert np.abs(world.momentum).max() < 1e-6
+
+
+def test_kinds_follow_through_add_and_remove():
+    force = jostle.PairForce([0, 1, 2], np.zeros((3, 3, 2)), 5.0)
+    world = jostle.World([(0, 0), (9, 0), (18, 0)], [(0, 0)] * 3, 1.0, forces=[force])
+    world.remove(1)
+    assert world.forces[0].kinds.tolist() == [0, 2]
+    world.add((30, 0), (0, 0), kinds=1)
+    world.add([(40, 0), (50, 0)], [(0, 0)] * 2, kinds=[2, 1])
+    world.add((60, 0), (0, 0))
+    assert world.forces[0].kinds.tolist() == [0, 2, 1, 2, 1, 0]
+    for kinds, words in [
+        (3, "kinds is 3; the table has 3 kinds, from 0 to 2"),
+        ([1, 2], "one or 1"),
+        (-1, "kinds is -1; it must be a kind, between 0 and 63"),
+        (64, "a kind, between 0 and 63"),
+    ]:
+        with pytest.raises(ValueError) as error:
+            world.add((70, 0), (0, 0), kinds=kinds)
+        assert words in str(error.value)
+        assert len(world) == 6
+    plain = jostle.World([(0, 0)], [(0, 0)], 1.0)
+    with pytest.raises(ValueError, match="the world has no PairForce"):
+        plain.add((5, 0), (0, 0), kinds=0)
+    assert len(plain) == 1
+
+
+FORCES = [
+    jostle.PairForce([0, 1], np.arange(12.0).reshape(2, 2, 3), 2.5, damping=0.5),
+    jostle.Flocking(5.0, 1.0, 2.0, 3.0, 4.0, min_speed=0.5),
+]
+
+
+@pytest.mark.parametrize("force", FORCES)
+def test_copies_are_equal(force):
+    for other in (copy.copy(force), copy.deepcopy(force), pickle.loads(pickle.dumps(force))):
+        assert other == force
+    assert force != FORCES[0] or force != FORCES[1]
+
+
+def test_columns_are_read_only():
+    force = FORCES[0]
+    assert force.kinds.dtype == np.uint8 and force.table.dtype == np.float32
+    for column in (force.kinds, force.table):
+        with pytest.raises(ValueError, match="read-only"):
+            column[0] = 0
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: jostle.PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
+        (lambda: jostle.PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
+        (lambda: jostle.PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
+        (lambda: jostle.PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
+        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0), "kinds[1] is 1"),
+        (lambda: jostle.PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
+        (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[1] is NaN"),
+        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
+        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
+        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
+        (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
+        (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
+        (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma[0] is 0"),
+        (lambda: jostle.PairForce.lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0),
+         "a number or (2, 2)"),
+        (lambda: jostle.PairForce.soft_discs([0], 1.0, -1.0), "diameters[0] is -1"),
+        (lambda: jostle.Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
+        (lambda: jostle.Flocking(1, -1, 1, 1, 1), "separation is -1"),
+        (lambda: jostle.Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
+        (lambda: jostle.Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
+    ],
+)  # fmt: skip
+def test_wrong_numbers_are_refused(make, words):
+    with pytest.raises(ValueError) as error:
+        make()
+    assert words in str(error.value)
+
+
+def test_wrong_types_are_refused():
+    for make in (
+        lambda: jostle.PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
+        lambda: jostle.PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
+        lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), "far"),
+        lambda: jostle.Flocking("far", 1, 1, 1, 1),
+    ):
+        with pytest.raises(TypeError):
+            make()
+
+
+def test_a_force_must_fit_the_world():
+    torus = jostle.Torus(10, 10)
+    world = jostle.World([(1, 1)], [(0, 0)], 0.5, container=torus)
+    with pytest.raises(ValueError, match="a kind for each of the 1 particles"):
+        world.forces = [FORCES[0]]
+    with pytest.raises(ValueError, match="a cutoff is at most 5"):
+        world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]
+    assert world.forces == ()
+
+
+# ---- a Lennard-Jones fluid ----
+
+
+def radial_distribution(frames, side, bins):
+    """Return g(r) of some frames of particles on a torus."""
+    counts = np.zeros(len(bins) - 1)
+    for positions in frames:
+        offset = positions[None].astype(float) - positions[:, None]
+        offset -= side * np.round(offset / side)
+        counts += np.histogram(np.sqrt((offset**2).sum(axis=2)), bins)[0]
+    n, rings = len(frames[0]), np.pi * (bins[1:] ** 2 - bins[:-1] ** 2)
+    return counts / (len(frames) * n * (n - 1) / side**2 * rings)
+
+
+def lennard_jones(offset, side):
+    """Return forces of the truncated potential, by NumPy over all pairs."""
+    offset = offset - side * np.round(offset / side)
+    squares = (offset**2).sum(axis=2)
+    np.fill_diagonal(squares, np.inf)
+    sixth = np.where(squares < 6.25, squares, np.inf) ** -3
+    return ((24 * (sixth - 2 * sixth**2) / squares)[:, :, None] * offset).sum(axis=1)
+
+
+@pytest.mark.slow
+def test_a_fluid_has_the_structure_of_an_independent_simulation():
+    """g(r) at the density 0.6 and a temperature near 1, beside velocity Verlet in NumPy."""
+    n, density, dt = 144, 0.6, 0.005
+    side = float(np.sqrt(n / density))
+    rng = np.random.default_rng(4)
+    sites = (np.stack(np.meshgrid(range(12), range(12)), 2).reshape(-1, 2) + 0.5) * side / 12
+    start = rng.normal(0, 1.2, (n, 2))
+    start -= start.mean(axis=0)
+    world = jostle.World(
+        sites, start, 0.1, masses=1.0, container=jostle.Torus(side, side), on_touch="ignore",
+        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, 2.5)],
+    )  # fmt: skip
+    positions, velocities = sites.copy(), start.copy()
+    force = lennard_jones(positions[None] - positions[:, None], side)
+    ours, theirs, heat = [], [], np.zeros(2)
+    for frame in range(500):
+        world.step(dt, steps=20)
+        for _ in range(20):
+            velocities += dt / 2 * force
+            positions += dt * velocities
+            force = lennard_jones(positions[None] - positions[:, None], side)
+            velocities += dt / 2 * force
+        if frame >= 100:
+            ours.append(world.positions)
+            theirs.append(positions.copy())
+            heat += world.kinetic_energy / n, 0.5 * (velocities**2).sum() / n
+    bins = np.linspace(0.8, 3.0, 34)
+    g, expected = (radial_distribution(frames, side, bins) for frames in (ours, theirs))
+    assert abs(heat[0] / heat[1] - 1) < 0.02
+    assert 1.0 < bins[g.argmax()] < 1.2 and g.max() > 1.8
+    assert np.abs(g - expected).max() < 0.08

@@ -1,0 +1,273 @@
+"""Periodic planes and searches within a distance, against minimum images in plain NumPy."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from oracle import DTYPES
+from scipy.spatial import cKDTree
+
+import jostle
+
+PERIODS = [(10.0, 10.0), (10.0, 0.0), (0.0, 7.0), (0.75, 16.0), (1e4, 3.0), (0.0, 0.0)]
+
+
+@st.composite
+def planes(draw: st.DrawFn) -> tuple[dict[str, Any], tuple[float, float]]:
+    """Shapes as arguments of `find_pairs`, and a period."""
+    dtype = draw(st.sampled_from(DTYPES))
+    n = draw(st.integers(0, 40))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    on_grid = draw(st.booleans())
+    centers = rng.integers(-60, 60, (n, 2)) / 4 if on_grid else rng.uniform(-15, 15, (n, 2))
+    radii = rng.integers(0, 5, n) / 4 if draw(st.booleans()) else np.zeros(n)
+    halves = rng.integers(0, 9, (n, 2)) / 4
+    kind = draw(st.sampled_from(["circles", "rounded", "boxes"]))
+    arguments: dict[str, Any] = {"radii": radii.astype(dtype)}
+    if kind == "boxes":
+        arguments["boxes"] = np.hstack([centers, centers + halves]).astype(dtype)
+    else:
+        arguments["centers"] = centers.astype(dtype)
+        if kind == "rounded":
+            arguments["half_sizes"] = halves.astype(dtype)
+    return arguments, draw(st.sampled_from(PERIODS))
+
+
+def sides(tree: jostle.Quadtree) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return min and max of the cores as the tree stores them, and their half sizes."""
+    state = tree.__getnewargs_ex__()[1]
+    if "boxes" in state:
+        return state["boxes"][:, :2], state["boxes"][:, 2:], np.zeros_like(state["boxes"][:, :2])
+    centers = state["centers"]
+    return centers, centers, state.get("half_sizes", np.zeros_like(centers))
+
+
+def gaps(tree: jostle.Quadtree, period: tuple[float, float]) -> NDArray[Any]:
+    """Return the gap of each shape (row) to each other (column) along each axis."""
+    low, high, half = sides(tree)
+    centers = tree.centers
+    result = np.empty((len(tree), len(tree), 2), low.dtype)
+
+    def between(a: Any, b: Any, axis: int) -> Any:
+        gap = np.maximum(b[0][:, axis] - a[1][:, axis], a[0][:, axis] - b[1][:, axis])
+        return gap - (half[i, axis] + half[j, axis])
+
+    i, j = np.divmod(np.arange(len(tree) ** 2), max(len(tree), 1))
+    for axis in range(2):
+        a, b = (low[i], high[i]), (low[j], high[j])
+        gap = between(a, b, axis)
+        side = low.dtype.type(period[axis])
+        if side:
+            lowered = between((a[0] - side, a[1] - side), b, axis)
+            other = between(a, (b[0] - side, b[1] - side), axis)
+            first = centers[i, axis] >= centers[j, axis]
+            gap = np.minimum(gap, np.where(first, lowered, other))
+        result[i, j, axis] = gap
+    return result
+
+
+def overlaps(gap: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
+    outside = np.maximum(gap, 0)
+    near = outside[..., 0] ** 2 + outside[..., 1] ** 2 < (radii[:, None] + radii[None]) ** 2
+    return near | (gap < 0).all(axis=-1)
+
+
+@settings(max_examples=150)
+@given(planes(), st.sampled_from([0.0, 0.5, 1.25, 30.0]))
+def test_pairs_neighbors_and_contacts(
+    plane: tuple[dict[str, Any], tuple[float, float]], distance: float
+) -> None:
+    arguments, period = plane
+    tree = jostle.Quadtree(**arguments, period=period, leaf_capacity=3)
+    assert tree.period == period
+    gap = gaps(tree, period)
+    for reach in (0.0, distance):
+        radii = tree.radii + tree.radii.dtype.type(reach) / 2
+        found = overlaps(gap, radii)
+        np.fill_diagonal(found, val=False)
+        expected = np.argwhere(np.triu(found))
+        for method in ("brute", "quadtree"):
+            pairs = jostle.find_pairs(
+                **arguments, period=period, distance=reach, method=method, sort=True
+            )
+            assert np.array_equal(pairs, expected)
+        assert np.array_equal(tree.pairs(distance=reach, sort=True), expected)
+        both = tree.pairs(tree, distance=reach, sort=True)
+        assert np.array_equal(both[both[:, 0] != both[:, 1]], np.argwhere(found))
+        near = tree.neighbors(reach)
+        assert np.array_equal(np.diff(near.offsets), found.sum(axis=1))
+        assert np.array_equal(near.ids, np.nonzero(found)[1])
+        space = jostle.Space(dtype=tree.dtype, period=period)
+        space.add(**arguments)
+        assert np.array_equal(space.pairs(distance=reach, sort=True), expected)
+        assert np.array_equal(space.neighbors(reach).ids, near.ids)
+    contacts = tree.contacts(sort=True)
+    assert np.array_equal(contacts.pairs, tree.pairs(sort=True))
+    i, j = contacts.pairs.T
+    apart = np.maximum(gap[i, j], 0)
+    length = np.hypot(apart[:, 0], apart[:, 1])
+    deep = np.where(length > 0, length, gap[i, j].max(axis=1, initial=-np.inf))
+    assert contacts.depths == pytest.approx(tree.radii[i] + tree.radii[j] - deep, abs=1e-4)
+    assert np.array_equal(space.contacts(sort=True).normals, contacts.normals)
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_neighbors_are_those_of_a_k_d_tree(dtype: Any) -> None:
+    points = np.random.default_rng(3).uniform(0, 1, (5000, 2)).astype(dtype)
+    for reach in (0.01, 0.04):
+        found = jostle.Quadtree(points, period=1.0).neighbors(reach)
+        kd = cKDTree(points.astype(float), boxsize=1.0)
+        # Two points can be as far apart as `reach` in one arithmetic and nearer in the other.
+        fewer, more = (
+            {tuple(pair) for pair in kd.query_pairs(reach * factor)}
+            for factor in (1 - 1e-5, 1 + 1e-5)
+        )
+        rows = np.repeat(np.arange(5000), np.diff(found.offsets))
+        ours = {(i, j) for i, j in zip(rows.tolist(), found.ids.tolist(), strict=True) if i < j}
+        assert fewer <= ours <= more
+        assert 2 * len(ours) == len(found.ids)
+
+
+@settings(max_examples=100)
+@given(planes(), st.integers(0, 2**32 - 1))
+def test_queries(plane: tuple[dict[str, Any], tuple[float, float]], seed: int) -> None:
+    """Each query finds what it finds among nine copies of the shapes in an infinite plane."""
+    arguments, period = plane
+    tree = jostle.Quadtree(**arguments, period=period)
+    space = jostle.Space(dtype=tree.dtype, period=period)
+    space.add(**arguments)
+    low, high, half = sides(tree)
+    shifts = [
+        (x * period[0], y * period[1])
+        for x in ((-2, -1, 0, 1, 2) if period[0] else (0,))
+        for y in ((-2, -1, 0, 1, 2) if period[1] else (0,))
+    ]
+    low64, high64 = low.astype(float), high.astype(float)
+    copies = jostle.Quadtree(
+        boxes=np.vstack(
+            [np.hstack([low64 - half + shift, high64 + half + shift]) for shift in shifts]
+        ),
+        radii=np.tile(tree.radii.astype(float), len(shifts)),
+    )
+    rng = np.random.default_rng(seed)
+    # On a coarse grid, float32 and float64 agree about what touches.
+    points = rng.integers(-8, 60, (6, 2)) / 8
+    points %= [side or 1e9 for side in period]
+    exact = all(side * 8 == int(side * 8) for side in period)
+    n = max(len(tree), 1)
+
+    def same(found: jostle.Hits, expected: jostle.Hits) -> None:
+        for ids, many in zip(found.lists(), expected.lists(), strict=True):
+            assert np.array_equal(ids, np.unique(many % n))
+
+    if exact and np.array_equal(np.round(low64 * 8), low64 * 8):
+        rects = np.hstack([points, points + 0.5])
+        for index in (tree, space):
+            same(index.query_rect(rects), copies.query_rect(rects))
+            same(index.query_circle(points, 0.75), copies.query_circle(points, 0.75))
+    for index in (tree, space):
+        distances, ids = index.nearest(points, k=1, max_distance=np.arange(6.0))
+        far, _ = copies.nearest(points, k=1, max_distance=np.arange(6.0))
+        assert distances == pytest.approx(far, abs=1e-3)
+        rays = rng.normal(0, 1, (6, 2))
+        length = 0.9 * min((side for side in period if side), default=9.0)
+        hit = index.raycast(points, rays, max_distance=length)
+        wide = copies.raycast(points, rays, max_distance=length)
+        both = (hit.ids >= 0) & (wide.ids >= 0)
+        assert hit.distances[both] == pytest.approx(wide.distances[both], abs=2e-2)
+        assert (ids >= -1).all()
+
+
+def test_positions_that_differ_by_a_period_are_equal() -> None:
+    tree = jostle.Quadtree([(0.5, 0.5), (9.5, 0.5), (5, 5)], radii=0.75, period=10)
+    assert tree.pairs().tolist() == [[0, 1]]
+    assert tree.contacts().normals.tolist() == [[-1.0, 0.0]]
+    for turn in (-30, 0, 20):
+        point = (9.9 + turn, 0.5 - turn)
+        assert tree.query_point(point).tolist() == [0, 1]
+        assert tree.nearest(point).ids.tolist() == [0]
+        assert tree.query_circle(point, 0.2).tolist() == [0, 1]
+    assert tree.query_rect((-0.3, 0, 0, 1)).tolist() == [0, 1]
+    assert tree.query_rect((-50, -50, 50, 50)).tolist() == [0, 1, 2]
+    assert tree.query_polygon([(-1, -1), (1, -1), (0, 1)]).tolist() == [0, 1]
+    hit = tree.raycast((8, 0.5), (1, 0), max_distance=40)
+    assert (hit.id, hit.distance, hit.normal) == (1, 0.75, (-1.0, 0.0))
+    assert tree.raycast_all((8, 0.5), (1, 0), max_distance=40).ids.tolist() == [1, 0]
+    assert tree.raycast((5, 9), (0, 1), max_distance=10).distance == pytest.approx(5.25)
+
+
+def test_moving_shapes_enter_across_the_boundary() -> None:
+    space = jostle.Space(period=(10, None))
+    ids = space.add([(0.5, 0), (5, 0)], radii=1.0)
+    assert space.period == (10.0, 0.0)
+    assert len(space.update().entered) == 0
+    space.move(ids[1], (19.0, 0))
+    assert space.centers(1).tolist() == [9.0, 0.0]
+    assert space.update().entered.tolist() == [[0, 1]]
+    twin = copy.deepcopy(space)
+    space.move(1, (15.0, 0))
+    assert space.update().left.tolist() == [[0, 1]]
+    assert twin.pairs().tolist() == [[0, 1]]
+    space.move(1, (-0.5, 10))
+    assert len(space.pairs()) == 0, "y is not periodic"
+
+
+def test_shapes_larger_than_the_period() -> None:
+    tree = jostle.Quadtree([(1, 1), (6, 6)], half_sizes=(30, 0.5), period=10)
+    assert tree.pairs().tolist() == []
+    assert tree.pairs(distance=4.5).tolist() == [[0, 1]]
+    assert tree.neighbors(100).lists()[0].tolist() == [1]
+    assert tree.query_rect((3, 0.9, 4, 1.1)).tolist() == [0]
+
+
+REFUSED: list[tuple[Any, type[Exception], str]] = [
+    (lambda: jostle.Quadtree([(0, 0)], period=-1), ValueError, r"period\[0\] is -1"),
+    (lambda: jostle.Quadtree([(0, 0)], period=(5, np.nan)), ValueError, r"period\[1\] is NaN"),
+    (lambda: jostle.Space(period=(1, 2, 3)), ValueError, "period"),
+    (lambda: jostle.Space(period="wide"), TypeError, "period must hold real numbers"),
+    (lambda: jostle.find_pairs([(0, 0)], distance=-1), ValueError, "distance is -1; it must be"),
+    (lambda: jostle.find_pairs([(0, 0)], distance=np.inf), ValueError, "distance is inf"),
+    (lambda: jostle.Space().neighbors(-2.0), ValueError, "distance is -2"),
+    (lambda: jostle.Quadtree([(0, 0)]).neighbors("far"), TypeError, "distance must be a number"),
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).raycast((0, 0), (1, 0)),
+        ValueError,
+        r"max_distance is inf; with period=\(9, 9\), it must be at most 1024 periods",
+    ),
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).query_polygon([(0, 0), (10, 0), (0, 9)]),
+        ValueError,
+        "a polygon may be at most one period wide and high",
+    ),
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).pairs(jostle.Quadtree([(0, 0)])),
+        ValueError,
+        r"other has period=\(0.0, 0.0\) and this tree period=\(9.0, 9.0\)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "error", "message"), REFUSED)
+def test_refusals(call: Any, error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        call()
+
+
+def test_the_threads_change_nothing() -> None:
+    points = np.random.default_rng(5).uniform(0, 100, (20_000, 2))
+    trees = [jostle.Quadtree(points, 0.3, period=100, threads=threads) for threads in (1, 2)]
+    near = [tree.neighbors(1.0) for tree in trees]
+    assert np.array_equal(near[0].ids, near[1].ids)
+    assert np.array_equal(trees[0].pairs(), trees[1].pairs())
+    order = np.random.default_rng(6).permutation(len(points))
+    moved = jostle.Quadtree(points[order], 0.3, period=100).neighbors(1.0)
+    for new in (0, 7, 9_999):
+        ids = np.sort(order[moved.ids[moved.offsets[new] : moved.offsets[new + 1]]])
+        old = order[new]
+        assert np.array_equal(ids, near[0].ids[near[0].offsets[old] : near[0].offsets[old + 1]])
