@@ -72,7 +72,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     }
 
     /// Moves shapes until none overlap or for `max_rounds` passes in all; returns false if it
-    /// gives up before, because passes are of little use. It does not if it is `patient`.
+    /// ends before, because passes are of little use. It does not if it is `patient`.
     pub fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {
