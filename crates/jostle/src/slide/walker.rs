@@ -203,7 +203,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         loop {
             share = share - back;
             back = back * T::from_f64(4.0);
-            if !(share > T::ZERO) {
+            if share <= T::ZERO {
                 return start;
             }
             let center = at(share);
