@@ -50,7 +50,8 @@ def scene(name: str, count: int) -> tuple[Floats, Floats, Floats]:
     if name == "crowd":  # discs on 60 % of the area that have moved by a tenth of their radius
         side = np.sqrt(count * np.pi / 0.6)
         placed = jostle.separate(rng.uniform(0, side, (count, 2)), 1.0).centers
-        return placed + rng.uniform(-0.1, 0.1, (count, 2)), np.ones(count), halves
+        moved = np.asarray(placed + rng.uniform(-0.1, 0.1, (count, 2)), np.float64)
+        return moved, np.ones(count), halves
     if name == "heap of discs":
         return rng.normal(0, np.sqrt(count), (count, 2)), rng.uniform(1, 10, count), halves
     if name == "heap of labels":
@@ -62,8 +63,7 @@ def scene(name: str, count: int) -> tuple[Floats, Floats, Floats]:
 
 def ours(centers: Floats, radii: Floats, halves: Floats, axis: int | None = None) -> Floats:
     """Return the centres of `separate`."""
-    found: Floats = jostle.separate(centers, radii, halves, axis=axis).centers
-    return found
+    return np.asarray(jostle.separate(centers, radii, halves, axis=axis).centers, np.float64)
 
 
 def adjust_text(centers: Floats, radii: Floats, halves: Floats) -> Floats:

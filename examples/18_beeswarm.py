@@ -13,7 +13,7 @@ groups = {
     show.YELLOW: np.concatenate([rng.normal(230, 45, 1500), rng.normal(540, 60, 2000)]),
     show.RED: 770 - rng.gamma(4, 45, 3500),
 }
-radius = 1.5
+radius = 1.35
 
 with show.axes("Ten thousand points, each at its value along x") as plot:
     seconds = 0.0

@@ -202,6 +202,13 @@ def find_pairs(
     categories, masks : array_like of int, a number or shape (n,), optional
         Bit sets of 32 bits: shapes i and j may pair only if ``categories[i] & masks[j]`` and
         ``categories[j] & masks[i]``. If omitted, categories are 1 and masks have all bits.
+    distance : float, default 0.0
+        Find pairs whose gap is below this, in units of length: each radius is increased by half of
+        it. If 0, the shapes must overlap.
+    period : float or (float, float), optional
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+        not periodic. Positions that differ by a multiple of the period are equal, and the gap along
+        an axis is that of the minimum image.
     method : {"auto", "brute", "quadtree"}, default "auto"
         How the pairs are found; the pairs are the same. "auto" uses brute force if it
         is faster.
@@ -261,6 +268,8 @@ def find_pairs(
            [1, 2]])
     >>> jostle.find_pairs(boxes=[(0, 0, 0.1, 1), (0.1, 0, 0.3, 1), (0.2, 0, 0.4, 1)])
     array([[1, 2]])
+    >>> jostle.find_pairs([(0.5, 0), (3, 0), (9.5, 0)], distance=2.0, period=10)
+    array([[0, 2]])
     """
 
 @overload
@@ -279,8 +288,12 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
-def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events: ...
-def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space: ...
+def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events:
+    """Events with these pairs. For pickle."""
+
+def restore_space(options: dict[str, Any], state: tuple[Any, ...]) -> Space:
+    """A space with the contents that pickle has stored."""
+
 def sprite_pairs(
     left: list[Any],
     right: list[Any] | None,
@@ -390,7 +403,8 @@ def separate(
     bounds : array_like, shape (4,), optional
         min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
     max_rounds : int, default 1000
-        Maximum number of rounds. With a small number, motion is spread over several calls.
+        Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
+        with fewer than 32, crowded regions are not enlarged.
     tolerance : float, default 0.01
         Overlapping shapes are moved apart by this share of their size more than needed. A smaller
         number needs more rounds.
@@ -423,8 +437,8 @@ def separate(
     Notes
     -----
     Arithmetic is float32 if every given array is float32, otherwise float64. The order of the
-    shapes has no effect, except that shapes with equal values at the same place are distinguished
-    by it. If the bounds are too small for the shapes, some overlap at the end.
+    shapes has no effect, except that it distinguishes shapes with equal values at the same
+    place. If the bounds are too small for the shapes, some overlap at the end.
 
     References
     ----------
@@ -476,6 +490,10 @@ class Quadtree:
         ``categories[j] & masks[i]`` are not 0. A negative integer stands for its low 32
         bits, so ``masks=~SHIP`` is every category except SHIP. For a uint8 or uint16 array, ``~``
         sets no bits above the 8th or 16th.
+    period : float or (float, float), optional
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+        not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
+        the period are equal in every method, and each shape is found once.
     leaf_capacity : int, default 96
         Shapes that a box may hold before it splits into four.
     max_depth : int, default 4096
@@ -580,6 +598,9 @@ class Quadtree:
             Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
+        distance : float, default 0.0
+            Find pairs whose gap is below this, in units of length: each radius is increased by half
+            of it. If 0, the shapes must overlap.
 
         Returns
         -------
@@ -615,13 +636,22 @@ class Quadtree:
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
     ) -> Contacts:
-        """Find every pair of overlapping shapes, and how each overlaps.
+        """Find every pair of overlapping shapes in this tree, or between it and another, and how each
+        overlaps.
 
         Parameters
         ----------
+        other : Quadtree, optional
+            A tree of the same dtype and period. If omitted, the pairs are those within this tree,
+            ``i < j``.
+        sort : bool, default False
+            Whether to sort the contacts by the first, then by the second shape of the pair. If
+            False, they come in the order of :meth:`pairs`.
         max_pairs : int, default 134217728
             Maximum number of pairs to return. Each takes 32 bytes, in float32 20, and about as
             much during the search; memory is allocated only for the pairs that are found.
+        mask : int, optional
+            Find only pairs whose shapes both have a category in this set of bits.
 
         Returns
         -------
@@ -629,7 +659,7 @@ class Quadtree:
             Three arrays:
 
             pairs : ndarray of int64, shape (m, 2)
-                As from :meth:`pairs`, in the order of the tree.
+                As from :meth:`pairs`: row numbers i and j.
             normals : ndarray of the tree's dtype, shape (m, 2)
                 Unit vectors from i to j. If the cores of the shapes overlap, the axis
                 of least penetration; +x for coincident centres.
@@ -639,8 +669,10 @@ class Quadtree:
 
         Raises
         ------
+        TypeError
+            If the dtypes of the two trees differ.
         ValueError
-            If more than `max_pairs` pairs overlap.
+            If the periods of the two trees differ, or more than `max_pairs` pairs overlap.
         MemoryError
             If there is no memory for the contacts.
 
@@ -655,6 +687,9 @@ class Quadtree:
         >>> tree = jostle.Quadtree([(0, 0), (0, 1.5)], radii=1.0)
         >>> tree.contacts()
         Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        >>> walls = jostle.Quadtree(boxes=[(-9, 0.5, 9, 2)])
+        >>> tree.contacts(walls, sort=True).depths
+        array([0.5, 1.5])
         """
     @overload
     def query_rect(
@@ -889,7 +924,7 @@ class Quadtree:
             Points.
         k : int, default 1
             Number of shapes to find.
-        max_distance : float, default inf
+        max_distance : array_like, a number or shape (n,), default inf
             Ignore shapes farther than this, in units of length.
         mask : int, optional
             Find only shapes with a category in this set of bits.
@@ -948,8 +983,9 @@ class Quadtree:
         direction : array_like, shape (2,) or (k, 2)
             Direction of each ray, of any length except 0. One origin may have many
             directions, and many origins one direction.
-        max_distance : float, default inf
-            Maximum length of the rays, in units of length.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
 
@@ -960,7 +996,8 @@ class Quadtree:
             first); for many rays, arrays of both. At equal distances the smaller row; -1 and
             infinity if nothing is hit, so test the row before you use it as an index. The
             distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            touches an edge hits it.
+            touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
+            that point away from the shape where it is hit; (0, 0) if a ray starts in it.
 
         Raises
         ------
@@ -1037,8 +1074,9 @@ class Quadtree:
             Direction of the motion, of any length except 0.
         radius : array_like, a number or shape (k,)
             Radii of the discs.
-        max_distance : float, default inf
-            Maximum distance of the motion, in units of length.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum distance of each motion, in units of length. With a period it must be given,
+            and be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
 
@@ -1122,7 +1160,41 @@ class Quadtree:
         *,
         max_distance: _Real = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
+    ) -> RayHits:
+        """Find every shape that a ray hits, nearest first, or that each of many rays hits.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of each ray.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of each ray, of any length except 0.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits.
+
+        Returns
+        -------
+        RayHits or RayHitLists
+            Unpacks as ``rows, distances``: all hits of one ray, each shape once, at equal
+            distances the smaller row first. For many rays, ``offsets, ids, distances, normals``.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
+            there are more than 134217728 hits.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> ids, distances = tree.raycast_all((-4, 0), (1, 0), max_distance=6)
+        >>> ids, distances
+        (array([0, 1]), array([3., 6.]))
+        """
     @overload
     def raycast_all(
         self,
@@ -1169,7 +1241,44 @@ class Quadtree:
         *,
         max_distance: _Real = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
+    ) -> RayHit:
+        """Find the first shape that a moving box hits, or each of many boxes.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of the centre of each box.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of the motion, of any length except 0.
+        half_size : array_like, a number, shape (2,) or (k, 2)
+            Half widths and half heights of the boxes.
+        radius : array_like, a number or shape (k,), default 0.0
+            Distance by which the boxes extend beyond their cores, as for other shapes.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum distance of each motion, in units of length. With a period it must be given,
+            and be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
+
+        Returns
+        -------
+        RayHit or RayHits
+            The row and the distance of the motion until the hit, as from :meth:`raycast`.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), a size is out of range, or
+            `max_distance` is negative.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> hit = tree.box_cast((-4, 0.5), (1, 0), half_size=0.5)
+        >>> hit, hit.normal
+        (RayHit(id=0, distance=2.5), (-1.0, 0.0))
+        """
     @overload
     def box_cast(
         self,
@@ -1214,7 +1323,39 @@ class Quadtree:
         max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
-    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits:
+        """Find the neighbours of every shape within a distance.
+
+        Parameters
+        ----------
+        distance : float
+            Shapes are neighbours if the gap between their surfaces is below this, in units of
+            length; each radius is increased by half of it.
+        mask : int, optional
+            Find only neighbours of which both have a category in this set of bits.
+
+        Returns
+        -------
+        Hits
+            Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the rows of the
+            neighbours of shape i, ascending, itself left out; i counts the shapes in ascending row.
+
+        Raises
+        ------
+        ValueError
+            If `distance` is negative or out of range, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        pairs
+
+        Examples
+        --------
+        >>> import jostle
+        >>> tree = jostle.Quadtree([(0, 0), (3, 0), (4, 0)])
+        >>> tree.neighbors(3.5).lists()
+        [array([1]), array([0, 2]), array([1])]
+        """
     def nodes(self) -> Nodes:
         """Return the boxes of the tree.
 
@@ -1265,21 +1406,36 @@ class Quadtree:
         nodes : The boxes.
         """
     @property
-    def centers(self) -> NDArray[np.floating[Any]]: ...
+    def centers(self) -> NDArray[np.floating[Any]]:
+        """Centres, ``(min + max) / 2`` for shapes given as boxes: ndarray of the tree's dtype, shape
+        (n, 2), a copy. With a period they are in ``[0, period)``.
+        """
     @property
-    def radii(self) -> NDArray[np.floating[Any]]: ...
+    def radii(self) -> NDArray[np.floating[Any]]:
+        """Radii: ndarray of the tree's dtype, shape (n,), a copy."""
     @property
-    def half_sizes(self) -> NDArray[np.floating[Any]]: ...
+    def half_sizes(self) -> NDArray[np.floating[Any]]:
+        """Half widths and half heights: ndarray of the tree's dtype, shape (n, 2), a copy; 0 for
+        circles, ``(max - min) / 2`` for shapes given as boxes.
+        """
     @property
-    def boxes(self) -> NDArray[np.floating[Any]]: ...
+    def boxes(self) -> NDArray[np.floating[Any]]:
+        """The sides of the shapes without their radii: ndarray of the tree's dtype, shape (n, 4), a copy.
+
+        They are min_x, min_y, max_x, max_y as they were given, or ``center ± half_size``.
+        """
     @property
-    def categories(self) -> NDArray[np.uint32]: ...
+    def categories(self) -> NDArray[np.uint32]:
+        """Categories: ndarray of uint32, shape (n,), a copy."""
     @property
-    def masks(self) -> NDArray[np.uint32]: ...
+    def masks(self) -> NDArray[np.uint32]:
+        """Masks: ndarray of uint32, shape (n,), a copy."""
     @property
-    def period(self) -> tuple[float, float]: ...
+    def period(self) -> tuple[float, float]:
+        """Width and height of the period: a tuple of two floats, 0 on an axis that is not periodic."""
     @property
-    def dtype(self) -> Literal["float32", "float64"]: ...
+    def dtype(self) -> Literal["float32", "float64"]:
+        """The precision of its arithmetic: "float32" or "float64"."""
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
     def __len__(self) -> int: ...
 
@@ -1298,6 +1454,10 @@ class Space:
     ----------
     dtype : {"float64", "float32"}, default "float64"
         Precision of all arithmetic. Other numbers are converted.
+    period : float or (float, float), optional
+        Width and height of a periodic plane, one number for both; 0 or None on an axis that is
+        not periodic. Centres are moved into ``[0, period)``; positions that differ by a multiple of
+        the period are equal in every method, and each shape is found once.
     leaf_capacity : int, default 96
         Shapes that a box of a tree may hold before it splits into four. Small trees in a
         space with many shapes use a smaller number.
@@ -1812,6 +1972,9 @@ class Space:
             Maximum number of pairs to return; the default corresponds to 2 GiB.
         mask : int, optional
             Find only pairs whose shapes both have a category in this set of bits.
+        distance : float, default 0.0
+            Find pairs whose gap is below this, in units of length: each radius is increased by half
+            of it. If 0, the shapes must overlap.
 
         Returns
         -------
@@ -2072,7 +2235,7 @@ class Space:
             Points.
         k : int, default 1
             Number of shapes to find.
-        max_distance : float, default inf
+        max_distance : array_like, a number or shape (n,), default inf
             Ignore shapes farther than this, in units of length.
         mask : int, optional
             Find only shapes with a category in this set of bits.
@@ -2132,8 +2295,9 @@ class Space:
         direction : array_like, shape (2,) or (k, 2)
             Direction of each ray, of any length except 0. One origin may have many
             directions, and many origins one direction.
-        max_distance : float, default inf
-            Maximum length of the rays, in units of length.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
 
@@ -2144,7 +2308,8 @@ class Space:
             first); for many rays, arrays of both. At equal distances the smaller id; -1 and
             infinity if nothing is hit, so test the id before you use it as an index. The
             distance is that to the surface, 0 if a ray starts in a shape. A ray that only
-            touches an edge hits it.
+            touches an edge hits it. The attribute `normal`, or `normals`, holds unit vectors
+            that point away from the shape where it is hit; (0, 0) if a ray starts in it.
 
         Raises
         ------
@@ -2222,8 +2387,9 @@ class Space:
             Direction of the motion, of any length except 0.
         radius : array_like, a number or shape (k,)
             Radii of the discs.
-        max_distance : float, default inf
-            Maximum distance of the motion, in units of length.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum distance of each motion, in units of length. With a period it must be given,
+            and be at most 1024 periods.
         mask : int, optional
             Hit only shapes with a category in this set of bits; other shapes are ignored.
 
@@ -2308,7 +2474,42 @@ class Space:
         *,
         max_distance: _Real = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHits: ...
+    ) -> RayHits:
+        """Find every shape that a ray hits, nearest first, or that each of many rays hits.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of each ray.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of each ray, of any length except 0.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum length of each ray, in units of length. With a period it must be given, and
+            be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits.
+
+        Returns
+        -------
+        RayHits or RayHitLists
+            Unpacks as ``ids, distances``: all hits of one ray, each shape once, at equal
+            distances the smaller id first. For many rays, ``offsets, ids, distances, normals``.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
+            there are more than 134217728 hits.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> ids, distances = space.raycast_all((-4, 0), (1, 0), max_distance=6)
+        >>> ids, distances
+        (array([0, 1]), array([3., 6.]))
+        """
     @overload
     def raycast_all(
         self,
@@ -2355,7 +2556,45 @@ class Space:
         *,
         max_distance: _Real = math.inf,
         mask: SupportsIndex | None = None,
-    ) -> RayHit: ...
+    ) -> RayHit:
+        """Find the first shape that a moving box hits, or each of many boxes.
+
+        Parameters
+        ----------
+        origin : array_like, shape (2,) or (k, 2)
+            Start of the centre of each box.
+        direction : array_like, shape (2,) or (k, 2)
+            Direction of the motion, of any length except 0.
+        half_size : array_like, a number, shape (2,) or (k, 2)
+            Half widths and half heights of the boxes.
+        radius : array_like, a number or shape (k,), default 0.0
+            Distance by which the boxes extend beyond their cores, as for other shapes.
+        max_distance : array_like, a number or shape (k,), default inf
+            Maximum distance of each motion, in units of length. With a period it must be given,
+            and be at most 1024 periods.
+        mask : int, optional
+            Hit only shapes with a category in this set of bits; other shapes are ignored.
+
+        Returns
+        -------
+        RayHit or RayHits
+            The id and the distance of the motion until the hit, as from :meth:`raycast`.
+
+        Raises
+        ------
+        ValueError
+            If a number is not finite, a direction is (0, 0), a size is out of range, or
+            `max_distance` is negative.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (3, 0), (5, 0)], radii=1.0)
+        >>> hit = space.box_cast((-4, 0.5), (1, 0), half_size=0.5)
+        >>> hit, hit.normal
+        (RayHit(id=0, distance=2.5), (-1.0, 0.0))
+        """
     @overload
     def box_cast(
         self,
@@ -2400,14 +2639,88 @@ class Space:
         max_distance: _Real | _Reals = math.inf,
         mask: SupportsIndex | None = None,
     ) -> RayHit | RayHits | Any: ...
-    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits: ...
+    def neighbors(self, distance: _Number, *, mask: SupportsIndex | None = None) -> Hits:
+        """Find the neighbours of every shape within a distance.
+
+        Parameters
+        ----------
+        distance : float
+            Shapes are neighbours if the gap between their surfaces is below this, in units of
+            length; each radius is increased by half of it.
+        mask : int, optional
+            Find only neighbours of which both have a category in this set of bits.
+
+        Returns
+        -------
+        Hits
+            Compressed sparse rows: ``ids[offsets[i]:offsets[i + 1]]`` are the ids of the
+            neighbours of shape i, ascending, itself left out; i counts the shapes in ascending id.
+
+        Raises
+        ------
+        ValueError
+            If `distance` is negative or out of range, or there are more than 134217728 ids.
+
+        See Also
+        --------
+        pairs
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (3, 0), (4, 0)])
+        >>> space.neighbors(3.5).lists()
+        [array([1]), array([0, 2]), array([1])]
+        """
     def contacts(
         self,
         *,
         sort: bool = False,
         max_pairs: SupportsIndex = 134217728,
         mask: SupportsIndex | None = None,
-    ) -> Contacts: ...
+    ) -> Contacts:
+        """Find every pair of overlapping shapes, and how each overlaps.
+
+        Parameters
+        ----------
+        sort : bool, default False
+            Whether to sort the contacts by the first, then by the second id of the pair. If False,
+            they come in the order of :meth:`pairs`.
+        max_pairs : int, default 134217728
+            Maximum number of pairs to return.
+        mask : int, optional
+            Find only pairs whose shapes both have a category in this set of bits.
+
+        Returns
+        -------
+        Contacts
+            pairs : ndarray of int64, shape (m, 2)
+                Ids i and j of each pair, the smaller first, every pair once.
+            normals : ndarray of the space's dtype, shape (m, 2)
+                Unit vectors from i to j. If the cores of the shapes overlap, the axis
+                of least penetration; +x for coincident centres.
+            depths : ndarray of the space's dtype, shape (m,)
+                Penetration: the distance that j must move along the normal until the two only
+                touch.
+
+        Raises
+        ------
+        ValueError
+            If more than `max_pairs` pairs overlap.
+
+        See Also
+        --------
+        Quadtree.contacts
+
+        Examples
+        --------
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
+        >>> space.contacts()
+        Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+        """
     def centers(self, ids: ArrayLike | None = None) -> NDArray[np.floating[Any]]:
         """Return centres; ``(min + max) / 2`` for shapes given as boxes.
 
@@ -2584,7 +2897,8 @@ class Space:
     def dtype(self) -> Literal["float32", "float64"]:
         """The precision of its arithmetic: "float32" or "float64"."""
     @property
-    def period(self) -> tuple[float, float]: ...
+    def period(self) -> tuple[float, float]:
+        """Width and height of the period: a tuple of two floats, 0 on an axis that is not periodic."""
     def __copy__(self) -> Self: ...
     def __deepcopy__(self, memo: Any, /) -> Self: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -4446,70 +4760,126 @@ class PairForce:
         *,
         strength: _Number = 1.0,
     ) -> PairForce:
-        """staticmethod(function) -> method
+        """Particle life: kinds attract and repel each other, not always mutually.
 
-        Convert a function to be a static method.
+        Within ``core * cutoff`` all particles repel each other, with the force `strength` at
+        distance 0. From there to the cutoff, kind a is attracted by kind b with the force
+        ``matrix[a, b] * strength`` in the middle, which decreases to 0 on both sides.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
+        Parameters
+        ----------
+        kinds : array_like of int, shape (n,)
+            The kind of each particle, from 0 to K - 1.
+        matrix : array_like, shape (K, K)
+            Attraction of kind a (row) by kind b (column), usually -1 to 1; negative values repel.
+        cutoff : float
+            Distance from which there is no force, in units of length.
+        core : float, default 0.3
+            Share of the cutoff within which all repel each other, between 0 and 1.
+        strength : float, default 1.0
+            Factor of all forces.
 
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
+        Returns
+        -------
+        PairForce
 
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
+        Raises
+        ------
+        TypeError, ValueError
+            As for `PairForce`.
 
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        See Also
+        --------
+        jostle.life : Matrices with interesting results.
+
+        Notes
+        -----
+        The forces are not conservative, so the world needs a `drag`.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> kinds = np.arange(1000) % 2
+        >>> force = jostle.PairForce.particle_life(kinds, [[1, -0.5], [0.5, 1]], cutoff=4.0)
+        >>> force.table.shape
+        (2, 2, 21)
         """
     @staticmethod
     def lennard_jones(
         kinds: ArrayLike, epsilon: ArrayLike, sigma: ArrayLike, cutoff: _Number
     ) -> PairForce:
-        """staticmethod(function) -> method
+        """The Lennard-Jones force, truncated at the cutoff.
 
-        Convert a function to be a static method.
+        The potential energy is ``4 * epsilon * ((sigma / d)**12 - (sigma / d)**6)``, shifted to 0 at
+        the cutoff. Below ``sigma / 2`` the force is that at ``sigma / 2``.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
+        Parameters
+        ----------
+        kinds : array_like of int, shape (n,)
+            The kind of each particle, from 0 to K - 1.
+        epsilon : array_like, a number or shape (K, K)
+            Depth of the potential, in units of energy.
+        sigma : array_like, a number or shape (K, K)
+            Distance at which it is 0, in units of length. The minimum is at ``2**(1/6) * sigma``.
+        cutoff : float
+            Distance from which there is no force, usually 2.5 times the largest sigma.
 
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
+        Returns
+        -------
+        PairForce
 
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
+        Raises
+        ------
+        TypeError, ValueError
+            As for `PairForce`.
 
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Notes
+        -----
+        A sub-step of ``0.005 * sigma * sqrt(m / epsilon)`` seconds conserves energy to 0.1 %. Use
+        ``on_touch="ignore"``, so that the particles do not also collide as discs.
+
+        Examples
+        --------
+        >>> import jostle
+        >>> force = jostle.PairForce.lennard_jones([0, 0], epsilon=1.0, sigma=1.0, cutoff=2.5)
+        >>> apart = [(0, 0), (2 ** (1 / 6), 0)]
+        >>> world = jostle.World(apart, [(0, 0)] * 2, 0.1, on_touch="ignore", forces=[force])
+        >>> round(world.potential_energy, 3)
+        -0.984
         """
     @staticmethod
     def soft_discs(
         kinds: ArrayLike, stiffness: ArrayLike, diameters: ArrayLike, damping: _Number = 0.0
     ) -> PairForce:
-        """staticmethod(function) -> method
+        """Soft discs, which repel each other with a force proportional to their overlap.
 
-        Convert a function to be a static method.
+        Parameters
+        ----------
+        kinds : array_like of int, shape (n,)
+            The kind of each particle, from 0 to K - 1.
+        stiffness : array_like, a number or shape (K, K)
+            Force per unit of overlap.
+        diameters : array_like, a number or shape (K, K)
+            Distance below which two kinds overlap, in units of length. The largest is the cutoff.
+        damping : float, default 0.0
+            As for `PairForce`.
 
-        A static method does not receive an implicit first argument.
-        To declare a static method, use this idiom:
+        Returns
+        -------
+        PairForce
 
-             class C:
-                 @staticmethod
-                 def f(arg1, arg2, argN):
-                     ...
+        Raises
+        ------
+        TypeError, ValueError
+            As for `PairForce`.
 
-        It can be called either on the class (e.g. C.f()) or on an instance
-        (e.g. C().f()). Both the class and the instance are ignored, and
-        neither is passed implicitly as the first argument to the method.
-
-        Static methods in Python are similar to those found in Java or C++.
-        For a more advanced concept, see the classmethod builtin.
+        Examples
+        --------
+        >>> import jostle
+        >>> force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0)
+        >>> world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, 1, on_touch="ignore", forces=[force])
+        >>> world.potential_energy
+        50.0
         """
     @property
     def kinds(self) -> NDArray[np.uint8]:

@@ -252,7 +252,7 @@ class Slide(NamedTuple):
     displacement : ndarray of float32 or float64, shape (2,)
         How far it has moved, in units of length.
     remaining : ndarray of float32 or float64, shape (2,)
-        The given displacement, without its components into the obstacles; divided by
+        The displacement that was given, without its components into the obstacles; divided by
         the duration of the step it is the velocity for the next step.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit normal of each obstacle, towards the shape.
@@ -287,7 +287,7 @@ class Slides(NamedTuple):
     displacements : ndarray of float32 or float64, shape (k, 2)
         How far each has moved, in units of length.
     remaining : ndarray of float32 or float64, shape (k, 2)
-        The given displacements, without their components into the obstacles; divided
+        The displacements that were given, without their components into the obstacles; divided
         by the duration of the step they are the velocities for the next step.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit normal of each obstacle, towards the shape that met it; in the order of ``hits.ids``.

@@ -75,8 +75,8 @@ use crate::shapes::{Rows, Shapes};
 /// Notes
 /// -----
 /// Arithmetic is float32 if every given array is float32, otherwise float64. The order of the
-/// shapes has no effect, except that shapes with equal values at the same place are distinguished
-/// by it. If the bounds are too small for the shapes, some overlap at the end.
+/// shapes has no effect, except that it distinguishes shapes with equal values at the same
+/// place. If the bounds are too small for the shapes, some overlap at the end.
 ///
 /// References
 /// ----------
