@@ -34,6 +34,7 @@ Examples
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -133,6 +134,10 @@ class ContinuousSpace(_MesaSpace):
         self._all_moved = False
         #: Rows whose position is outside of a torus or not finite.
         self._outside: set[int] = set()
+        # As plain numbers: for one agent, arithmetic on these is faster than on arrays.
+        self._low: list[float] = self.dimensions[:, 0].astype(float).tolist()
+        self._high: list[float] = self.dimensions[:, 1].astype(float).tolist()
+        self._largest = float(np.abs(self.dimensions).max())
 
     @property
     def agent_positions(self) -> Any:
@@ -179,9 +184,9 @@ class ContinuousSpace(_MesaSpace):
         if self._moved:
             rows = [row for row in self._moved if row < self._added]
             self._moved.clear()
-            if len(rows) == 1:
-                row = rows[0]
-                self._shapes.move(row, self._inside([row])[0])
+            if len(rows) == 1 and not self._outside and self._contains(self._numbers(rows[0])):
+                x, y = self._numbers(rows[0])
+                self._shapes.move(rows[0], (x - self._low[0], y - self._low[1]))
             elif rows:
                 self._shapes.move(rows, self._inside(rows))
         if self._added < self._n_agents:
@@ -189,6 +194,14 @@ class ContinuousSpace(_MesaSpace):
             self._shapes.add(self._inside(list(new)))
             self._added = self._n_agents
         return None if self._outside else self._shapes
+
+    def _numbers(self, row: int) -> list[float]:
+        return self._agent_positions[row].tolist()
+
+    def _contains(self, point: list[float]) -> bool:
+        """Return whether a point is within the bounds; False for NaN."""
+        (x, y), low, high = point, self._low, self._high
+        return low[0] <= x <= high[0] and low[1] <= y <= high[1]
 
     def _inside(self, rows: list[int]) -> NDArray[np.float64]:
         """Return positions relative to the lower corner; note those that jostle cannot store."""
@@ -205,17 +218,18 @@ class ContinuousSpace(_MesaSpace):
 
     def _rows_near(self, point: NDArray[np.float64], radius: float) -> NDArray[np.int64] | None:
         """Return rows with all agents within a radius; None if Mesa's own code must be used."""
-        if not np.isfinite(point).all() or not np.isfinite(radius) or point.shape != (2,):
+        if point.shape != (2,) or not math.isfinite(radius):
             return None
-        if self.torus and not self.in_bounds(point):
+        numbers = point.tolist()
+        if not self._contains(numbers) and (self.torus or not np.isfinite(point).all()):
             return None
         shapes = self._synchronized()
         if shapes is None:
             return None
-        largest = max(float(np.abs(self.dimensions).max()), float(np.abs(point).max()))
-        radius = max(float(radius), 0.0)
-        center = point - self.dimensions[:, 0]
-        return shapes.query_circle(tuple(center.tolist()), radius + _MARGIN * (largest + radius))
+        x, y = numbers
+        largest, radius = max(self._largest, abs(x), abs(y)), max(float(radius), 0.0)
+        center = (x - self._low[0], y - self._low[1])
+        return shapes.query_circle(center, radius + _MARGIN * (largest + radius))
 
     def _distances(
         self, point: NDArray[np.float64], rows: NDArray[np.int64]
