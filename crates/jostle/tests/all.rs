@@ -24,5 +24,6 @@ mod snapshot;
 mod space;
 mod thermal;
 mod threads;
+mod torus_walls;
 mod tree;
 mod walls;

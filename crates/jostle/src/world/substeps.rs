@@ -134,6 +134,7 @@ impl World {
             motions.set(place as u32, Motion { position, residual, velocity, travel: [0.0; 2] });
         });
         memory.spins.fill(&particles.spins);
+        memory.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
         memory.limits.clear();
         if !self.asleep.is_empty() {
@@ -236,7 +237,7 @@ impl World {
                 restitution: settings.restitution,
                 is_elastic,
                 thermostat: forces::thermostat(&self.forces),
-                thermal: forces::thermal_sides(&self.forces, self.time),
+                hot: &memory.hot_walls,
                 pairs: settings.on_touch == OnTouch::Bounce,
                 candidates: &memory.pairs,
                 sensed: &memory.sensed,
