@@ -64,6 +64,7 @@ class Polyline:
     friction: float | None = None  # that of the particle, if None
     velocity: tuple[float, float] = (0.0, 0.0)  # world units per second
     period: float | None = None  # of the motion back and forth, in seconds; without it if None
+    temperature: float | None = None  # kT of thermal walls; others, if None
 
 
 @dataclass
@@ -91,6 +92,7 @@ class Settings:
     walls: tuple[Polyline, ...] = ()  # in addition to those of the scene
     # Of the sides of the container: of all, or at min x, max x, min y and max y.
     container_restitution: float | tuple[float, float, float, float] | None = None
+    wall_friction: float | None = None  # of walls that a user draws; that of the particle, if None
 
     @property
     def by_article(self) -> bool:
@@ -127,6 +129,7 @@ RULES: dict[str, Rule] = {
     "restitution": or_none(real(0, 1)),
     "container_restitution": or_none(SIDES),
     "friction": or_none(real(0)),
+    "wall_friction": or_none(real(0)),
     "substeps": or_none(whole(1, 1_000)),
     "threads": or_none(THREADS),
     "on_touch": or_none(one_of(*ON_TOUCH)),
@@ -157,6 +160,7 @@ LINE_RULES: dict[str, AnyRule] = {
     "friction": or_none(real(0)),
     "velocity": each(real(), "x", "y"),
     "period": or_none(real(0.001)),
+    "temperature": or_none(real(1e-6)),
 }
 LINES = Many(
     Fields(LINE_RULES, "a property of walls", complete=False),

@@ -44,7 +44,8 @@ LONGEST = 1_000  # characters of a key or a number
 # Settings that are fixed in the article's programs.
 FIXED_BY_ARTICLE = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "container_restitution", "threads", "on_touch", "sleeping", "walls"),
+    *("friction", "wall_friction", "container_restitution", "threads", "on_touch"),
+    *("sleeping", "walls"),
 )
 
 WINDOW_RULES: dict[str, Rule] = {
