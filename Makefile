@@ -81,8 +81,8 @@ clean:  ## remove everything that was built
 	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# 100,000 random polygons of walls, which no disc may leave.
-POLYGONS = cargo test --package jostle --test all nothing_leaves_many_polygons -- --ignored
+# Twice 100,000 random polygons of walls, which no disc may leave.
+POLYGONS = cargo test --package jostle --test all many_polygons -- --ignored
 
 # All parts of the benchmarks, if no part is named.
 asked = $(or $(1),$(if $(ARGS),,all))

@@ -21,8 +21,8 @@ from jostle.bench.machine import version_of
 from jostle.bench.timing import interleaved
 
 POINTS, ROUNDS, NEIGHBORS = 100_000, 15, 8
-# So that no rounding decides which points are neighbours, points are on a coarse grid and the squared
-# distances of the grid leave out the limit.
+# So that rounding decides about no pair, points are on a coarse grid and the squared distances of
+# the grid leave out the limit.
 GRID = 2.0**-20
 
 Points = NDArray[np.float64]

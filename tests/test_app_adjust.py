@@ -11,7 +11,7 @@ import jostle
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.containers import InitialRegion, bounds, moved_inside
-from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.settings import Polyline, Settings
 from jostle.app.simulate.start import resume, start
 from jostle.app.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
@@ -205,6 +205,26 @@ def test_the_camera_shows_the_world_that_has_grown() -> None:
 
 
 # ---- rules ---------------------------------------------------------------------------------------
+
+
+def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
+    """Walls of the file keep theirs."""
+    line = Polyline(((0.0, 1.0), (9.0, 1.0)), friction=0.1)
+    simulation = gas(20, friction=0.5, walls=(line,), gravity=(0.0, 50.0))
+    assert simulation.effective_settings.wall_friction == 0.5  # that of the particles
+    simulation.add_wall(Polyline(((0.0, 5.0), (9.0, 5.0))))
+    assert simulation.adjust("wall_friction", 0.75) is None
+    simulation.add_wall(Polyline(((0.0, 8.0), (9.0, 8.0))))
+    expected = np.float32([0.1, 0.75, 0.75])
+    np.testing.assert_array_equal(simulation.world.wall_friction, expected)
+    again = resume(simulation.settings, simulation.save())
+    assert again.effective_settings.wall_friction == 0.75
+    np.testing.assert_array_equal(again.world.wall_friction, expected)
+    again.remove_walls([0])
+    again.add_wall(Polyline(((0.0, 2.0), (9.0, 2.0))))
+    assert again.world.wall_friction.tolist() == [0.75] * 3
+    assert "wall_friction" in str(simulation.adjust("wall_friction", -1.0))
+    assert simulation.settings.wall_friction == 0.75
 
 
 def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("pygame")
 
+import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.settings import (
@@ -20,7 +21,8 @@ from jostle.app.simulate.settings import (
     Polyline,
     Settings,
 )
-from jostle.app.simulate.start import start
+from jostle.app.simulate.simulation import Attractor
+from jostle.app.simulate.start import resume, start
 from jostle.app.simulate.validation import rules_of
 from jostle.app.simulate.wall_segments import clear_of
 from jostle.app.storage.config import (
@@ -281,6 +283,36 @@ def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
 
 
+def test_walls_of_a_file_may_have_temperatures(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 20
+[[walls]]
+points = [[10, 10], [60, 10]]
+[[walls]]
+points = [[10, 20], [60, 20], [60, 40]]
+temperature = 900
+velocity = [30, 0]
+period = 1
+[[walls]]
+points = [[5, 50], [20, 50]]
+temperature = 4
+"""
+    simulation = start(read(tmp_path, text).settings)
+    hot, cold = jostle.ThermalWalls(900, walls=[1, 2]), jostle.ThermalWalls(4, walls=[3])
+    assert simulation.world.forces[1:] == (hot, cold)
+    simulation.attract((Attractor(3.0, point=(1.0, 2.0)),))
+    simulation.remove_walls([1, 3])
+    motor, only, attractor = simulation.world.forces
+    assert motor.walls.tolist() == [1] and only == jostle.ThermalWalls(900, walls=[1])
+    assert isinstance(attractor, jostle.Attractor)
+    simulation.attract(())
+    assert simulation.world.forces == (motor, only)
+    again = resume(simulation.settings, simulation.save())
+    for one in (simulation, again):
+        one.step()
+    assert again.world.state_hash() == simulation.world.state_hash()
+
+
 def test_walls_of_a_file_may_move_there_and_back(tmp_path: Path) -> None:
     text = """scene = "gas"
 n = 20
@@ -339,10 +371,14 @@ radius = 0.5
     assert clear_of(frame.positions, frame.radii, frame.walls).all()
 
 
-def test_walls_on_a_torus_are_refused(tmp_path: Path) -> None:
-    text = 'scene = "gas"\nn = 5\ncontainer = "torus"\n[[walls]]\npoints = [[0, 0], [9, 9]]'
-    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls is 1 walls; on a"):
-        start(read(tmp_path, text).settings)
+def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 5\ncontainer = "torus"\n[[walls]]\npoints = [[-5, 0], [9, 9]]'
+    simulation = start(read(tmp_path, text).settings)
+    simulation.step()
+    assert simulation.world.walls.tolist() == [[[-5, 0], [9, 9]]]
+    long = text.replace("-5", "-5e4")
+    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls\[0\] is .* a torus"):
+        start(read(tmp_path, long).settings)
 
 
 def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:

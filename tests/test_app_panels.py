@@ -147,6 +147,17 @@ def test_each_slider_changes_its_rule_of_the_world(desk, mark, attribute) -> Non
     assert getattr(here.session.settings, attribute) == pytest.approx(values[1])
 
 
+def test_the_slider_of_wall_friction_changes_drawn_walls(desk) -> None:
+    here = desk()
+    here.session.interaction.commands.wall((10.0, 10.0), (90.0, 10.0))
+    here.frame()
+    here.press("wall friction", 0.25)
+    here.let_go("wall friction", 0.25)
+    friction = here.session.settings.wall_friction
+    assert 0.3 < friction < 0.6
+    assert here.world.wall_friction.tolist() == [np.float32(friction)]
+
+
 def test_the_slider_of_friction_changes_all_particles(desk) -> None:
     here = desk("pile")
     here.press("friction", 0.25)

@@ -110,6 +110,18 @@ def test_a_held_ball_is_not_pushed_through_a_wall_that_is_drawn() -> None:
     assert 300 < driver.world.positions[0, 0] < 400
 
 
+def test_drawn_walls_have_the_friction_of_their_slider() -> None:
+    driver = Driver(world_of([(200, 250)]))
+    driver.key(pygame.K_2)
+    driver.drag((400, 50), (400, 450))
+    assert np.isnan(driver.world.wall_friction).all()  # that of the particles
+    driver.session.runner.adjust("wall_friction", 0.75)
+    driver.drag((50, 450), (300, 450))
+    assert driver.world.wall_friction.tolist() == [0.75, 0.75]
+    driver.session.runner.adjust("wall_friction", 0.25)
+    assert driver.world.wall_friction.tolist() == [0.25, 0.25]
+
+
 def test_drawn_walls_can_be_cleared() -> None:
     driver = Driver(world_of([(200, 250)]))
     driver.key(pygame.K_2)

@@ -63,6 +63,21 @@ def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
     assert 4 > means[0] > means[1] > means[2] > means[3] > 1
 
 
+def test_line_segments_have_temperatures() -> None:
+    """A hot plate in a cold box that particles pass through each other in."""
+    hot, cold = jostle.ThermalWalls(4.0, walls=[1]), jostle.ThermalWalls(1.0, seed=1)
+    world = gas([])
+    world.walls = [((5, 5), (9, 9)), ((0.3 * SIDE, 0.5 * SIDE), (0.7 * SIDE, 0.5 * SIDE))]
+    world.forces = [cold, hot]
+    world.step(1.0, steps=600)
+    energies = []
+    for _ in range(20):
+        world.step(1.0, steps=20)
+        beside = np.abs(world.positions - SIDE / 2).max(axis=1) < 0.15 * SIDE
+        energies.append((world.velocities**2).sum(axis=1)[beside].mean() / 2)
+    assert 1.3 < np.mean(energies) < 4
+
+
 def test_the_order_of_adding_and_threads_do_not_show() -> None:
     forces = [jostle.ThermalWalls(KT), jostle.AndersenThermostat(KT, 0.1)]
     worlds = [gas(forces, threads=threads) for threads in (1, 2)]
@@ -81,8 +96,11 @@ def test_they_are_values() -> None:
     assert repr(bath) == "AndersenThermostat(2.5, 0.5, 0)"
     assert (walls.temperature, walls.sides, walls.seed) == (2.5, (0, 3), 7)
     assert (bath.temperature, bath.rate, bath.seed) == (2.5, 0.5, 0)
-    assert jostle.ThermalWalls(1).sides == (0, 1, 2, 3)
-    for force in (walls, bath):
+    assert jostle.ThermalWalls(1).sides == (0, 1, 2, 3) and walls.walls == ()
+    plates = jostle.ThermalWalls(2.5, walls=[2, 0])
+    assert repr(plates) == "ThermalWalls(2.5, [], 0, walls=[2, 0])"
+    assert (plates.sides, plates.walls) == ((), (2, 0)) and plates != jostle.ThermalWalls(2.5)
+    for force in (walls, bath, plates):
         for same in (pickle.loads(pickle.dumps(force)), copy.deepcopy(force)):
             assert same == force and hash(same) == hash(force)
     assert walls != jostle.ThermalWalls(2.5, sides=[3], seed=7)
@@ -98,6 +116,11 @@ def test_they_are_values() -> None:
         (lambda: jostle.ThermalWalls(-1), ValueError, "temperature is -1; it must be finite and"),
         (lambda: jostle.ThermalWalls(1, sides=[]), ValueError, "sides is (); at least one side"),
         (lambda: jostle.ThermalWalls(1, sides=[0, 4]), ValueError, "sides[1] is 4; the sides of"),
+        (lambda: jostle.ThermalWalls(1, walls=[]), ValueError, "sides is (); at least one side or"),
+        (lambda: jostle.ThermalWalls(1, walls=[3, 3]), ValueError, "walls[1] is 3; it is given"),
+        (lambda: jostle.ThermalWalls(1, walls=[-1]), ValueError, "walls[0] is -1; no wall has"),
+        (lambda: jostle.ThermalWalls(1, walls=0.5), TypeError, "walls must hold integers"),
+        (lambda: gas([jostle.ThermalWalls(1, walls=[0])]), ValueError, "forces[0] is ThermalWalls"),
         (lambda: jostle.ThermalWalls(1, sides=[2, 2]), ValueError, "sides[1] is 2; it is given"),
         (lambda: jostle.ThermalWalls(1, seed=2**32), ValueError, "seed is 4294967296; it must"),
         (lambda: jostle.ThermalWalls("hot"), TypeError, "temperature must be a number"),  # type: ignore[arg-type]

@@ -54,7 +54,10 @@ def test_walls_are_a_column() -> None:
         ({"walls": [[(0, 0), (0, 1)]], "wall_restitution": 1.5}, "wall_restitution is 1.5; it"),
         ({"walls": [[(0, 0), (0, 1)]], "wall_restitution": [-1]}, "wall_restitution[0] is -1; it"),
         ({"walls": [[(0, 0), (0, 1)]], "wall_friction": -1}, "wall_friction is -1; it must be"),
-        ({"walls": [[(0, 0), (0, 1)]], "container": jostle.Torus(9, 9)}, "walls is 1 walls; on a"),
+        (
+            {"walls": [[(0, 0), (0, 9.5)]], "container": jostle.Torus(9, 9)},
+            "walls[0] is ((0, 0), (0, 9.5)); on a torus a wall may extend over each side once",
+        ),
     ],
 )
 def test_invalid_walls_are_refused(arguments: dict[str, Any], message: str) -> None:
@@ -96,6 +99,21 @@ def test_a_heap_rests_in_a_hopper_and_falls_when_it_opens() -> None:
     assert not world.asleep.any()
     world.step(STEP, steps=600)
     assert (world.positions[:, 1] < 0).all()
+
+
+def test_walls_on_a_torus_act_across_its_boundary() -> None:
+    """The wall is outside the torus; the disc meets its image."""
+    world = jostle.World(
+        [(18, 5)], [(4, 0)], 1.0, container=jostle.Torus(20, 10), walls=[((24, 2), (24, 8))]
+    )
+    world.step(0.5, steps=3)
+    np.testing.assert_allclose(world.positions, [(2, 5)], atol=1e-5)
+    np.testing.assert_allclose(world.velocities, [(-4, 0)])
+    assert world.collisions.walls == 1
+    again = jostle.World.restore(world.snapshot())
+    again.step(0.5)
+    world.step(0.5)
+    assert again.state_hash() == world.state_hash()
 
 
 def test_nothing_passes_at_a_thousand_radii_a_step() -> None:

@@ -3015,7 +3015,8 @@ class World:
     walls : array_like, shape (m, 2, 2), optional
         Line segments, solid from both sides, from one end to the other; `polyline` makes
         them from points. A particle stays on the side on which its centre is. One that overlaps
-        a wall is pushed out in several steps. On a `Torus` there can be no walls.
+        a wall is pushed out in several steps. On a `Torus` walls act across the periodic boundary,
+        and a wall may extend over each side once at most.
     wall_velocities : array_like, shape (2,) or (m, 2), optional
         Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
         particles and are not pushed. Walls that share an end should have the same velocity. Nothing
@@ -5147,9 +5148,9 @@ class Thermostat:
 
 @final
 class ThermalWalls:
-    """Sides of the container with a temperature.
+    """Sides of the container, and walls, with a temperature.
 
-    A particle that hits such a side leaves it with the velocity of a particle that enters through
+    A particle that hits such a wall leaves it with the velocity of a particle that enters through
     it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
     velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
     reaches their temperature and the Maxwell distribution; between different temperatures there is
@@ -5163,16 +5164,20 @@ class ThermalWalls:
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
         Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-        0 is the wall of a `Circle`. If omitted, all.
+        0 is the wall of a `Circle`. If omitted, all; none if `walls` is given.
     seed : int, default 0
         Seed of the random numbers, below 2³².
+    walls : array_like of int, shape (m,), optional
+        Indices of line segments in `World.walls`, which have the temperature on both sides. At a wall
+        that moves, the velocities are relative to it.
 
     Raises
     ------
     TypeError
         If an argument has the wrong type.
     ValueError
-        If a number is out of range, or a side is given twice.
+        If a number is out of range, or a side or a wall is given twice. When it is assigned to
+        `World.forces`, also if a wall does not exist, or has a temperature already.
 
     See Also
     --------
@@ -5181,7 +5186,7 @@ class ThermalWalls:
 
     Notes
     -----
-    Several of them may have different sides. Angular velocities, and particles that rest on a wall,
+    Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
     are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
     along the normal.
 
@@ -5199,24 +5204,40 @@ class ThermalWalls:
     >>> world.step(1 / 60, steps=10)
     >>> hot
     ThermalWalls(4.0, [0], 0)
+
+    A hot plate in the middle of the box:
+
+    >>> world.walls = [((5, 10), (15, 10))]
+    >>> world.forces = [jostle.ThermalWalls(9.0, walls=[0])]
+    >>> world.step(1 / 60, steps=10)
     """
 
     __match_args__: Final = ("temperature", "sides", "seed")
     def __new__(
-        cls, temperature: _Number, sides: ArrayLike | None = None, seed: SupportsIndex = 0
+        cls,
+        temperature: _Number,
+        sides: ArrayLike | None = None,
+        seed: SupportsIndex = 0,
+        *,
+        walls: ArrayLike | None = None,
     ) -> Self: ...
     @property
     def temperature(self) -> float:
         """Boltzmann's constant times the temperature."""
     @property
     def sides(self) -> tuple[int, ...]:
-        """The sides that have it: a tuple of int, ascending."""
+        """The sides of the container that have it: a tuple of int, ascending."""
     @property
     def seed(self) -> int:
         """The seed of the random numbers."""
+    @property
+    def walls(self) -> tuple[int, ...]:
+        """The indices of the walls that have it: a tuple of int."""
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
-    def __getnewargs__(self) -> tuple[float, tuple[int, ...], int]: ...
+    def __getnewargs_ex__(
+        self,
+    ) -> tuple[tuple[float, tuple[int, ...], int], dict[str, tuple[int, ...]]]: ...
 
 @final
 class AndersenThermostat:

@@ -12,7 +12,7 @@ use crate::arrays::{
     Argument, Given, column, count, decimal, long_ids, number, point, read_only, reals, table, word,
 };
 use crate::error::{refused, type_error, value_error};
-use crate::motor::PyMotor;
+use crate::motor::{PyMotor, wall_numbers};
 use crate::pair_force::{PyFlocking, PyPairForce};
 
 /// A force towards a point or a particle.
@@ -462,9 +462,9 @@ impl PyThermostat {
     }
 }
 
-/// Sides of the container with a temperature.
+/// Sides of the container, and walls, with a temperature.
 ///
-/// A particle that hits such a side leaves it with the velocity of a particle that enters through
+/// A particle that hits such a wall leaves it with the velocity of a particle that enters through
 /// it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
 /// velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
 /// reaches their temperature and the Maxwell distribution; between different temperatures there is
@@ -478,16 +478,20 @@ impl PyThermostat {
 ///     particle, in units of mass times length² per second².
 /// sides : array_like of int, shape (k,), optional
 ///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-///     0 is the wall of a `Circle`. If omitted, all.
+///     0 is the wall of a `Circle`. If omitted, all; none if `walls` is given.
 /// seed : int, default 0
 ///     Seed of the random numbers, below 2³².
+/// walls : array_like of int, shape (m,), optional
+///     Indices of line segments in `World.walls`, which have the temperature on both sides. At a wall
+///     that moves, the velocities are relative to it.
 ///
 /// Raises
 /// ------
 /// TypeError
 ///     If an argument has the wrong type.
 /// ValueError
-///     If a number is out of range, or a side is given twice.
+///     If a number is out of range, or a side or a wall is given twice. When it is assigned to
+///     `World.forces`, also if a wall does not exist, or has a temperature already.
 ///
 /// See Also
 /// --------
@@ -496,7 +500,7 @@ impl PyThermostat {
 ///
 /// Notes
 /// -----
-/// Several of them may have different sides. Angular velocities, and particles that rest on a wall,
+/// Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
 /// are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
 /// along the normal.
 ///
@@ -514,6 +518,12 @@ impl PyThermostat {
 /// >>> world.step(1 / 60, steps=10)
 /// >>> hot
 /// ThermalWalls(4.0, [0], 0)
+///
+/// A hot plate in the middle of the box:
+///
+/// >>> world.walls = [((5, 10), (15, 10))]
+/// >>> world.forces = [jostle.ThermalWalls(9.0, walls=[0])]
+/// >>> world.step(1 / 60, steps=10)
 #[pyclass(module = "jostle", name = "ThermalWalls", frozen, eq)]
 #[derive(PartialEq)]
 pub struct PyThermalWalls(forces::ThermalWalls);
@@ -526,19 +536,22 @@ impl PyThermalWalls {
 
     #[new]
     #[pyo3(
-        signature = (temperature, sides=None, seed=Given::NOTHING),
-        text_signature = "(temperature, sides=None, seed=0)"
+        signature = (temperature, sides=None, seed=Given::NOTHING, *, walls=None),
+        text_signature = "(temperature, sides=None, seed=0, *, walls=None)"
     )]
     fn new(
         temperature: &Bound<'_, PyAny>,
         sides: Option<&Bound<'_, PyAny>>,
         seed: Given<'_>,
+        walls: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let temperature = number("temperature", temperature)? as f32;
-        let sides = sides.map_or(Ok([true; 4]), self::sides)?;
-        let walls = forces::ThermalWalls { temperature, sides, seed: self::seed(&seed)? };
-        walls.validate().map_err(refused)?;
-        Ok(Self(walls))
+        let sides = sides.map_or(Ok([walls.is_none(); 4]), self::sides)?;
+        let indices = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
+        let walls = wall_numbers(&indices.map_or(Vec::new(), |indices| indices.rows(1)))?;
+        let hot = forces::ThermalWalls { temperature, sides, walls, seed: self::seed(&seed)? };
+        hot.validate().map_err(refused)?;
+        Ok(Self(hot))
     }
 
     /// Boltzmann's constant times the temperature.
@@ -547,7 +560,7 @@ impl PyThermalWalls {
         decimal(self.0.temperature)
     }
 
-    /// The sides that have it: a tuple of int, ascending.
+    /// The sides of the container that have it: a tuple of int, ascending.
     #[getter]
     fn sides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.numbers())
@@ -559,16 +572,30 @@ impl PyThermalWalls {
         self.0.seed
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(f64, Bound<'py, PyTuple>, u32)> {
-        Ok((self.temperature(), self.sides(py)?, self.seed()))
+    /// The indices of the walls that have it: a tuple of int.
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, &self.0.walls)
+    }
+
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((f64, Bound<'py, PyTuple>, u32), Bound<'py, PyDict>)> {
+        let keywords = [("walls", self.walls(py)?)].into_py_dict(py)?;
+        Ok(((self.temperature(), self.sides(py)?, self.seed()), keywords))
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__(py)?.into_pyobject(py)?.hash()
+        let all = (self.temperature(), self.sides(py)?, self.seed(), self.walls(py)?);
+        all.into_pyobject(py)?.hash()
     }
 
     fn __repr__(&self) -> String {
-        format!("ThermalWalls({:?}, {:?}, {})", self.temperature(), self.numbers(), self.seed())
+        let (sides, walls) = (self.numbers(), &self.0.walls);
+        let walls = if walls.is_empty() { String::new() } else { format!(", walls={walls:?}") };
+        format!("ThermalWalls({:?}, {sides:?}, {}{walls})", self.temperature(), self.seed())
     }
 }
 
@@ -740,7 +767,7 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
     } else if let Ok(found) = value.cast::<PyThermostat>() {
         Ok(Force::Thermostat(found.get().0))
     } else if let Ok(found) = value.cast::<PyThermalWalls>() {
-        Ok(Force::ThermalWalls(found.get().0))
+        Ok(Force::ThermalWalls(found.get().0.clone()))
     } else if let Ok(found) = value.cast::<PyAndersenThermostat>() {
         Ok(Force::Andersen(found.get().0))
     } else if let Ok(found) = value.cast::<PyMotor>() {

@@ -171,7 +171,7 @@ impl PyMotor {
 }
 
 /// The indices of walls as u32.
-fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
+pub fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
     let number = |(index, &wall): (usize, &i64)| {
         let refusal = || jostle::Error::at("walls", index, wall, "no wall has this index");
         u32::try_from(wall).map_err(|_| refused(refusal()))

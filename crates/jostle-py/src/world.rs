@@ -90,7 +90,8 @@ use crate::walls;
 /// walls : array_like, shape (m, 2, 2), optional
 ///     Line segments, solid from both sides, from one end to the other; `polyline` makes
 ///     them from points. A particle stays on the side on which its centre is. One that overlaps
-///     a wall is pushed out in several steps. On a `Torus` there can be no walls.
+///     a wall is pushed out in several steps. On a `Torus` walls act across the periodic boundary,
+///     and a wall may extend over each side once at most.
 /// wall_velocities : array_like, shape (2,) or (m, 2), optional
 ///     Velocities of the walls, in units of length per second; 0 if omitted. Moving walls push
 ///     particles and are not pushed. Walls that share an end should have the same velocity. Nothing

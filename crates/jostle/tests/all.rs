@@ -26,5 +26,6 @@ mod snapshot;
 mod space;
 mod thermal;
 mod threads;
+mod torus_walls;
 mod tree;
 mod walls;

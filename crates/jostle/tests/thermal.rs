@@ -4,7 +4,7 @@ use jostle::forces::chance::Chance;
 use jostle::forces::{Andersen, ThermalWalls};
 use jostle::scenes::random::Random;
 use jostle::{
-    Container, Force, Method, OnTouch, Particles, Settings, World, WorldSettings, forces,
+    Container, Force, Method, OnTouch, Particles, Settings, Wall, World, WorldSettings, forces,
 };
 
 const STEP: f64 = 1.0 / 60.0;
@@ -16,7 +16,19 @@ fn run(world: &mut World, steps: usize) {
 }
 
 fn walls(sides: [bool; 4], seed: u32) -> Force {
-    Force::ThermalWalls(ThermalWalls { temperature: KT, sides, seed })
+    Force::ThermalWalls(ThermalWalls { temperature: KT, sides, walls: vec![], seed })
+}
+
+/// Line segments at a temperature.
+fn segments(temperature: f32, walls: &[u32], seed: u32) -> Force {
+    let (sides, walls) = ([false; 4], walls.to_vec());
+    Force::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
+}
+
+/// The sides of a polygon.
+fn closed(corners: &[[f32; 2]]) -> Vec<Wall> {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(&a, &b)| Wall::new([a, b])).collect()
 }
 
 fn bath(rate: f32) -> Force {
@@ -104,6 +116,41 @@ fn a_gas_gets_the_temperature_of_its_walls() {
 }
 
 #[test]
+fn a_gas_gets_the_temperature_of_line_segments() {
+    let corners = [[-9.0, -2.0], [15.0, -20.0], [42.0, -3.0], [33.0, 36.0], [-2.0, 33.0]];
+    let settings = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
+    let mut world = world(gas(2000, 30.0), settings, vec![]);
+    let mut walls = closed(&corners);
+    // A plate in the middle, with both sides.
+    walls.push(Wall::new([[10.0, 15.1], [22.0, 14.0]]));
+    world.set_walls(walls).unwrap();
+    world.set_forces(vec![segments(KT, &[0, 1, 2, 3, 4, 5], 3)]).unwrap();
+    world.step(1.0, 400).unwrap();
+    check_temperature(&world, "line segments");
+}
+
+#[test]
+fn each_line_segment_has_its_own_temperature() {
+    // Discs that bounce between a cold wall and a hot one, and off elastic walls.
+    let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0]];
+    let base = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
+    let mut world = world(gas(2000, 30.0), base, vec![]);
+    world.set_walls(closed(&corners)).unwrap();
+    let cold = segments(1.0, &[0], 1);
+    world.set_forces(vec![cold, segments(9.0, &[2], 2)]).unwrap();
+    world.step(1.0, 400).unwrap();
+    // Without collisions the discs that move up come from the cold wall: v has the density of the
+    // flux over v.
+    for (sign, temperature) in [(1.0, 1.0), (-1.0, 9.0)] {
+        let all = world.velocities().into_iter().step_by(2);
+        let own = all.map(|v| sign * f64::from(v[1])).filter(|v| *v > 0.0);
+        let scaled = own.map(|v| v / f64::sqrt(temperature)).collect();
+        let distance = kolmogorov_smirnov(scaled, |x| 2.0 * normal(x) - 1.0);
+        assert!(distance < 1.95, "{temperature}: {distance}");
+    }
+}
+
+#[test]
 fn a_gas_gets_the_temperature_of_a_bath() {
     let settings =
         WorldSettings { container: Container::Torus { size: [60.0; 2] }, ..Default::default() };
@@ -154,6 +201,31 @@ fn a_disc_leaves_a_wall_as_from_a_gas() {
 }
 
 #[test]
+fn a_disc_leaves_a_moving_line_segment_as_from_a_gas() {
+    let n = 4000;
+    for (x, velocity) in [(1.0, [-10.0, 3.0]), (-1.0, [10.0, 3.0])] {
+        let positions = (0..n).map(|at| [x * (1.0 + at as f32 * 1e-3), 10.0]).collect();
+        let all = Particles::new(positions, vec![velocity; n], vec![0.5; n], 8.0);
+        let settings = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
+        let mut world = world(all, settings, vec![]);
+        let carried = [0.5, -2.0];
+        let wall = Wall { velocity: carried, ..Wall::new([[0.0, -99.0], [0.0, 99.0]]) };
+        world.set_walls(vec![wall]).unwrap();
+        world.set_forces(vec![segments(KT, &[0], 9)]).unwrap();
+        world.step(0.6, 1).unwrap();
+        let scale = (2.0 / f64::from(KT)).sqrt();
+        let column = |k: usize, sign: f64| {
+            let own = move |v: [f32; 2]| sign * (f64::from(v[k]) - f64::from(carried[k])) * scale;
+            world.velocities().into_iter().map(own).collect::<Vec<f64>>()
+        };
+        let leaving = column(0, f64::from(x));
+        assert!(kolmogorov_smirnov(leaving, |v| 1.0 - (-0.5 * v * v).exp()) < 1.95, "{x}");
+        assert!(kolmogorov_smirnov(column(1, 1.0), normal) < 1.95, "{x}");
+        assert_eq!(world.wall_contacts().len(), n);
+    }
+}
+
+#[test]
 fn other_sides_stay_elastic() {
     let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
     let settings = WorldSettings { container, ..WorldSettings::default() };
@@ -197,7 +269,12 @@ fn busy(settings: WorldSettings, order: &[u32]) -> World {
         bath(0.5),
     ];
     let container = Container::Box { min: [0.0; 2], max: [22.0; 2] };
-    world(all, WorldSettings { container, gravity: [0.0, 3.0], ..settings }, forces)
+    let settings = WorldSettings { container, gravity: [0.0, 3.0], ..settings };
+    let mut world = world(all, settings, vec![]);
+    let wall = |at: f32| Wall::new([[at, 6.0], [at + 3.0, 14.0]]);
+    world.set_walls([3.0, 9.0, 15.0].map(wall).to_vec()).unwrap();
+    world.set_forces([forces, vec![segments(2.0, &[0, 2], 8)]].concat()).unwrap();
+    world
 }
 
 #[test]
@@ -252,7 +329,9 @@ fn an_undone_step_heats_nothing() {
 #[test]
 fn wrong_ones_are_refused() {
     let refusal = |all: &[Force]| forces::validate(all, 1, |id| id == 0).unwrap_err().to_string();
-    let hot = |temperature| Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, seed: 0 });
+    let hot = |temperature| {
+        Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, walls: vec![], seed: 0 })
+    };
     assert_eq!(refusal(&[hot(0.0)]), "temperature is 0; it must be above 0");
     assert!(refusal(&[hot(f32::NAN)]).starts_with("temperature is NaN; it must be finite"));
     assert!(refusal(&[walls([false; 4], 0)]).starts_with("sides is ()"));
@@ -260,6 +339,17 @@ fn wrong_ones_are_refused() {
         refusal(&[walls([true, false, false, false], 0), walls(ALL, 1)]),
         "forces[1] is another ThermalWalls; side 0 has a temperature already"
     );
+    assert_eq!(refusal(&[segments(1.0, &[3, 5, 3], 0)]), "walls[2] is 3; it is given twice");
+    assert!(refusal(&[segments(1.0, &[u32::MAX], 0)]).starts_with("walls[0] is 4294967295; no"));
+    assert_eq!(
+        refusal(&[segments(1.0, &[3], 0), walls(ALL, 0), segments(2.0, &[2, 3], 1)]),
+        "forces[2] is another ThermalWalls; wall 3 has a temperature already"
+    );
+    let mut world = busy(WorldSettings::default(), &[0, 1, 2, 3]);
+    let error = world.set_forces(vec![segments(1.0, &[1, 3], 0)]).unwrap_err().to_string();
+    assert_eq!(error, "forces[0] is ThermalWalls of wall 3; there are 3 walls");
+    let error = world.set_walls(world.walls()[..2].to_vec()).unwrap_err().to_string();
+    assert_eq!(error, "forces[3] is ThermalWalls of wall 2; there are 2 walls");
     assert!(refusal(&[bath(-1.0)]).starts_with("rate is -1; "));
     assert!(
         refusal(&[bath(1.0), bath(1.0)]).starts_with("forces[1] is another AndersenThermostat")

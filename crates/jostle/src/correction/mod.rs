@@ -260,7 +260,7 @@ impl Correction {
 
 thread_local! {
     /// Scratch of [`pushed_out`], which many threads call.
-    static NEAR_WALLS: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+    static NEAR_WALLS: Cell<Vec<(u32, Vector)>> = const { Cell::new(Vec::new()) };
 }
 
 /// The displacement of a particle that is to move `by`, with the least change that lets it overlap
@@ -273,8 +273,9 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
     let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
     let mut is_free = true;
-    walls.each(place, area, 0.0, |wall| {
-        let seen = |position: Vector| walls.position_from(wall, position, 0.0);
+    walls.each(place, area, 0.0, |wall, offset| {
+        let seen =
+            |position: Vector| walls.position_from(wall, vector(|k| position[k] - offset[k]), 0.0);
         is_free &= !walls.walls.is_near(wall, area.map(seen), radius)
             || walls.walls.is_free(wall, [from, to].map(seen), radius);
     });
@@ -283,7 +284,7 @@ fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) ->
     }
     let mut near = NEAR_WALLS.take();
     near.clear();
-    walls.each(place, area, most, |wall| near.push(wall));
+    walls.each(place, area, most, |wall, offset| near.push((wall, offset)));
     let allowed = walls.push_out(&near, [from, to], radius, most);
     NEAR_WALLS.set(near);
     if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }

@@ -148,12 +148,21 @@ impl Window<'_> {
         }
     }
 
-    /// False only if a disc certainly does not touch a wall in the next `span` seconds, without
+    /// False only if a disc certainly touches no wall now or in the next `span` seconds, without
     /// events.
     #[inline(always)]
-    pub fn may_touch_wall(&self, now: &Now, span: f32) -> bool {
-        let Now { position, velocity, radius, .. } = *now;
-        !self.flight.walls.is_empty() || self.may_touch_side([position, velocity], radius, span)
+    pub fn may_touch_wall(&self, index: u32, now: &Now, span: f32) -> bool {
+        let Now { position, velocity, radius, sizes, .. } = *now;
+        let walls = &self.flight.walls;
+        if !walls.is_empty() {
+            let pull = if now.falls { length(self.flight.gravity.map(|g| g as f32)) } else { 0.0 };
+            let far = (length(velocity) + 0.5 * pull * span) * span;
+            let extent = far * (1.0 + MARGIN) + ROUNDING * (sizes + radius);
+            if !walls.is_far(index, position, extent) {
+                return true;
+            }
+        }
+        self.may_touch_side([position, velocity], radius, span)
     }
 
     /// The same for the first segment of a disc and the container.

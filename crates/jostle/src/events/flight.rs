@@ -3,7 +3,7 @@
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::flow::{Flow, Kick};
-use crate::forces::{ThermalSides, Thermostat};
+use crate::forces::{HotWalls, Thermostat};
 use crate::motion::{Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
@@ -78,8 +78,8 @@ pub struct Flight<'a> {
     pub is_elastic: bool,
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
-    /// Sides of the container at temperatures.
-    pub thermal: Option<ThermalSides>,
+    /// The walls at temperatures.
+    pub hot: &'a HotWalls,
     /// Whether discs bounce off each other.
     pub pairs: bool,
     /// The candidate pairs, a list for each image.
@@ -400,14 +400,14 @@ impl Window<'_> {
         limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
     }
 
-    /// Calls `act` with each wall that a disc touches and approaches as it begins a segment.
-    /// `contacts` is scratch.
+    /// Calls `act` with each wall that a disc touches and approaches as it begins a segment, and its
+    /// unit normal. `contacts` is scratch.
     pub fn each_touched_wall(
         &self,
         index: u32,
         now: &Segment,
         contacts: &mut Vec<Contact>,
-        mut act: impl FnMut(u32),
+        mut act: impl FnMut(u32, Vector),
     ) {
         self.each_touched_side(index, now, &mut act);
         if self.flight.walls.is_empty() {
@@ -422,13 +422,13 @@ impl Window<'_> {
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
             if limits.kind(approach, 0.0, now.time).is_some() {
-                act(wall);
+                act(wall, normal);
             }
         }
     }
 
     /// The same for the container.
-    fn each_touched_side(&self, index: u32, now: &Segment, act: &mut impl FnMut(u32)) {
+    fn each_touched_side(&self, index: u32, now: &Segment, act: &mut impl FnMut(u32, Vector)) {
         let container = &self.flight.container;
         let radius = f64::from(self.starts[index as usize].radius);
         if container.is_far(now.position, radius, [0.0; 2]) {
@@ -442,7 +442,7 @@ impl Window<'_> {
             debug_assert!(gap.is_finite());
             let normal = container.normal(wall, now.position);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
-                act(wall);
+                act(wall, normal);
             }
         }
     }
@@ -452,7 +452,7 @@ impl Window<'_> {
         if wall < FIRST {
             return self.flight.container.normal(wall, now.position);
         }
-        self.flight.walls.normal(index, wall, now.position, now.time)
+        self.flight.walls.normal(index, wall, now)
     }
 
     /// Square of the longest distance from its position at the beginning of the step that a disc

@@ -37,6 +37,9 @@ pub const MOST_ITERATIONS: usize = 60;
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
 
+/// Directions whose cosine is above this are the same.
+const SAME: f64 = 1.0 - 1e-9;
+
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
@@ -72,6 +75,12 @@ impl Touch {
         let length = dot(offset, offset).sqrt();
         let normal = if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] };
         Self { key: [pair[0], pair[1], code], normal, ..Self::default() }
+    }
+
+    /// Whether another contact with the same key is this one. On a torus a disc may touch two images
+    /// of a wall.
+    pub fn is_same(&self, other: &Self) -> bool {
+        dot(self.normal, other.normal) > SAME
     }
 
     /// The speed at which the two separate.

@@ -184,7 +184,8 @@ impl Simulation<'_> {
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
         self.join(index, time);
         if partner == WALL {
-            self.touch_wall(index, code);
+            let (_, own, _) = self.in_group(index).expect("it is in the group");
+            self.touch_wall(index, code, self.window.wall_normal(index, code, &own.now));
         } else {
             self.touch_disc(index, partner, code, time);
         }
@@ -284,8 +285,8 @@ impl Simulation<'_> {
                 continue;
             }
             let mut contacts = std::mem::take(&mut self.scratch.contacts);
-            window.each_touched_wall(index, &now, &mut contacts, |wall| {
-                self.touch_wall(index, wall);
+            window.each_touched_wall(index, &now, &mut contacts, |wall, normal| {
+                self.touch_wall(index, wall, normal);
             });
             self.scratch.contacts = contacts;
             for at in near {
@@ -312,9 +313,8 @@ impl Simulation<'_> {
         Some((position, &self.scratch.group[position], course))
     }
 
-    fn touch_wall(&mut self, index: u32, wall: u32) {
+    fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
-        let normal = self.window.wall_normal(index, wall, &own.now);
         // Between walls at an acute angle, too, there can be infinitely many collisions.
         let collapses = wall >= FIRST && course.count >= COLLAPSE;
         let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
@@ -390,7 +390,8 @@ impl Simulation<'_> {
     /// Adds a contact of this moment, unless it is the one whose event it is.
     fn add(&mut self, touch: Touch) {
         let touches = &mut self.scratch.touches;
-        if touches.first().is_none_or(|first| first.key != touch.key) {
+        let is_it = |first: &Touch| first.key == touch.key && first.is_same(&touch);
+        if !touches.first().is_some_and(is_it) {
             touches.push(touch);
         }
     }
@@ -445,21 +446,24 @@ impl Simulation<'_> {
         self.record_bounces();
     }
 
-    /// Gives the discs of the group that touch sides of the container at a temperature the
-    /// velocities with which they leave them; returns whether there are any.
+    /// Gives the discs of the group that touch walls at a temperature the velocities with which they
+    /// leave them; returns whether there are any.
     fn heat(&mut self, time: f64) -> bool {
-        let Some(thermal) = self.window.flight.thermal else { return false };
+        let hot = self.window.flight.hot;
+        if hot.is_empty() {
+            return false;
+        }
         let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
         let mut is_any = false;
         for (touch, impulse) in touches.iter().zip(impulses) {
             let (Some(body), [_, WALL, wall]) = (touch.bodies[0], touch.key) else { continue };
             let (now, inverse_mass) = (&group[body].now, touch.inverse_masses[0]);
             let before = [now.position, now.velocity];
-            let Some([leaving, along]) = thermal.speeds(wall, inverse_mass, time, before) else {
-                continue;
-            };
+            let speeds = hot.speeds(wall, inverse_mass, time, before);
+            let Some([leaving, along]) = speeds else { continue };
             let [x, y] = touch.normal.map(|v| -v);
-            let new = [leaving * x - along * y, leaving * y + along * x];
+            let own = [leaving * x - along * y, leaving * y + along * x];
+            let new = vector(|k| own[k] + touch.carried[k]);
             let change = vector(|k| new[k] - velocities[body][k]);
             impulse[0] += dot(change, [x, y]) / inverse_mass;
             velocities[body] = new;

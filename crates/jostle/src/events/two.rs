@@ -79,9 +79,9 @@ impl Simulation<'_> {
         for k in [0, 1] {
             let (own, partner) = (discs[k], discs[1 - k]);
             let own_now = Now::of(&new[k], window.radius(own));
-            if window.may_touch_wall(&own_now, span) {
+            if window.may_touch_wall(own, &own_now, span) {
                 let contacts = &mut self.scratch.contacts;
-                window.each_touched_wall(own, &now[k], contacts, |_| are_alone = false);
+                window.each_touched_wall(own, &now[k], contacts, |_, _| are_alone = false);
                 predicted.extend(window.wall_event(own, &new[k], counts[k]));
             }
             neighbors.of(own, |neighbor| {

@@ -25,17 +25,20 @@ pub use gravitation::Gravitation;
 pub use motor::Motor;
 pub use pair::{PairForce, PairTable};
 pub use springs::{Spring, Springs};
-pub use thermal::{Andersen, ThermalSides, ThermalWalls};
+pub use thermal::{Andersen, HotWalls, ThermalWalls};
 pub use thermostat::Thermostat;
 
 use std::cmp::Ordering;
+use std::collections::HashSet;
+use std::fmt::Display;
 
-use crate::container::{Container, MAX_WALLS};
+use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
 use crate::settings::Method;
 use crate::space::Id;
+use crate::walls::FIRST;
 
 /// A force. It refers to particles by id; within a world, by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +51,7 @@ pub enum Force {
     Springs(Springs),
     /// Walls that heat or cool the particles that bounce off them.
     Thermostat(Thermostat),
-    /// Sides of the container at a temperature.
+    /// Sides of the container and walls at a temperature.
     ThermalWalls(ThermalWalls),
     /// New velocities at random times (Andersen's thermostat).
     Andersen(Andersen),
@@ -86,6 +89,15 @@ impl Force {
         }
     }
 
+    /// The indices of the walls to which it refers.
+    pub fn walls(&self) -> &[u32] {
+        match self {
+            Self::Motor(motor) => &motor.walls,
+            Self::ThermalWalls(hot) => &hot.walls,
+            _ => &[],
+        }
+    }
+
     /// Whether it refers to particles.
     fn names_any(&self) -> bool {
         match self {
@@ -99,7 +111,7 @@ impl Force {
 
 /// Refuses invalid forces in a world of `len` particles; `exists` returns whether it has one.
 pub fn validate(forces: &[Force], len: usize, exists: impl Fn(Id) -> bool) -> Result<()> {
-    let (mut thermostats, mut baths, mut hot) = (0, 0, [false; MAX_WALLS]);
+    let (mut thermostats, mut baths, mut hot) = (0, 0, HashSet::new());
     for (index, force) in forces.iter().enumerate() {
         force.validate()?;
         if let Some(id) = force.named().into_iter().find(|&id| !exists(id)) {
@@ -122,12 +134,13 @@ pub fn validate(forces: &[Force], len: usize, exists: impl Fn(Id) -> bool) -> Re
             let rule = "a world has one at most";
             return Err(Error::at("forces", index, "another AndersenThermostat", rule));
         }
-        if let Force::ThermalWalls(walls) = force {
-            if let Some(side) = (0..MAX_WALLS).find(|&side| hot[side] && walls.sides[side]) {
-                let rule = format!("side {side} has a temperature already");
-                return Err(Error::at("forces", index, "another ThermalWalls", &rule));
-            }
-            hot = [0, 1, 2, 3].map(|side| hot[side] || walls.sides[side]);
+        if let Force::ThermalWalls(walls) = force
+            && let Some(number) = walls.numbers().find(|&number| !hot.insert(number))
+        {
+            let of_wall = |index| format!("wall {index}");
+            let name = number.checked_sub(FIRST).map_or(format!("side {number}"), of_wall);
+            let rule = format!("{name} has a temperature already");
+            return Err(Error::at("forces", index, "another ThermalWalls", &rule));
         }
     }
     Ok(())
@@ -240,13 +253,12 @@ pub fn thermostat(forces: &[Force]) -> Option<Thermostat> {
     })
 }
 
-/// The sides of the container that have a temperature, in a step that begins at `time`.
-pub fn thermal_sides(forces: &[Force], time: f64) -> Option<ThermalSides> {
-    let walls = forces.iter().filter_map(|force| match force {
-        Force::ThermalWalls(walls) => Some(*walls),
+/// The thermal walls among them.
+pub fn thermal_walls(forces: &[Force]) -> impl Iterator<Item = &ThermalWalls> {
+    forces.iter().filter_map(|force| match force {
+        Force::ThermalWalls(walls) => Some(walls),
         _ => None,
-    });
-    ThermalSides::of(walls, time)
+    })
 }
 
 /// Andersen's thermostat among them.
@@ -375,4 +387,14 @@ fn check_number(argument: &'static str, value: f32, min: f32) -> Result<()> {
         format!("it must be finite and within ±{FARTHEST:e}")
     };
     Err(Error::of(argument, value, &rule))
+}
+
+/// Refuses a list with a value that is given twice.
+fn check_distinct<V: Ord + Copy + Display>(argument: &'static str, all: &[V]) -> Result<()> {
+    let mut sorted: Vec<(V, usize)> = all.iter().copied().zip(0..).collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|two| two[0].0 == two[1].0) {
+        Some(two) => Err(Error::at(argument, two[1].1, two[1].0, "it is given twice")),
+        None => Ok(()),
+    }
 }

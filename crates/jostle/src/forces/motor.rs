@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use super::{check_number, check_pair};
+use super::{check_distinct, check_number, check_pair};
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 use crate::space::Id;
@@ -128,18 +128,6 @@ pub fn turn(angle: f64) -> [f64; 2] {
         (less, sine) = (-2.0 * sine * sine, 2.0 * sine * (1.0 + less));
     }
     [less, sine]
-}
-
-fn check_distinct<V: Ord + Copy + std::fmt::Display>(
-    argument: &'static str,
-    all: &[V],
-) -> Result<()> {
-    let mut sorted: Vec<(V, usize)> = all.iter().copied().zip(0..).collect();
-    sorted.sort_unstable();
-    match sorted.windows(2).find(|two| two[0].0 == two[1].0) {
-        Some(two) => Err(Error::at(argument, two[1].1, two[1].0, "it is given twice")),
-        None => Ok(()),
-    }
 }
 
 #[cfg(test)]

@@ -1,36 +1,49 @@
 //! Thermal walls and Andersen's thermostat, which both sample the canonical ensemble.
 
 use super::chance::Chance;
-use super::check_number;
+use super::{check_distinct, check_number};
 use crate::container::MAX_WALLS;
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
+use crate::walls::{FIRST, MOST_WALLS};
 
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
 
-/// Sides of the container with a temperature. A disc leaves such a side with the velocity of a
-/// particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along the normal, and
+/// Sides of the container, and walls, with a temperature. A disc leaves such a wall with the velocity
+/// of a particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along the normal, and
 /// a normal distribution along the wall (R. Tehver et al., *Thermal walls in computer simulations*,
 /// Phys. Rev. E 57, R17, 1998).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ThermalWalls {
     /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
     pub temperature: f32,
     /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
     pub sides: [bool; MAX_WALLS],
+    /// The indices of the walls that have the temperature, on both sides.
+    pub walls: Vec<u32>,
     /// Seed of the random numbers.
     pub seed: u32,
 }
 
 impl ThermalWalls {
-    /// Refuses numbers out of range.
+    /// The numbers of all its walls.
+    pub fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
+        let sides = (0..).zip(self.sides).filter_map(|(side, is_hot)| is_hot.then_some(side));
+        sides.chain(self.walls.iter().map(|wall| FIRST + wall))
+    }
+
+    /// Refuses numbers out of range, and a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
         check_temperature(self.temperature)?;
-        if self.sides.contains(&true) {
+        if let Some(index) = self.walls.iter().position(|&wall| wall as usize >= MOST_WALLS) {
+            return Err(Error::at("walls", index, self.walls[index], "no wall has this index"));
+        }
+        check_distinct("walls", &self.walls)?;
+        if self.sides.contains(&true) || !self.walls.is_empty() {
             return Ok(());
         }
-        Err(Error::of("sides", "()", "at least one side must have the temperature"))
+        Err(Error::of("sides", "()", "at least one side or wall must have the temperature"))
     }
 }
 
@@ -67,31 +80,37 @@ impl Andersen {
     }
 }
 
-/// The sides of the container that have a temperature, in one step.
-#[derive(Clone, Copy, Debug)]
-pub struct ThermalSides {
-    /// Temperature and seed of each side; None if it has no temperature.
-    sides: [Option<(f32, u32)>; MAX_WALLS],
+/// The sides of the container and the walls that have a temperature, in one step.
+#[derive(Debug, Default)]
+pub struct HotWalls {
+    /// Temperature and seed of the wall with each number; None if it has no temperature. Empty if no
+    /// wall has one.
+    all: Vec<Option<(f32, u32)>>,
     /// Time at the beginning of the step.
     time: f64,
 }
 
-impl ThermalSides {
-    /// The sides that have a temperature; None if no side has one.
-    pub fn of(all: impl Iterator<Item = ThermalWalls>, time: f64) -> Option<Self> {
-        let mut sides = [None; MAX_WALLS];
-        for walls in all {
-            for (side, is_hot) in sides.iter_mut().zip(walls.sides) {
-                if is_hot {
-                    *side = Some((walls.temperature, walls.seed));
-                }
+impl HotWalls {
+    /// Lists the walls that have a temperature in a step that begins at `time`.
+    pub fn fill<'a>(&mut self, forces: impl Iterator<Item = &'a ThermalWalls>, time: f64) {
+        self.all.clear();
+        self.time = time;
+        for walls in forces {
+            for number in walls.numbers() {
+                let number = number as usize;
+                self.all.resize(self.all.len().max(number + 1), None);
+                self.all[number] = Some((walls.temperature, walls.seed));
             }
         }
-        sides.iter().any(Option::is_some).then_some(Self { sides, time })
     }
 
-    /// The velocity of a disc after an impact on a wall at `time`: the components along the normal
-    /// and along the wall; None if the wall has no temperature. The random numbers depend on the
+    /// Whether no wall has a temperature.
+    pub fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// The velocity of a disc against a wall after an impact on it at `time`: the components along
+    /// the normal and along the wall; None if the wall has no temperature. The random numbers depend on the
     /// seed, the position and velocity at the impact, and the time.
     pub fn speeds(
         &self,
@@ -100,7 +119,7 @@ impl ThermalSides {
         time: f64,
         [[x, y], [u, v]]: [[f64; 2]; 2],
     ) -> Option<[f64; 2]> {
-        let (temperature, seed) = (*self.sides.get(wall as usize)?)?;
+        let (temperature, seed) = (*self.all.get(wall as usize)?)?;
         let mut chance = Chance::of(seed, &[x, y, u, v, f64::from(wall), time, self.time]);
         let speed = thermal_speed(temperature, inverse_mass);
         let [along, _] = chance.normal();

@@ -1,14 +1,24 @@
 //! The closest points of discs and walls, and position correction at walls.
 
-use super::{Around, FIRST, Part, Walls};
+use std::cmp::Ordering;
+
+use super::{Around, FIRST, Part, Walls, less};
 use crate::trajectory::{Vector, dot, vector};
 
 /// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
 /// a line.
 const SAME: f64 = 1.0 - 1e-9;
 
-/// Walls out of which a disc is pushed in one call, at most.
+/// Pushes of a disc out of walls in one call, at most.
 const MOST_PUSHES: usize = 8;
+
+/// Two normals whose cosine is below this are those of walls at an acute angle. Out of such a spike a
+/// disc is pushed along both walls at once: pushes out of one wall after the other would push it
+/// from wall to wall, and converge very slowly.
+const OPPOSED: f64 = -0.5;
+
+/// Walls whose angle has a smaller sine count as parallel.
+const PARALLEL: f64 = 1e-6;
 
 /// A wall near a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +37,12 @@ impl Contact {
     /// Whether two contacts are in the same direction, so that only one of them counts.
     pub fn is_same(&self, other: &Self) -> bool {
         dot(self.normal, other.normal) > SAME
+    }
+
+    /// The order of contacts with the same gap: by walls; of images of a wall, by directions.
+    pub(super) fn compare(&self, other: &Self) -> Ordering {
+        let by_normal = |k: usize| self.normal[k].total_cmp(&other.normal[k]);
+        self.wall.cmp(&other.wall).then_with(|| by_normal(0)).then_with(|| by_normal(1))
     }
 }
 
@@ -80,30 +96,55 @@ impl Walls {
 }
 
 impl Around<'_> {
-    /// Position of a disc that is pushed out of some walls, by `most` at most; each time out of the
-    /// one that it overlaps most. Its centre crosses none of them, starting at `from`.
+    /// Position of a disc that is pushed out of some walls with their offsets, by `most` at most; each time out of the
+    /// one that it overlaps most, and of another if the two form a spike. Its centre crosses none of
+    /// them, starting at `from`.
     pub fn push_out(
         &self,
-        walls: &[u32],
+        walls: &[(u32, Vector)],
         [from, to]: [Vector; 2],
         radius: f64,
         most: f64,
     ) -> Vector {
-        let seen = |wall: u32, position: Vector| self.position_from(wall, position, 0.0);
+        let seen = |&(wall, offset): &(u32, Vector), position: Vector| {
+            self.position_from(wall, less(position, offset), 0.0)
+        };
         let mut position = to;
         let mut left = most;
         for _ in 0..MOST_PUSHES {
-            let contact = |&wall: &u32| self.walls.contact(wall, seen(wall, position), radius);
-            let contacts = walls.iter().map(contact);
-            let deepest =
-                contacts.min_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.wall.cmp(&b.wall)));
+            let contact = |of: &(u32, Vector)| self.walls.contact(of.0, seen(of, position), radius);
+            let contacts = || walls.iter().map(contact);
+            let deepest = least(contacts(), |of| of.gap);
             let Some(deepest) = deepest.filter(|of| of.gap < 0.0 && left > 0.0) else { break };
-            let by = (-deepest.gap).min(left);
+            let after = |of: &Contact| of.gap - deepest.gap * dot(of.normal, deepest.normal);
+            let is_opposed = |of: &Contact| dot(of.normal, deepest.normal) < OPPOSED;
+            let opposed = least(contacts().filter(is_opposed), after).filter(|of| after(of) < 0.0);
+            let both = opposed.and_then(|other| out_of_both(&deepest, &other));
+            let (direction, length) = both.unwrap_or((deepest.normal, -deepest.gap));
+            let by = length.min(left);
             left -= by;
-            position = vector(|k| position[k] + by * deepest.normal[k]);
+            position = vector(|k| position[k] + by * direction[k]);
         }
         let crosses =
-            |&wall: &u32| self.walls.is_crossed(wall, seen(wall, from), seen(wall, position));
+            |of: &(u32, Vector)| self.walls.is_crossed(of.0, seen(of, from), seen(of, position));
         if walls.iter().any(crosses) { from } else { position }
     }
+}
+
+/// The contact with the least value; of equal ones that of the first wall.
+fn least(all: impl Iterator<Item = Contact>, value: impl Fn(&Contact) -> f64) -> Option<Contact> {
+    all.min_by(|a, b| value(a).total_cmp(&value(b)).then_with(|| a.compare(b)))
+}
+
+/// Unit vector and length of the displacement after which the gaps of two contacts are 0; None if
+/// their walls are parallel.
+fn out_of_both(a: &Contact, b: &Contact) -> Option<(Vector, f64)> {
+    let ([p, q], [u, v]) = (a.normal, b.normal);
+    let sine = p * v - q * u;
+    if sine.abs() < PARALLEL {
+        return None;
+    }
+    let by = [(b.gap * q - a.gap * v) / sine, (a.gap * u - b.gap * p) / sine];
+    let length = dot(by, by).sqrt();
+    (length > 0.0).then(|| (by.map(|of| of / length), length))
 }

@@ -1,6 +1,6 @@
 //! The time of impact of a disc and a wall.
 
-use super::{FIRST, Line, Part, Walls};
+use super::{FIRST, Line, Part, Walls, less};
 use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, flat_impact, vector};
 
 impl Walls {
@@ -93,15 +93,19 @@ impl Walls {
         gravity: Vector,
         after: f64,
     ) -> f64 {
-        let next = |line: &Line, end: usize| line.crossing(end, segment, gravity, after);
+        let next = |line: &Line, end: usize, offset: Vector| {
+            let seen = Segment { position: less(segment.position, offset), ..*segment };
+            line.crossing(end, &seen, gravity, after)
+        };
         let own = self.line(index);
-        let of_both = |line: &Line| next(line, 0).min(next(line, 1));
+        let of_both =
+            |line: &Line, offset: Vector| next(line, 0, offset).min(next(line, 1, offset));
         match part {
-            Part::Side => of_both(own),
+            Part::Side => of_both(own, [0.0; 2]),
             Part::End(end) => {
                 let others = self.covering(index, end).iter();
-                let others = others.map(|&other| of_both(self.line(other)));
-                others.fold(next(own, end), f64::min)
+                let others = others.map(|other| of_both(self.line(other.wall), other.offset));
+                others.fold(next(own, end, [0.0; 2]), f64::min)
             }
         }
     }

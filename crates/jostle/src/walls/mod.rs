@@ -11,10 +11,11 @@ mod contact;
 mod impact;
 mod moving;
 mod near;
+mod torus;
 
 use std::cmp::Ordering;
 
-use crate::container::{MAX_WALLS, ROUNDING, size};
+use crate::container::{Container, MAX_WALLS, ROUNDING, size};
 use crate::error::{Error, Result};
 use crate::motion::exact;
 use crate::particles::FARTHEST;
@@ -25,6 +26,7 @@ use crate::trajectory::{Vector, dot, vector};
 pub use contact::Contact;
 pub use moving::Clock;
 pub use near::{Around, Near};
+use torus::{Image, check_torus, each_image, home, less, sides};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
 pub const FIRST: u32 = MAX_WALLS as u32;
@@ -78,6 +80,8 @@ struct Line {
     has_end: [bool; 2],
     /// Length of its displacement in the step.
     travel: f64,
+    /// What was added to the ends of the wall, see [`home`].
+    home: Vector,
 }
 
 /// A part of a wall.
@@ -102,6 +106,10 @@ impl Default for Sides {
 #[derive(Debug, Default)]
 pub struct Walls {
     all: Vec<Wall>,
+    /// The sides of the torus on which they are.
+    torus: Option<Vector>,
+    /// The walls, and on a torus their images near it, by the row of the tree.
+    images: Vec<Image>,
     /// In the order of the tree, so that discs near each other find their walls near each other.
     lines: Vec<Line>,
     /// Where in this order each wall is.
@@ -109,7 +117,7 @@ pub struct Walls {
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
     /// wall k lies.
     starts: Vec<u32>,
-    covering: Vec<u32>,
+    covering: Vec<Image>,
     tree: Quadtree<f32>,
     sides: Sides,
     /// Then a step reads the velocity of each wall.
@@ -117,8 +125,8 @@ pub struct Walls {
 }
 
 impl Line {
-    fn of(wall: &Wall) -> Self {
-        let ends = wall.exact_ends();
+    fn of(wall: &Wall, home: Vector) -> Self {
+        let ends = wall.exact_ends().map(|end| vector(|k| end[k] + home[k]));
         let offset = vector(|k| ends[1][k] - ends[0][k]);
         let length = dot(offset, offset).sqrt();
         let largest = size(ends[0], 0.0).max(size(ends[1], 0.0));
@@ -129,6 +137,7 @@ impl Line {
             least_radius: ROUNDING * largest,
             has_end: [true; 2],
             travel: 0.0,
+            home,
         }
     }
 
@@ -178,29 +187,43 @@ impl Line {
 }
 
 impl Walls {
-    /// Walls with a tree. Refuses walls that are not finite, too large or without length.
-    pub fn new(all: Vec<Wall>, settings: Settings) -> Result<Self> {
+    /// Walls in a container, with a tree. Refuses walls that are not finite, too large or without
+    /// length.
+    pub fn new(all: Vec<Wall>, container: Container, settings: Settings) -> Result<Self> {
         validate(&all)?;
+        check_torus(container, &all)?;
         let any_moves = all.iter().any(Wall::moves);
-        let mut walls = Self { all, any_moves, ..Self::default() };
+        let mut walls = Self { all, any_moves, torus: sides(container), ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, lines, places, tree, .. } = self;
-        let line = |wall: &Wall| Line { travel: wall.travel(dt), ..Line::of(wall) };
-        let bounds = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
-        let radii = all.iter().map(|wall| line(wall).least_radius.max(1e-18) as f32).collect();
+        let Self { all, torus, images, lines, places, tree, .. } = self;
+        images.clear();
+        images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
+        let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
+        if let Some(sides) = *torus {
+            add_images(all, sides, images, &mut bounds);
+        }
+        let line = |image: &Image| {
+            let wall = &all[image.wall as usize];
+            Line { travel: wall.travel(dt), ..Line::of(wall, home(wall.exact_ends(), *torus)) }
+        };
+        let radii = images.iter().map(|image| line(image).least_radius.max(1e-18) as f32).collect();
         let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
         // A leaf of the walls is about as large as one of the bounds of particles.
         let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
-        tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &|a, b| compare(all, a, b))?;
+        let tie = |a: usize, b: usize| {
+            compare(all, images[a].wall as usize, images[b].wall as usize).then(a.cmp(&b))
+        };
+        tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &tie)?;
         lines.clear();
-        lines.extend(tree.rows().iter().map(|&row| line(&all[row as usize])));
+        lines.extend(tree.rows().iter().map(|&row| line(&images[row as usize])));
         places.resize(all.len(), 0);
-        (0..).zip(tree.rows()).for_each(|(place, &row)| places[row as usize] = place);
+        let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());
+        own.for_each(|(place, &row)| places[row as usize] = place);
         self.find_covering();
         Ok(())
     }
@@ -269,16 +292,19 @@ impl Walls {
             for (end, &point) in line.ends.iter().enumerate() {
                 let first = covering.len();
                 let tolerance = line.least_radius;
-                self.each_in([point; 2], tolerance, &mut stack, |other| {
-                    let there = self.line(other);
-                    if other != index && there.distance(point) <= tolerance {
-                        covering.push(other);
-                        if other < index && there.ends.contains(&point) {
+                self.each_near([point; 2], tolerance, &mut stack, |other, offset| {
+                    let (there, seen) = (self.line(other), less(point, offset));
+                    let is_itself = other == index && offset == [0.0; 2];
+                    if !is_itself && there.distance(seen) <= tolerance {
+                        covering.push(Image { wall: other, offset });
+                        // On a torus the ends of one wall may be at the same point.
+                        let is_before = other < index || other == index && end == 1;
+                        if is_before && there.ends.contains(&seen) {
                             shared.push((index, end));
                         }
                     }
                 });
-                covering[first..].sort_unstable();
+                covering[first..].sort_unstable_by_key(|image| image.wall);
                 starts.push(covering.len() as u32);
             }
         }
@@ -289,7 +315,7 @@ impl Walls {
     }
 
     /// The other walls on which an end lies.
-    fn covering(&self, index: u32, end: usize) -> &[u32] {
+    fn covering(&self, index: u32, end: usize) -> &[Image] {
         let at = 2 * index as usize + end;
         &self.covering[self.starts[at] as usize..self.starts[at + 1] as usize]
     }
@@ -301,8 +327,28 @@ impl Walls {
             return false;
         }
         let Part::End(end) = part else { return true };
-        let is_beside = |&other: &u32| self.line(other).part_at(point) == Part::Side;
+        let is_beside =
+            |other: &Image| self.line(other.wall).part_at(less(point, other.offset)) == Part::Side;
         line.has_end[end] && !self.covering(index, end).iter().any(is_beside)
+    }
+}
+
+/// Appends the images of walls on a torus that discs near it may touch, and moves the bounds of the
+/// walls to the torus.
+fn add_images(all: &[Wall], sides: Vector, images: &mut Vec<Image>, bounds: &mut Vec<[f32; 4]>) {
+    for (wall, index) in (0..).zip(0..all.len()) {
+        let home = home(all[index].exact_ends(), Some(sides));
+        let moved = |[a, b, c, d]: [f32; 4], by: Vector| {
+            let add = |v: f32, by: f64| (f64::from(v) + by) as f32;
+            [add(a, by[0]), add(b, by[1]), add(c, by[0]), add(d, by[1])]
+        };
+        let own = moved(bounds[index], home);
+        bounds[index] = own;
+        let [a, b, c, d] = own.map(f64::from);
+        each_image([[a, b], [c, d]], sides, |offset| {
+            images.push(Image { wall, offset });
+            bounds.push(moved(own, offset));
+        });
     }
 }
 

@@ -79,7 +79,7 @@ impl Walls {
             if wall.moves() {
                 wall.advance(dt);
                 let line = &mut self.lines[place as usize];
-                *line = Line { has_end: line.has_end, ..Line::of(wall) };
+                *line = Line { has_end: line.has_end, ..Line::of(wall, line.home) };
             }
         }
     }
@@ -99,10 +99,19 @@ impl Walls {
             let mut ends = wall.exact_ends().into_iter();
             ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
         };
-        match self.all.iter().position(is_far) {
+        if let Some(index) = self.all.iter().position(is_far) {
+            let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
+            return Err(Error::of("dt", dt, &rule));
+        }
+        let Some(sides) = self.torus else { return Ok(()) };
+        let circles = |wall: &Wall| {
+            let by = wall.displacement(dt);
+            (0..2).any(|k| by[k].abs() > sides[k])
+        };
+        match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {
-                let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
+                let rule = format!("wall {index} would circle the torus; take smaller steps");
                 Err(Error::of("dt", dt, &rule))
             }
         }

@@ -3,7 +3,8 @@
 use std::cell::Cell;
 
 use super::moving::Clock;
-use super::{FIRST, Part, Walls};
+use super::torus::each_tile;
+use super::{FIRST, Part, Walls, less};
 use crate::container::size;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Shape};
@@ -37,6 +38,8 @@ pub struct Near {
     /// `walls[starts[i]..starts[i + 1]]` are the numbers of the walls near disc i.
     starts: Vec<u32>,
     walls: Vec<u32>,
+    /// Their offsets on a torus; empty elsewhere.
+    offsets: Vec<Vector>,
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched.
     reaches: Vec<f32>,
@@ -62,10 +65,10 @@ impl Near {
             return Ok(());
         }
         // The bounds of a wall that is not parallel to an axis are much larger than the wall.
-        let line = |place: u32| &walls.lines[place as usize];
         let is_near = |[wall, place]: [u32; 2]| {
-            let (line, circle) = (line(wall), bounds.columns().shape(place as usize));
-            let distance = line.distance(circle.min.map(f64::from));
+            let circle = bounds.columns().shape(place as usize);
+            let line = &walls.lines[wall as usize];
+            let distance = line.distance(less(circle.min.map(f64::from), walls.offset_at(wall)));
             distance <= line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel
         };
         let Self { join, found, .. } = self;
@@ -101,9 +104,15 @@ impl Near {
             self.starts[place] += self.starts[place - 1];
         }
         self.walls.resize(self.found.len(), 0);
+        let offsets = if walls.torus.is_some() { self.found.len() } else { 0 };
+        self.offsets.resize(offsets, [0.0; 2]);
         for &[wall, place] in &self.found {
             let next = &mut self.starts[place as usize + 1];
-            self.walls[*next as usize] = FIRST + walls.tree.rows()[wall as usize];
+            let image = &walls.images[walls.tree.rows()[wall as usize] as usize];
+            self.walls[*next as usize] = FIRST + image.wall;
+            if let Some(offset) = self.offsets.get_mut(*next as usize) {
+                *offset = image.offset;
+            }
             *next += 1;
         }
     }
@@ -121,15 +130,18 @@ impl Near {
             let (free, reach) = (&mut free[place as usize], reaches[place as usize]);
             // The radius of the disc, with the reserve of the circle for rounding.
             let radius = line.reach(f64::from(circle.radius) - f64::from(reach));
-            let distance = line.distance(circle.min.map(f64::from));
+            let distance = line.distance(less(circle.min.map(f64::from), walls.offset_at(wall)));
             let left = distance - radius * (1.0 + MARGIN) - line.travel;
             *free = free.min(left as f32);
         }
     }
 
-    fn of(&self, place: u32) -> &[u32] {
+    /// Calls `act` with the number and the offset of each wall near a disc.
+    fn each(&self, place: u32, mut act: impl FnMut(u32, Vector)) {
         let [first, end] = [place, place + 1].map(|at| self.starts[at as usize] as usize);
-        &self.walls[first..end]
+        for (at, &wall) in (first..).zip(&self.walls[first..end]) {
+            act(wall, self.offsets.get(at).copied().unwrap_or_default());
+        }
     }
 }
 
@@ -165,9 +177,16 @@ impl Around<'_> {
         left >= 0.0 && square <= left * left
     }
 
-    /// Calls `act` with the number of each wall that a disc may touch while its centre is in a box
-    /// given by two corners, or that is nearer than `extent` to its surface there; and with others.
-    pub fn each(&self, place: u32, [min, max]: [Vector; 2], extent: f64, mut act: impl FnMut(u32)) {
+    /// Calls `act` with the number and the offset of each wall that a disc may touch while its centre
+    /// is in a box given by two corners, or that is nearer than `extent` to its surface there; and
+    /// with others. A wall acts as if it were moved by the offset, which is 0 but on a torus.
+    pub fn each(
+        &self,
+        place: u32,
+        [min, max]: [Vector; 2],
+        extent: f64,
+        mut act: impl FnMut(u32, Vector),
+    ) {
         if self.is_empty() {
             return;
         }
@@ -178,11 +197,13 @@ impl Around<'_> {
         let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
         if dot(far, far).sqrt() + extent <= f64::from(self.near.reaches[at]) {
-            self.near.of(place).iter().for_each(|&wall| act(wall));
+            self.near.each(place, act);
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
             let mut stack = STACK.take();
-            self.walls.each_in([min, max], margin, &mut stack, |index| act(FIRST + index));
+            self.walls.each_near([min, max], margin, &mut stack, |index, offset| {
+                act(FIRST + index, offset);
+            });
             STACK.set(stack);
         }
     }
@@ -212,8 +233,8 @@ impl Around<'_> {
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
-            self.each(place, bounds, 0.0, |wall| {
-                let seen = self.seen_from(wall, segment);
+            self.each(place, bounds, 0.0, |wall, offset| {
+                let seen = self.seen_from(wall, offset, segment);
                 if !self.walls.may_hit(wall, &seen, [start, end], radius, gravity) {
                     return;
                 }
@@ -237,14 +258,14 @@ impl Around<'_> {
         first
     }
 
-    /// A segment relative to a wall.
-    fn seen_from(&self, wall: u32, segment: &Segment) -> Segment {
+    /// A segment relative to a wall with an offset.
+    fn seen_from(&self, wall: u32, offset: Vector, segment: &Segment) -> Segment {
         let velocity = self.velocity(wall);
-        if velocity == [0.0; 2] {
+        if velocity == [0.0; 2] && offset == [0.0; 2] {
             return *segment;
         }
         Segment {
-            position: self.position_from(wall, segment.position, segment.time),
+            position: self.position_from(wall, less(segment.position, offset), segment.time),
             velocity: vector(|k| segment.velocity[k] - velocity[k]),
             ..*segment
         }
@@ -261,10 +282,11 @@ impl Around<'_> {
         self.walls.velocity(wall).map(|v| f64::from(v) * self.clock.rate)
     }
 
-    /// Unit normal of a wall at a position at some time, towards the disc.
-    pub fn normal(&self, place: u32, wall: u32, position: Vector, time: f64) -> Vector {
+    /// Unit normal of a wall where a disc begins a segment, towards the disc.
+    pub fn normal(&self, place: u32, wall: u32, now: &Segment) -> Vector {
         let radius = f64::from(self.particles.radii[place as usize]);
-        self.walls.contact(wall, self.position_from(wall, position, time), radius).normal
+        let seen = self.seen_from(wall, [0.0; 2], now);
+        self.walls.nearest_contact(wall, seen.position, seen.velocity, radius).normal
     }
 
     /// Finds the contacts of a disc at some time and the walls that are nearer to its surface than
@@ -282,8 +304,8 @@ impl Around<'_> {
         if self.is_far(place, position.map(|v| v as f32), extent as f32) {
             return;
         }
-        self.each(place, [position; 2], extent, |wall| {
-            let position = self.position_from(wall, position, time);
+        self.each(place, [position; 2], extent, |wall, offset| {
+            let position = self.position_from(wall, less(position, offset), time);
             if !self.walls.is_near(wall, [position; 2], radius + extent) {
                 return;
             }
@@ -291,7 +313,7 @@ impl Around<'_> {
             found.extend(contact.filter(|contact| contact.gap <= extent));
         });
         if found.len() > 1 {
-            found.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then(a.wall.cmp(&b.wall)));
+            found.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.compare(b)));
             let mut kept = 0;
             for at in 0..found.len() {
                 let contact = found[at];
@@ -376,14 +398,32 @@ impl Walls {
         !(is_apart || leaves)
     }
 
-    /// Calls `act` with the index of each wall whose bounds are nearer than `margin` to a box given
-    /// by two corners, and of a few others.
-    pub(super) fn each_in(
+    /// Calls `act` with the index and the offset of each wall whose bounds are nearer than `margin`
+    /// to a box given by two corners, and of a few others.
+    pub(super) fn each_near(
+        &self,
+        area: [Vector; 2],
+        margin: f64,
+        stack: &mut Vec<u32>,
+        mut act: impl FnMut(u32, Vector),
+    ) {
+        match self.torus {
+            None => self.each_in(area, margin, stack, act),
+            Some(sides) => each_tile(area, sides, |part, tile| {
+                self.each_in(part, margin, stack, |wall, offset| {
+                    act(wall, vector(|k| offset[k] + tile[k]));
+                });
+            }),
+        }
+    }
+
+    /// The same for a box on the torus.
+    fn each_in(
         &self,
         [min, max]: [Vector; 2],
         margin: f64,
         stack: &mut Vec<u32>,
-        mut act: impl FnMut(u32),
+        mut act: impl FnMut(u32, Vector),
     ) {
         let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
         let bounds = Bounds::of(&Shape {
@@ -395,7 +435,17 @@ impl Walls {
             mask: DEFAULT_MASK,
         });
         each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |place| {
-            act(self.tree.rows()[place]);
+            let image = &self.images[self.tree.rows()[place] as usize];
+            act(image.wall, image.offset);
         });
+    }
+
+    /// The offset of the wall at a place of the tree.
+    #[inline(always)]
+    fn offset_at(&self, place: u32) -> Vector {
+        if self.torus.is_none() {
+            return [0.0; 2];
+        }
+        self.images[self.tree.rows()[place as usize] as usize].offset
     }
 }

@@ -13,7 +13,8 @@ const LIMITS: Limits = Limits {
 };
 
 fn walls(all: &[[[f32; 2]; 2]]) -> Walls {
-    Walls::new(all.iter().copied().map(Wall::new).collect(), Settings::default()).expect("valid")
+    let all = all.iter().copied().map(Wall::new).collect();
+    Walls::new(all, Container::None, Settings::default()).expect("valid")
 }
 
 /// The first time at which the distance to a wall is at most the radius; None if there is none

@@ -56,7 +56,7 @@ impl World {
         self.particles.simplify();
     }
 
-    /// Refuses motors of movable particles, and of walls that do not exist.
+    /// Refuses motors of movable particles, and forces of walls that do not exist.
     pub(super) fn check_motors(&self, forces: &[Force]) -> Result<()> {
         check_walls(forces, self.walls.all().len())?;
         let places = self.places();
@@ -76,12 +76,13 @@ impl World {
     }
 }
 
-/// Refuses motors of walls that are not among the first `walls`.
+/// Refuses forces of walls that are not among the first `walls`.
 pub(super) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
-    for (index, motor) in motors(forces) {
-        if let Some(wall) = motor.walls.iter().find(|&&wall| wall as usize >= walls) {
+    for (index, force) in forces.iter().enumerate() {
+        if let Some(wall) = force.walls().iter().find(|&&wall| wall as usize >= walls) {
+            let kind = if matches!(force, Force::Motor(_)) { "a motor" } else { "ThermalWalls" };
             let (value, rule) =
-                (format!("a motor of wall {wall}"), format!("there are {walls} walls"));
+                (format!("{kind} of wall {wall}"), format!("there are {walls} walls"));
             return Err(Error::at("forces", index, value, &rule));
         }
     }

@@ -37,12 +37,11 @@ mod waking;
 use std::sync::OnceLock;
 
 use crate::contacts::Contacts;
-use crate::container::Container;
 use crate::correction::Correction;
 use crate::error::{Error, Result};
 use crate::events::Events;
 use crate::flow::Kick;
-use crate::forces::{self, Force};
+use crate::forces::{self, Force, HotWalls};
 use crate::motion::{Motions, Spins};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
@@ -219,6 +218,7 @@ struct Memory {
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
     kicks: Vec<Kick>,
+    hot_walls: HotWalls,
     forces: ForceMemory,
     before: Before,
     /// The record before, until a step of the present one is complete.
@@ -257,13 +257,19 @@ impl World {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
         forces::check_fit(&self.forces, settings.container)?;
-        check_plane(settings.container, self.walls.all().len())?;
+        let new_walls = if settings.container == self.settings.container {
+            None
+        } else {
+            let walls = self.walls.all().to_vec();
+            Some(Walls::new(walls, settings.container, settings.tree)?)
+        };
         let WorldSettings { method, tree, track_events, .. } = settings;
         if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
             self.wake_all();
             self.persistent.drifts.clear();
         }
-        if settings.container != self.settings.container {
+        if let Some(walls) = new_walls {
+            self.walls = walls;
             self.persistent.forget_sides();
             self.wall_impulses.clear();
         }
@@ -283,9 +289,8 @@ impl World {
     /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
     /// overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
-        check_plane(self.settings.container, walls.len())?;
         drive::check_walls(&self.forces, walls.len())?;
-        let mut walls = Walls::new(walls, self.settings.tree)?;
+        let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
         self.persistent.drifts.clear();
@@ -352,13 +357,4 @@ impl World {
     pub fn stats(&self) -> Stats {
         self.stats
     }
-}
-
-/// Refuses walls on a torus.
-fn check_plane(container: Container, walls: usize) -> Result<()> {
-    if walls > 0 && container.period().is_some() {
-        let rule = "on a torus there can be no walls";
-        return Err(Error::of("walls", format!("{walls} walls"), rule));
-    }
-    Ok(())
 }

@@ -108,6 +108,7 @@ impl World {
         }
         memory.grown.clear();
         memory.events.begin_step();
+        memory.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         memory.wall_impulses.clear();
         let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
         persistent.wall_frictions.resize(with_friction, Default::default());
@@ -207,7 +208,7 @@ impl World {
             restitution: settings.restitution,
             is_elastic: of.is_elastic,
             thermostat: forces::thermostat(&self.forces),
-            thermal: forces::thermal_sides(&self.forces, self.time),
+            hot: &memory.hot_walls,
             pairs: settings.on_touch == OnTouch::Bounce,
             candidates: &memory.pairs,
             sensed: &memory.sensed,

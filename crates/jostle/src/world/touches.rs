@@ -189,7 +189,7 @@ impl World {
                 let gap = container.gaps(position, radius)[wall as usize]?;
                 (gap, container.normal(wall, position))
             } else {
-                let contact = self.walls.contact(wall, position, radius);
+                let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius);
                 (contact.gap, contact.normal)
             };
             let normal = normal.map(|v| v as f32);

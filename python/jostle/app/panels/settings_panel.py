@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from jostle.app.act.tools import Tool
 from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import combo, signed
@@ -67,11 +68,12 @@ WORLD = (
     Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
     Line("friction", "friction", Range(0.0, 2.0), _short),
 )
+DRAWN_WALLS = (Line("wall friction", "wall_friction", Range(0.0, 2.0), _short),)
 TIME = (
     Line("speed", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
-LINES = (COUNT, *TREE, *WORLD, *TIME)
+LINES = (COUNT, *TREE, *WORLD, *DRAWN_WALLS, *TIME)
 
 
 def build_tree(session: Session, gui: Gui) -> None:
@@ -92,6 +94,9 @@ def build_world(session: Session, gui: Gui) -> None:
     _lines(session, gui, WORLD[:1])
     _gravity(session, gui)
     _lines(session, gui, WORLD[1:])
+    interaction = session.interaction
+    if interaction.tools.tool is Tool.WALL or len(interaction.commands.drawn_walls):
+        _lines(session, gui, DRAWN_WALLS)
 
 
 def build_time(session: Session, gui: Gui) -> None:

@@ -1,12 +1,11 @@
-"""Motors of a world whose walls are removed or moved."""
+"""Forces of walls, in a world whose walls are removed or moved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 
@@ -16,21 +15,38 @@ ARGUMENTS = ("ids", "walls", "center", "angular_velocity", "velocity", "period")
 
 
 def keeping_walls(forces: Forces, keep: NDArray[np.bool_]) -> Forces:
-    """Return forces whose motors drive only the walls that are kept, by their new indices."""
+    """Return forces that name only the walls that are kept, by their new indices.
+
+    Thermal walls of which none is left are left out.
+    """
     index = np.cumsum(keep) - 1
-    return _changed(forces, lambda motor: {"walls": index[motor.walls[keep[motor.walls]]]})
+
+    def kept(walls: ArrayLike) -> NDArray[np.intp]:
+        rows = np.asarray(walls, np.intp)
+        return index[rows[keep[rows]]]
+
+    new: list[Any] = []
+    for force in forces:
+        if isinstance(force, jostle.Motor):
+            new.append(_with(force, walls=kept(force.walls)))
+        elif not isinstance(force, jostle.ThermalWalls):
+            new.append(force)
+        elif len(walls := kept(force.walls)) or force.sides:
+            hot = jostle.ThermalWalls(force.temperature, force.sides, force.seed, walls=walls)
+            new.append(hot)
+    return tuple(new)
 
 
 def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
     """Return forces whose motors have shifted centres."""
-    return _changed(forces, lambda motor: {"center": np.array(motor.center) + by})
-
-
-def _changed(forces: Forces, changes: Callable[[jostle.Motor], dict[str, Any]]) -> Forces:
-    """Return forces whose motors have other arguments."""
     return tuple(
-        jostle.Motor(**{name: getattr(force, name) for name in ARGUMENTS} | changes(force))
+        _with(force, center=np.array(force.center) + by)
         if isinstance(force, jostle.Motor)
         else force
         for force in forces
     )
+
+
+def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
+    """Return a motor with some other arguments."""
+    return jostle.Motor(**{name: getattr(motor, name) for name in ARGUMENTS} | changes)

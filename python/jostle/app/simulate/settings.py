@@ -111,6 +111,7 @@ class Polyline:
     velocity: Vector = limited(VECTOR, (0.0, 0.0))  # world units per second
     # Of the motion back and forth, in seconds; without it if None.
     period: float | None = limited(or_none(real(0.001)), None)
+    temperature: float | None = limited(or_none(real(1e-6)), None)  # kT of thermal walls
 
 
 def _degenerate(line: Mapping[str, Any]) -> Refusals:
@@ -171,6 +172,8 @@ class Settings:
     walls: tuple[Polyline, ...] = limited(LINES, ())  # in addition to those of the scene
     # Of the sides of the container: of all, or at min x, max x, min y and max y.
     container_restitution: float | Rect | None = limited(or_none(SIDES), None)
+    # Of walls that a user draws; that of the particle, if None.
+    wall_friction: float | None = limited(or_none(real(0)), None)
     # Of particle life: a name of `life.MATRICES`, or numbers.
     matrix: str | Matrix | None = limited(or_none(MATRIX), None)
 
@@ -186,7 +189,8 @@ RULES = rules_of(Settings)
 # Settings that are fixed in the article's programs.
 FIXED_BY_ARTICLE = (
     *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "container_restitution", "threads", "on_touch", "sleeping", "walls", "matrix"),
+    *("friction", "wall_friction", "container_restitution", "threads", "on_touch", "sleeping"),
+    *("walls", "matrix"),
 )
 
 

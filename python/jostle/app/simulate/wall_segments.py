@@ -44,6 +44,8 @@ class WallSegments:
         if any(line.velocity) and len(new):
             motor = jostle.Motor(walls=rows, velocity=line.velocity, period=line.period)
             world.forces = (*world.forces, motor)
+        if line.temperature is not None and len(new):
+            world.forces = (*world.forces, jostle.ThermalWalls(line.temperature, walls=rows))
         self.own += len(new) if own else 0
 
     def remove(self, world: jostle.World, rows: ArrayLike) -> None:
@@ -55,10 +57,16 @@ class WallSegments:
         own = int(np.count_nonzero(keep[: self.own]))
         restitution, friction = world.wall_restitution[keep], world.wall_friction[keep]
         velocities, forces = world.wall_velocities[keep], keeping_walls(world.forces, keep)
-        world.forces = ()  # motors of walls do not let them be removed
+        world.forces = ()  # forces of walls do not let them be removed
         self._set(world, ends[keep], restitution, friction)
         world.wall_velocities, world.forces = velocities, forces
         self.own = own
+
+    def set_friction(self, world: jostle.World, friction: float | None) -> None:
+        """Set the friction of the drawn walls; that of the particles, if None."""
+        frictions = world.wall_friction.copy()
+        frictions[self.own :] = np.nan if friction is None else friction
+        world.wall_friction = frictions
 
     def shift(self, world: jostle.World, by: Floats) -> None:
         """Move all walls of a world."""

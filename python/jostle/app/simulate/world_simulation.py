@@ -49,6 +49,7 @@ WORLD_SETTINGS = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
     *("threads", "on_touch", "sleeping"),
 )
+FRICTIONS = ("friction", "wall_friction")
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
 
@@ -117,14 +118,16 @@ class WorldSimulation:
     def adjustable(self) -> frozenset[str]:
         """Return the settings that can change while it runs."""
         return frozenset(
-            {*WORLD_SETTINGS, "friction", "time_scale", "n", "world_size", "container", "matrix"}
+            {*WORLD_SETTINGS, *FRICTIONS, "time_scale", "n", "world_size", "container", "matrix"}
         )
 
     @property
     def effective_settings(self) -> Settings:
         """Return the settings, with the values of the world."""
         rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
-        return replace(self.settings, **rules, friction=self._columns.friction)
+        friction, of_walls = self._columns.friction, self.settings.wall_friction
+        of_walls = friction if of_walls is None else of_walls
+        return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
         """Return the present state."""
@@ -172,6 +175,8 @@ class WorldSimulation:
                 self._set_friction(value)
             elif name == "matrix":
                 set_matrix(self.world, value)
+            elif name == "wall_friction":
+                self._segments.set_friction(self.world, value)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
@@ -291,16 +296,20 @@ class WorldSimulation:
                 self._segments.add(self.world, line, own=True)
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
-        # The motors of moving walls are forces of the world.
+        # The motors of moving walls, and thermal walls, are forces of the world.
         self._attractions = AttractorForces(len(self.world.forces))
 
     def add_wall(self, line: Polyline) -> None:
-        """Add line segments that a user draws."""
-        self._segments.add(self.world, line, own=False)
+        """Add line segments that a user draws; without friction they have that of drawn walls."""
+        friction = self.settings.wall_friction if line.friction is None else line.friction
+        self._segments.add(self.world, replace(line, friction=friction), own=False)
 
     def remove_walls(self, rows: ArrayLike) -> None:
         """Remove line segments by their rows in the frame."""
+        self._attractions.detach(self.world)
         self._segments.remove(self.world, rows)
+        self._attractions.own = len(self.world.forces)  # some may have ended with their walls
+        self._attractions.renew(self.world, self._columns)
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
         """Replace the attractors of the user."""

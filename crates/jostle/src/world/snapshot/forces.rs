@@ -10,6 +10,9 @@ use crate::forces::{
 };
 use crate::space::Id;
 
+/// The number of `ThermalWalls` with walls that are not sides of the container.
+const WITH_WALLS: u8 = 20;
+
 pub(super) fn put_force(to: &mut Writer, force: &Force) {
     match force {
         Force::Attractor(Attractor { pole, strength, law }) => {
@@ -43,11 +46,16 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put(3u8);
             to.put([*speed, *rate]);
         }
-        Force::ThermalWalls(ThermalWalls { temperature, sides, seed }) => {
-            to.put(4u8);
+        Force::ThermalWalls(ThermalWalls { temperature, sides, walls, seed }) => {
+            // Without walls as in older snapshots.
+            to.put(if walls.is_empty() { 4u8 } else { WITH_WALLS });
             to.put(*temperature);
             to.put(sides.map(u8::from));
             to.put(*seed);
+            if !walls.is_empty() {
+                to.put_count(walls.len());
+                walls.iter().for_each(|&wall| to.put(wall));
+            }
         }
         Force::Andersen(Andersen { temperature, rate, seed }) => {
             to.put(5u8);
@@ -110,10 +118,12 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
             let [speed, rate] = from.get()?;
             Force::Thermostat(Thermostat { speed, rate })
         }
-        4 => {
+        kind @ (4 | WITH_WALLS) => {
             let (temperature, sides, seed) = (from.get()?, from.get::<[u8; 4]>()?, from.get()?);
             let sides = sides.map(|side| side > 0);
-            Force::ThermalWalls(ThermalWalls { temperature, sides, seed })
+            let count = if kind == WITH_WALLS { from.get_count()? } else { 0 };
+            let walls = from.get_all(count)?;
+            Force::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
         }
         5 => {
             let ([temperature, rate], seed) = (from.get()?, from.get()?);

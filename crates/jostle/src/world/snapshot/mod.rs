@@ -14,7 +14,7 @@ use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
-use super::{OnTouch, Walls, World, WorldSettings, check_plane};
+use super::{OnTouch, Walls, World, WorldSettings};
 use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
@@ -130,8 +130,8 @@ impl World {
         all_forces::check_fit(forces, world.settings.container).map_err(valid)?;
         if version > 5 {
             let walls = get_walls(&mut from, version)?;
-            check_plane(world.settings.container, walls.len()).map_err(valid)?;
-            world.walls = Walls::new(walls, world.settings.tree).map_err(valid)?;
+            let WorldSettings { container, tree, .. } = world.settings;
+            world.walls = Walls::new(walls, container, tree).map_err(valid)?;
             world.walls.set_sides(world.settings.side_restitutions());
             check_walls(&world.forces, world.walls.all().len()).map_err(valid)?;
         }

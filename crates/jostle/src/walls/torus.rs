@@ -1,0 +1,118 @@
+//! Walls on a torus: a wall acts as if it were repeated by whole sides of the torus.
+//!
+//! The tree contains the images that a disc may touch which begins a step on the torus and stays in
+//! its bounds. Farther away the place of a disc is moved to the torus first.
+
+use super::{Contact, FIRST, Wall, Walls};
+use crate::container::{Container, ROUNDING, size};
+use crate::error::{Error, Result};
+use crate::trajectory::{Vector, dot, vector};
+
+/// Share of the shorter side within which a disc is, with its radius, around the torus while it
+/// stays in its bounds: a quarter for the radius, an eighth for the displacement, and a reserve.
+const NEAR: f64 = 0.38;
+
+/// A wall that is moved by an offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Image {
+    /// The index of the wall.
+    pub(super) wall: u32,
+    pub(super) offset: Vector,
+}
+
+/// A position less an offset.
+#[inline(always)]
+pub(super) fn less(position: Vector, offset: Vector) -> Vector {
+    vector(|k| position[k] - offset[k])
+}
+
+/// The sides of a torus.
+pub(super) fn sides(container: Container) -> Option<Vector> {
+    match container {
+        Container::Torus { size } => Some(size.map(f64::from)),
+        _ => None,
+    }
+}
+
+/// Refuses the first wall that does not fit on a torus.
+pub fn check_torus(container: Container, walls: &[Wall]) -> Result<()> {
+    let Some(sides) = sides(container) else { return Ok(()) };
+    let is_long = |wall: &Wall| {
+        let [a, b] = wall.exact_ends();
+        (0..2).any(|k| (b[k] - a[k]).abs() > sides[k])
+    };
+    match walls.iter().position(is_long) {
+        None => Ok(()),
+        Some(index) => {
+            let [[a, b], [c, d]] = walls[index].ends;
+            let value = format!("(({a}, {b}), ({c}, {d}))");
+            let rule = "on a torus a wall may extend over each side once at most";
+            Err(Error::at("walls", index, value, rule))
+        }
+    }
+}
+
+/// What has to be added to the ends of a wall so that its middle is on the torus.
+pub(super) fn home([a, b]: [Vector; 2], torus: Option<Vector>) -> Vector {
+    let Some(sides) = torus else { return [0.0; 2] };
+    vector(|k| -(0.5 * (a[k] + b[k]) / sides[k]).floor() * sides[k])
+}
+
+/// Calls `act` with the offset of each image, apart from the wall itself, of a wall whose places are
+/// in a box given by two corners, that a disc on the torus may touch.
+pub(super) fn each_image([min, max]: [Vector; 2], sides: Vector, mut act: impl FnMut(Vector)) {
+    let margin = NEAR * sides[0].min(sides[1]);
+    let first = [0, 1].map(|k| ((-margin - max[k]) / sides[k]).ceil() as i32);
+    let last = [0, 1].map(|k| ((sides[k] + margin - min[k]) / sides[k]).floor() as i32);
+    for y in first[1]..=last[1] {
+        for x in first[0]..=last[0] {
+            if [x, y] != [0, 0] {
+                act([f64::from(x) * sides[0], f64::from(y) * sides[1]]);
+            }
+        }
+    }
+}
+
+/// Calls `act` with the part of a box in each copy of the torus, moved to the torus, and the offset
+/// of the copy.
+pub(super) fn each_tile(
+    [min, max]: [Vector; 2],
+    sides: Vector,
+    mut act: impl FnMut([Vector; 2], Vector),
+) {
+    let [first, last] = [min, max].map(|at| [0, 1].map(|k| (at[k] / sides[k]).floor() as i64));
+    for y in first[1]..=last[1] {
+        for x in first[0]..=last[0] {
+            let offset = [x as f64 * sides[0], y as f64 * sides[1]];
+            let low = vector(|k| (min[k] - offset[k]).max(0.0));
+            let high = vector(|k| (max[k] - offset[k]).min(sides[k]));
+            act([low, high], offset);
+        }
+    }
+}
+
+impl Walls {
+    /// The contact of a disc and the wall with a number; on a torus that with the nearest image. Of
+    /// images at the same distance it is that which the disc approaches fastest.
+    pub fn nearest_contact(
+        &self,
+        wall: u32,
+        position: Vector,
+        velocity: Vector,
+        radius: f64,
+    ) -> Contact {
+        let own = |offset| self.contact(wall, less(position, offset), radius);
+        let Some(sides) = self.torus else { return own([0.0; 2]) };
+        let [a, b] = self.line(wall - FIRST).ends;
+        // No image of a wall is farther than one from that whose middle is nearest.
+        let tile = |k: usize| ((position[k] - 0.5 * (a[k] + b[k])) / sides[k]).round();
+        let around = [-1.0, 0.0, 1.0].map(|y| [-1.0, 0.0, 1.0].map(|x| [x, y]));
+        let all = around.as_flattened().iter();
+        let all = all.map(|step| own(vector(|k| (tile(k) + step[k]) * sides[k])));
+        let least = all.clone().map(|of| of.gap).fold(f64::INFINITY, f64::min);
+        let most = least + ROUNDING * size(position, radius);
+        let speed = |of: &Contact| dot(of.normal, velocity);
+        let nearest = all.filter(|of| of.gap <= most);
+        nearest.min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap_or_else(|| own([0.0; 2]))
+    }
+}
