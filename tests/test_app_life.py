@@ -16,8 +16,9 @@ from jostle import life  # noqa: E402
 from jostle.app.draw.colouring import Colouring  # noqa: E402
 from jostle.app.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS  # noqa: E402
 from jostle.app.draw.view_options import ColourBy  # noqa: E402
-from jostle.app.simulate.settings import Settings, settings_of  # noqa: E402
+from jostle.app.simulate.settings import SETTINGS, Settings  # noqa: E402
 from jostle.app.simulate.start import resume, start  # noqa: E402
+from jostle.app.simulate.validation import read  # noqa: E402
 from jostle.app.storage.config import ConfigError, read_config  # noqa: E402
 
 TWO = ((0.5, -1.0), (1.0, 0.0))
@@ -154,4 +155,4 @@ def test_a_file_sets_the_matrix(tmp_path: Path) -> None:
     settings = read_config(path).settings
     assert settings.matrix == TWO
     np.testing.assert_allclose(start(settings).frame().matrix, TWO)
-    assert settings_of({"scene": "life", "matrix": "wheels"}).matrix == "wheels"
+    assert read({"scene": "life", "matrix": "wheels"}, SETTINGS).matrix == "wheels"

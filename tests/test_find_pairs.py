@@ -381,6 +381,8 @@ def test_its_signature_shows_its_defaults() -> None:
         "sort": False,
         "max_pairs": 2**27,
         "threads": None,
+        "distance": 0.0,
+        "period": None,
     }
     # They are the actual defaults.
     assert jostle.find_pairs(POINTS, **defaults).tolist() == jostle.find_pairs(POINTS).tolist()

@@ -182,12 +182,13 @@ fn gaps<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [T; 2] {
 /// A coordinate modulo `side`, in `[0, side)`. The remainder is exact; only the addition to a
 /// negative one rounds.
 fn wrap<T: Scalar>(along: T, side: T) -> T {
+    // −0 becomes 0.
     if along >= T::ZERO && along < side {
-        return along;
+        return along + T::ZERO;
     }
     let rest = along.remainder(side);
     let wrapped = if rest < T::ZERO { rest + side } else { rest };
-    // A tiny negative number is rounded up to the side; −0 becomes 0.
+    // A tiny negative number is rounded up to the side.
     if wrapped < side { wrapped + T::ZERO } else { T::ZERO }
 }
 

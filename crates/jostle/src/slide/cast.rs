@@ -118,9 +118,13 @@ mod tests {
     #[test]
     fn a_disc_meets_a_corner_and_a_disc() {
         let disc = body([0.0, 0.0], [0.0; 2], 1.0);
-        let wall = body([4.0, 2.0], [2.0, 1.0], 0.0);
-        let (share, normal) = enters(&disc, [10.0, 0.0], &wall, 0.0).unwrap();
-        assert!((share - 0.2).abs() < 1e-12 && (normal[1] + 1.0).abs() < 1e-6);
+        let wall = |y| body([4.0, y], [2.0, 1.0], 0.0);
+        let (share, normal) = enters(&disc, [10.0, 0.0], &wall(1.5), 0.0).unwrap();
+        let before = 0.75f64.sqrt();
+        assert!((share - (2.0 - before) / 10.0).abs() < 1e-12);
+        assert!((normal[0] + before).abs() < 1e-12 && (normal[1] + 0.5).abs() < 1e-12);
+        // Past the corner, which it only touches.
+        assert_eq!(enters(&disc, [10.0, 0.0], &wall(2.0), 0.0), None);
         let other = body([6.0, 0.0], [0.0; 2], 2.0);
         assert_eq!(enters(&disc, [10.0, 0.0], &other, 0.0), Some((0.3, [-1.0, 0.0])));
     }
