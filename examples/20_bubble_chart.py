@@ -13,7 +13,8 @@ radii = 3 * rng.pareto(2.2, 420).clip(0, 9) + 3
 centers = middles[branch] + rng.normal(0, 1, (420, 2))
 for _ in range(60):  # towards the middles, and apart again
     centers += 0.06 * (middles[branch] - centers)
-    centers = jostle.separate(centers, radii, gap=1, weights=radii**2, max_rounds=20).centers
+    apart = jostle.separate(centers, radii, gap=1, weights=radii**2, max_rounds=20)
+    centers[:] = apart.centers
 chart = jostle.separate(centers, radii, gap=1, bounds=(0, 0, 800, 450))
 
 colors = np.array([show.BLUE, show.TEAL, show.GREEN, show.YELLOW, show.RED])

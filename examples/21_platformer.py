@@ -27,7 +27,7 @@ for frame, screen in enumerate(show.frames("A platformer", until=170)):
     velocities[:, 0] = speeds
     velocities[:, 1] += 0.5
     slides = space.move_and_slide(ids, velocities, mask=WALL | LEDGE, one_way=LEDGE)
-    velocities = slides.remaining.copy()
+    velocities[:] = slides.remaining
     jumps = slides.on_floor & (slides.on_wall | (rng.random(40) < 0.02))
     velocities[jumps, 1] = -rng.uniform(7, 12, jumps.sum())
     speeds[slides.on_wall & (rng.random(40) < 0.1)] *= -1

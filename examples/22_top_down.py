@@ -15,19 +15,19 @@ space.add(boxes=walls, categories=WALL)
 spots = [(x, y) for x in range(200, 420, 54) for y in range(235, 420, 54)]
 crates = space.add(spots, 2.0, 13.0, categories=CRATE)
 player = space.add((100, 380), 14.0, categories=PLAYER)
-shots, ways, above = np.empty(0, int), np.empty((0, 2)), {"up": (0, 0)}
+shots, ways, no_floor = np.empty(0, int), np.empty((0, 2)), (0, 0)
 
 for frame, screen in enumerate(show.frames("Crates", until=150)):
     away = np.array(pygame.mouse.get_pos()) - space.centers(player)
     step = 3.5 * away / max(np.linalg.norm(away), 3.5)
-    met = space.move_and_slide(player, step, mask=WALL | CRATE, **above)
+    met = space.move_and_slide(player, step, mask=WALL | CRATE, up=no_floor)
     for crate in np.intersect1d(met.hits, crates):  # a crate moves by what it took from the player
-        space.move_and_slide(int(crate), step - met.remaining, mask=WALL | CRATE, **above)
-    space.move_and_slide(player, step - met.displacement, mask=WALL | CRATE, **above)
+        space.move_and_slide(int(crate), step - met.remaining, mask=WALL | CRATE, up=no_floor)
+    space.move_and_slide(player, step - met.displacement, mask=WALL | CRATE, up=no_floor)
     if frame % 6 == 0:
         shots = np.append(shots, space.add(space.centers(player), 3.0, categories=SHOT))
         ways = np.vstack([ways, 9 * away / np.linalg.norm(away)])
-    flown = space.move_and_slide(shots, ways, mask=WALL | CRATE, max_slides=1, **above)
+    flown = space.move_and_slide(shots, ways, mask=WALL | CRATE, max_slides=1, up=no_floor)
     space.remove(shots[flown.on_wall])
     shots, ways = shots[~flown.on_wall], ways[~flown.on_wall]
 

@@ -677,7 +677,7 @@ def _sides(sprites: list[Any]) -> _Floats:
     return _table(rows, 4)
 
 
-def _centered(sprite: Any) -> dict[str, _Floats]:
+def _centered(sprite: Any) -> dict[str, Any]:
     """The bounding box of a hit box as centre and half size."""
     sides = _sides([sprite])[0]
     return {"centers": (sides[:2] + sides[2:]) / 2, "half_sizes": (sides[2:] - sides[:2]) / 2}
