@@ -103,7 +103,7 @@ def random_matrix(
     kinds : int, default 6
         Number of kinds K.
     symmetric : bool, default False
-        Whether all kinds attract each other mutually. Then nothing moves for ever.
+        Whether all kinds attract each other mutually. Then everything comes to rest.
 
     Returns
     -------
@@ -176,6 +176,8 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
         return None
     share = round((0.5 + 0.5 * core) * (table.shape[2] - 1)) / (table.shape[2] - 1)
     height = 1 - abs(2 * share - 1 - core) / (1 - core)
+    if not height > 0:
+        return None
     peaks = table[:, :, round(share * (table.shape[2] - 1))]
     matrix = np.round(-peaks / (strength * height), 4) + 0.0
     same = PairForce.particle_life(

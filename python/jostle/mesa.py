@@ -63,20 +63,18 @@ class _Positions(np.ndarray):
         """Return a view, which reports writes too."""
         part = super().__getitem__(key)
         if isinstance(part, _Positions):
-            part.space = self.space
-            row = self.row
-            if row is None and isinstance(key, int) and self.base is not None and self.ndim == 2:
-                row = key
-            part.row = row
+            part.space, part.row = self.space, self._row_of(key)
         return part
 
     def __setitem__(self, key: Any, value: Any) -> None:
         """Write, and report the row or all rows."""
         super().__setitem__(key, value)
-        row = self.row
-        if row is None and isinstance(key, int) and self.ndim == 2:
-            row = key
-        self._report(row)
+        self._report(self._row_of(key))
+
+    def _row_of(self, key: Any) -> int | None:
+        """Return the row that a key selects, None for several or unknown ones."""
+        is_whole = self.space is not None and self is self.space._positions
+        return int(key) if self.row is None and is_whole and isinstance(key, int) else self.row
 
     def _report(self, row: int | None) -> None:
         if self.space is not None:
@@ -95,7 +93,7 @@ def _reporting(name: str) -> Any:
     return operate
 
 
-for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+for _name in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "matmul"):
     setattr(_Positions, f"__i{_name}__", _reporting(f"__i{_name}__"))
 
 

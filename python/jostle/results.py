@@ -149,7 +149,7 @@ class RayHit(_RayHit):
     (RayHit(id=0, distance=2.0), (-1.0, 0.0))
     """
 
-    normal: tuple[float, float]
+    normal: tuple[float, float] = (0.0, 0.0)
 
     def __new__(cls, id: int, distance: float, normal: tuple[float, float] = (0.0, 0.0)) -> RayHit:
         """Make a hit with its normal."""

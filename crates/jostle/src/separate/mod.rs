@@ -24,7 +24,7 @@ use crate::geometry::Scalar;
 use crate::memory;
 use crate::parallel;
 use crate::settings::Settings;
-use crate::shapes::{Each, Shapes, check_radii, check_rects};
+use crate::shapes::{Each, Shapes, check_rects};
 use bodies::Bodies;
 use push::Pusher;
 use rounds::Rounds;
@@ -97,7 +97,7 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
     let (mut bodies, tree) = Bodies::sorted(shapes, &rules)?;
-    let crowded = spread::is_crowded(&tree, &bodies, rules.gap);
+    let crowded = spread::is_crowded(&tree, &bodies, rules.gap)?;
     let pusher = Pusher::of(&rules);
     let outcome = match rules.axis {
         Some(axis) => along_axis(&mut bodies, axis, &rules, (&pusher, crowded))?,
@@ -189,7 +189,10 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
         let rule = format!("a weight must be above 0 and at most {:e}", T::MAX_SIZE.to_f64());
         Err(Error::at("weights", index, weights[index], &rule))
     })?;
-    check_radii("gap", &[rules.gap]).map_err(Error::without_row)?;
+    if !(rules.gap >= T::ZERO && rules.gap <= T::MAX_SIZE) {
+        let rule = format!("a gap must be at least 0 and at most {:e}", T::MAX_SIZE.to_f64());
+        return Err(Error::of("gap", rules.gap, &rule));
+    }
     if !(rules.tolerance >= T::ZERO && rules.tolerance <= T::ONE) {
         return Err(Error::of("tolerance", rules.tolerance, "it must be between 0 and 1"));
     }

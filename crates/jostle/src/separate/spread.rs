@@ -32,8 +32,8 @@ pub const LOOSE: f64 = 0.6;
 const FILL: f64 = 0.5;
 
 /// Whether a node of the tree of the centres has less area than its shapes.
-pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> bool {
-    let mut sums = Vec::with_capacity(bodies.len() + 1);
+pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> Result<bool> {
+    let mut sums = memory::with_room(bodies.len() + 1)?;
     let mut sum = [0.0; 3];
     sums.push(sum);
     for body in &bodies.all {
@@ -41,14 +41,14 @@ pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> 
         sum = [sum[0] + width, sum[1] + height, sum[2] + area(body, gap)];
         sums.push(sum);
     }
-    tree.nodes().iter().zip(tree.bounds()).any(|(node, bounds)| {
+    Ok(tree.nodes().iter().zip(tree.bounds()).any(|(node, bounds)| {
         let range = node.range();
         let sum = |which: usize| sums[range.end][which] - sums[range.start][which];
         let side = |axis: usize| {
             (bounds.max[axis] - bounds.min[axis]).to_f64() + sum(axis) / range.len() as f64
         };
         range.len() >= FEWEST && sum(2) > FULL * side(0) * side(1)
-    })
+    }))
 }
 
 fn sides<T: Scalar>(body: &Body<T>, gap: T) -> [f64; 2] {
@@ -237,5 +237,9 @@ fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64, most: f64) 
     let fill = FILL.max(total / ((high - low) * across));
     let least = low + areas[0] / (fill * across);
     let greatest = high - areas[1] / (fill * across);
+    // A region without width cannot be enlarged across.
+    if !(least.is_finite() && greatest.is_finite()) {
+        return line;
+    }
     line.clamp(least.min(greatest), greatest.max(least))
 }

@@ -113,6 +113,10 @@ impl<T: Scalar> Space<T> {
         displacements: &[[T; 2]],
         rules: &SlideRules<T>,
     ) -> Result<Slides<T>> {
+        if !self.period.is_none() {
+            let rule = "move_and_slide needs a space without a period";
+            return Err(Error::of("period", crate::shapes::tuple(&self.period.sides()), rule));
+        }
         check_displacements(ids, displacements)?;
         let walkers = self.slots.find(ids)?;
         self.reserve_changes(walkers.len())?;
