@@ -236,7 +236,7 @@ class Separated(NamedTuple):
 
     See Also
     --------
-    jostle.separate
+    jostle.separate : Returns it.
     """
 
     centers: NDArray[np.floating[Any]]
@@ -265,8 +265,8 @@ class Slide(NamedTuple):
 
     See Also
     --------
-    jostle.Space.move_and_slide
-    Slides
+    jostle.Space.move_and_slide : Returns it for one shape.
+    Slides : The result for many shapes.
     """
 
     displacement: NDArray[np.floating[Any]]
@@ -300,8 +300,8 @@ class Slides(NamedTuple):
 
     See Also
     --------
-    jostle.Space.move_and_slide
-    Slide
+    jostle.Space.move_and_slide : Returns it for many shapes.
+    Slide : The result for one shape.
     """
 
     displacements: NDArray[np.floating[Any]]

@@ -32,7 +32,7 @@ def tiles(
     Returns
     -------
     ndarray of float64, shape (m, 4)
-        min_x, min_y, max_x, max_y of each box, by row, then by column of its first tile.
+        Corners of each box as min_x, min_y, max_x, max_y, by row, then by column of its first tile.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def tiles(
 
     See Also
     --------
-    jostle.Space.move_and_slide
+    jostle.Space.move_and_slide : Moves characters among the boxes.
 
     Examples
     --------

@@ -118,6 +118,7 @@ impl PyPairForce {
     /// Returns
     /// -------
     /// PairForce
+    ///     The force with this table.
     ///
     /// Raises
     /// ------
@@ -178,6 +179,7 @@ impl PyPairForce {
     /// Returns
     /// -------
     /// PairForce
+    ///     The force with this table.
     ///
     /// Raises
     /// ------
@@ -226,6 +228,7 @@ impl PyPairForce {
     /// Returns
     /// -------
     /// PairForce
+    ///     The force with this table.
     ///
     /// Raises
     /// ------

@@ -567,7 +567,7 @@ macro_rules! query_methods {
             ///
             /// See Also
             /// --------
-            /// pairs
+            /// pairs : All pairs within a distance.
             ///
             /// Examples
             /// --------

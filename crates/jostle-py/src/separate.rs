@@ -39,7 +39,7 @@ use crate::shapes::{Rows, Shapes};
 /// gap : float, default 0.0
 ///     Least distance between the surfaces of two shapes.
 /// bounds : array_like, shape (4,), optional
-///     min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+///     Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
 /// max_rounds : int, default 1000
 ///     Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
 ///     with fewer than 32, crowded regions are not enlarged.
@@ -53,6 +53,8 @@ use crate::shapes::{Rows, Shapes};
 /// Returns
 /// -------
 /// Separated
+///     The new positions, and what is left.
+///
 ///     centers : ndarray of float32 or float64, shape (n, 2)
 ///         The new centres.
 ///     rounds : int
@@ -70,7 +72,7 @@ use crate::shapes::{Rows, Shapes};
 ///
 /// See Also
 /// --------
-/// find_pairs : finds the pairs that overlap.
+/// find_pairs : The pairs that overlap.
 ///
 /// Notes
 /// -----

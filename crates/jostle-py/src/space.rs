@@ -334,8 +334,8 @@ impl PySpace {
     ///
     /// See Also
     /// --------
-    /// move : sets centres, whatever is there.
-    /// tiles : makes few boxes of a grid of tiles.
+    /// move : Sets centres, also where other shapes are.
+    /// tiles : Merges the tiles of a grid into few boxes.
     ///
     /// Notes
     /// -----
@@ -649,6 +649,8 @@ impl PySpace {
     /// Returns
     /// -------
     /// Contacts
+    ///     The pairs with their normals and depths.
+    ///
     ///     pairs : ndarray of int64, shape (m, 2)
     ///         Ids i and j of each pair, the smaller first, every pair once.
     ///     normals : ndarray of the space's dtype, shape (m, 2)
@@ -665,7 +667,7 @@ impl PySpace {
     ///
     /// See Also
     /// --------
-    /// Quadtree.contacts
+    /// Quadtree.contacts : The same for a tree, or for two.
     ///
     /// Examples
     /// --------
