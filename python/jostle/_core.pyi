@@ -401,7 +401,7 @@ def separate(
     gap : float, default 0.0
         Least distance between the surfaces of two shapes.
     bounds : array_like, shape (4,), optional
-        min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
     max_rounds : int, default 1000
         Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
         with fewer than 32, crowded regions are not enlarged.
@@ -415,6 +415,8 @@ def separate(
     Returns
     -------
     Separated
+        The new positions, and what is left.
+
         centers : ndarray of float32 or float64, shape (n, 2)
             The new centres.
         rounds : int
@@ -432,7 +434,7 @@ def separate(
 
     See Also
     --------
-    find_pairs : finds the pairs that overlap.
+    find_pairs : The pairs that overlap.
 
     Notes
     -----
@@ -1347,7 +1349,7 @@ class Quadtree:
 
         See Also
         --------
-        pairs
+        pairs : All pairs within a distance.
 
         Examples
         --------
@@ -1758,8 +1760,8 @@ class Space:
 
         See Also
         --------
-        move : sets centres, whatever is there.
-        tiles : makes few boxes of a grid of tiles.
+        move : Sets centres, also where other shapes are.
+        tiles : Merges the tiles of a grid into few boxes.
 
         Notes
         -----
@@ -2663,7 +2665,7 @@ class Space:
 
         See Also
         --------
-        pairs
+        pairs : All pairs within a distance.
 
         Examples
         --------
@@ -2695,6 +2697,8 @@ class Space:
         Returns
         -------
         Contacts
+            The pairs with their normals and depths.
+
             pairs : ndarray of int64, shape (m, 2)
                 Ids i and j of each pair, the smaller first, every pair once.
             normals : ndarray of the space's dtype, shape (m, 2)
@@ -2711,7 +2715,7 @@ class Space:
 
         See Also
         --------
-        Quadtree.contacts
+        Quadtree.contacts : The same for a tree, or for two.
 
         Examples
         --------
@@ -4783,6 +4787,7 @@ class PairForce:
         Returns
         -------
         PairForce
+            The force with this table.
 
         Raises
         ------
@@ -4828,6 +4833,7 @@ class PairForce:
         Returns
         -------
         PairForce
+            The force with this table.
 
         Raises
         ------
@@ -4868,6 +4874,7 @@ class PairForce:
         Returns
         -------
         PairForce
+            The force with this table.
 
         Raises
         ------
