@@ -155,7 +155,8 @@ fn spaces_agree<T: Scalar>(
     let events = space.update(DEFAULT_MAX_PAIRS).expect("few pairs");
     let mut stayed = space.stayed(&events).expect("memory").expect("the last update");
     let mut overlapping = space.pairs(None, DEFAULT_MAX_PAIRS).expect("few pairs");
-    (stayed.sort_unstable(), overlapping.sort_unstable());
+    stayed.sort_unstable();
+    overlapping.sort_unstable();
     assert_eq!(stayed, overlapping);
 }
 
