@@ -31,9 +31,9 @@ fn max_distances<T: Scalar + Element>(
     len: impl FnOnce(Option<usize>) -> Option<usize>,
 ) -> PyResult<Each<T>> {
     let Some(value) = given.value() else { return Ok(Each::One(T::INFINITY)) };
-    if !(value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>())
-        && !value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() > 0)
-    {
+    let is_list = value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>();
+    let is_array = value.cast::<PyUntypedArray>().is_ok_and(|array| array.ndim() > 0);
+    if !is_list && !is_array {
         return Ok(Each::One(T::from_f64(number("max_distance", value)?)));
     }
     let distances = Argument::reals("max_distance", value)?;
