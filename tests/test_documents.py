@@ -33,8 +33,9 @@ def test_python_of_a_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     text = PAGES[name]
     blocks = list(BLOCK.finditer(text))
-    if any("import pygame" in block[2] for block in blocks):
-        pytest.importorskip("pygame")
+    for library in ("pygame", "mesa"):
+        if any(library in block[2] for block in blocks):
+            pytest.importorskip(library)
     names: dict[str, Any] = {}
     for block in blocks:
         title = f"{name}:{text.count(chr(10), 0, block.start(2)) + 1}"
