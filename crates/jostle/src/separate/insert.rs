@@ -69,15 +69,13 @@ impl<T: Scalar> Search<T> {
             let wide = [reach + extent[0] + rules.gap, reach + extent[1] + rules.gap];
             grid.near(bodies, place, wide, &mut self.nearby)?;
             pulse.check(self.nearby.len())?;
-            if self.nearby.len() > MOST_NEARBY {
-                return Ok(None);
-            }
             let found = self.along_lines(bodies, place, reach, (pusher, rules))?;
             let all = self.nearby.len() == nearby_before;
             match found {
                 // Shapes beyond the reach may be in the way of a position beyond it.
                 Some((free, distance)) if distance <= reach => return Ok(Some(free)),
                 Some((_, distance)) if !all => reach = distance.max(reach + reach),
+                _ if self.nearby.len() > MOST_NEARBY => return Ok(None),
                 _ if all && rules.bounds.is_some() => return Ok(None),
                 Some((_, distance)) => reach = distance.max(reach + reach),
                 None => reach = reach + reach,

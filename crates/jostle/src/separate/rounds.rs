@@ -84,7 +84,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
                 return Ok(true);
             }
             let is_due = !patient && self.count.is_multiple_of(PATIENCE);
-            if !moved || (is_due && overlaps > before - before.div_ceil(10)) {
+            if !moved || (is_due && overlaps > before - before / 10) {
                 return Ok(false);
             }
             if is_due {
