@@ -2,8 +2,8 @@
 
 use super::sync::{AtomicUsize, Ordering};
 
-/// Arrivals after which nobody waits any more.
-const OPEN: usize = usize::MAX / 2;
+/// Added to the arrivals of a barrier at which nobody waits any more.
+const OPEN: usize = 1 << (usize::BITS - 1);
 
 /// Where `threads` threads wait for each other, any number of times.
 #[derive(Debug)]
@@ -30,6 +30,6 @@ impl Barrier {
 
     /// Lets all threads pass from now on, because one of them will not arrive.
     pub fn open(&self) {
-        self.arrived.store(OPEN, Ordering::Release);
+        self.arrived.fetch_or(OPEN, Ordering::AcqRel);
     }
 }
