@@ -191,6 +191,25 @@ def sprites(rows: list[Row]) -> str:
     ).replace("| --- | ---:", "| --- | ---", 1)
 
 
+def apart(rows: list[Row]) -> str:
+    """Return one line for each scene and library that moves shapes apart."""
+    lines = (
+        [
+            row["scene"],
+            f"{int(row['count']):,}",
+            row["rival"],
+            figure(frame(row)),
+            f"{int(row['overlaps']):,}",
+            row["mean_move"],
+        ]
+        for row in rows
+        if row["scene"] != "walkers"
+    )
+    return table(
+        ["scene", "shapes", "library", "ms", "overlaps left", "mean displacement"], lines
+    ).replace("| --- | ---: | ---:", "| --- | ---: | ---", 1)
+
+
 def scene(name: str) -> Callable[[list[Row]], list[Row]]:
     """Return a choice of the rows of one scene."""
     return lambda rows: [row for row in rows if row["scene"] == name]
@@ -222,6 +241,7 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     },
     "space": ("space", dynamic),
     "sprites": ("sprites", sprites),
+    "separate": ("separate", apart),
 }
 
 

@@ -8,11 +8,14 @@ mod sync {
     pub use loom::sync::atomic::{AtomicUsize, Ordering};
 }
 
+#[path = "../src/parallel/barrier.rs"]
+mod barrier;
 #[path = "../src/parallel/idle.rs"]
 mod idle;
 #[path = "../src/parallel/shares.rs"]
 mod shares;
 
+use barrier::Barrier;
 use idle::Idle;
 use shares::Shares;
 use sync::{AtomicUsize, Ordering};
@@ -89,5 +92,42 @@ fn a_thread_begins_with_its_own_share() {
         let shares = Shares::new(4, 2);
         let taken: Vec<usize> = std::iter::from_fn(|| shares.take(1)).collect();
         assert_eq!(taken, [2, 3, 0, 1]);
+    });
+}
+
+/// Each of two threads sees what the other wrote before the barrier, twice.
+#[test]
+fn nobody_passes_a_barrier_before_all_have_arrived() {
+    check(|| {
+        let barrier = Arc::new(Barrier::new(2));
+        let written = Arc::new([(); 2].map(|()| AtomicUsize::new(0)));
+        let run = |own: usize, barrier: &Barrier, written: &[AtomicUsize; 2]| {
+            for time in 1..=2 {
+                written[own].store(time, Ordering::Relaxed);
+                barrier.wait(2 * time - 1, thread::yield_now);
+                assert_eq!(written[1 - own].load(Ordering::Relaxed), time);
+                barrier.wait(2 * time, thread::yield_now);
+            }
+        };
+        let other = {
+            let (barrier, written) = (barrier.clone(), written.clone());
+            thread::spawn(move || run(1, &barrier, &written))
+        };
+        run(0, &barrier, &written);
+        other.join().unwrap();
+    });
+}
+
+/// A thread that waits passes when the barrier is opened.
+#[test]
+fn an_open_barrier_lets_all_pass() {
+    check(|| {
+        let barrier = Arc::new(Barrier::new(2));
+        let other = {
+            let barrier = barrier.clone();
+            thread::spawn(move || barrier.open())
+        };
+        barrier.wait(1, thread::yield_now);
+        other.join().unwrap();
     });
 }

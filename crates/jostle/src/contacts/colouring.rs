@@ -3,17 +3,19 @@
 //! Each contact has a priority, a hash of the state of its two particles, and takes the first colour
 //! that no contact of higher priority at its particles has (M. T. Jones, P. E. Plassmann, *A Parallel
 //! Graph Coloring Heuristic*, 1993). So the colour of a contact depends on a chain of contacts with
-//! rising priorities, which is short, and not on contacts far away.
+//! rising priorities, which is short, and not on contacts far away. Here the contacts are coloured one
+//! after the other in the order of their priorities.
 
 use super::COLOURS;
 use crate::particles::Particles;
+use crate::sorting::counting_sort;
 
 /// Cells in a sum of radii in which positions are rounded before they are hashed, so that contacts of
 /// particles at rest keep their priorities.
 const CELLS: f32 = 8.0;
 
 /// A contact to be coloured.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Edge {
     /// The places of its particles.
     pub places: [u32; 2],
@@ -21,19 +23,22 @@ pub struct Edge {
     pub priority: u32,
 }
 
+/// Fewer contacts than this are sorted by comparison.
+const FEW: usize = 1024;
+
+/// Bits of a digit of the radix sort, and the digits of a priority.
+const DIGIT: u32 = 11;
+const DIGITS: u32 = u32::BITS.div_ceil(DIGIT);
+
 /// Scratch.
 #[derive(Clone, Debug, Default)]
 pub struct Colouring {
-    /// `edges_of[starts[i]..starts[i + 1]]` are the contacts of the particle at place i, that of the
-    /// highest priority first: its complement, and the index of the contact.
-    starts: Vec<u32>,
-    edges_of: Vec<u64>,
-    /// Index in `edges_of` of the first contact of each particle that has no colour yet.
-    next: Vec<u32>,
+    /// The complement of the priority and the index of each contact.
+    order: Vec<[u32; 2]>,
+    spare: Vec<[u32; 2]>,
+    ends: Vec<u32>,
     /// A bit for each colour of the contacts of each particle.
     taken: Vec<u64>,
-    /// Places of particles whose next contact may be ready to be coloured.
-    open: Vec<u32>,
 }
 
 impl Colouring {
@@ -42,61 +47,35 @@ impl Colouring {
     pub fn run(&mut self, edges: &[Edge], movable: &[bool], colours: &mut Vec<u8>) {
         colours.clear();
         colours.resize(edges.len(), COLOURS as u8);
-        if edges.is_empty() {
-            return;
-        }
-        self.list(edges, movable);
-        let Self { starts, edges_of, next, taken, open } = self;
+        self.sort(edges);
+        let Self { order, taken, .. } = self;
         taken.clear();
         taken.resize(movable.len(), 0);
-        open.clear();
-        open.extend((0..movable.len() as u32).rev());
-        let first = |next: &[u32], place: u32| {
-            let place = place as usize;
-            (next[place] < starts[place + 1]).then(|| edges_of[next[place] as usize] as u32)
-        };
-        while let Some(place) = open.pop() {
-            let Some(index) = first(next, place) else { continue };
-            let [a, b] = edges[index as usize].places;
-            let is_first =
-                |place: u32| !movable[place as usize] || first(next, place) == Some(index);
-            if !(is_first(a) && is_first(b)) {
-                continue;
-            }
-            let colour = (taken[a as usize] | taken[b as usize]).trailing_ones();
+        for &[_, index] in &*order {
+            let [a, b] = edges[index as usize].places.map(|place| place as usize);
+            let colour = (taken[a] | taken[b]).trailing_ones();
             colours[index as usize] = colour as u8;
-            for place in [a, b].into_iter().filter(|&place| movable[place as usize]) {
-                taken[place as usize] |= 1u64.checked_shl(colour).unwrap_or(0);
-                next[place as usize] += 1;
-                open.push(place);
-            }
+            let bit = 1u64.checked_shl(colour).unwrap_or(0);
+            taken[a] |= if movable[a] { bit } else { 0 };
+            taken[b] |= if movable[b] { bit } else { 0 };
         }
     }
 
-    /// Lists the contacts of each particle that moves, sorted by their priorities.
-    fn list(&mut self, edges: &[Edge], movable: &[bool]) {
-        let Self { starts, edges_of, next, .. } = self;
-        let moving = |edge: &Edge| edge.places.into_iter().filter(|&place| movable[place as usize]);
-        starts.clear();
-        starts.resize(movable.len() + 1, 0);
-        edges.iter().flat_map(moving).for_each(|place| starts[place as usize + 1] += 1);
-        for place in 0..movable.len() {
-            starts[place + 1] += starts[place];
+    /// Lists the contacts in the order of their priorities, the highest first (radix sort, least
+    /// significant digit first).
+    fn sort(&mut self, edges: &[Edge]) {
+        let Self { order, spare, ends, .. } = self;
+        order.clear();
+        order.extend((0..).zip(edges).map(|(index, edge)| [!edge.priority, index]));
+        if order.len() < FEW {
+            return order.sort_unstable();
         }
-        next.clear();
-        next.extend_from_slice(&starts[..movable.len()]);
-        edges_of.clear();
-        edges_of.resize(starts[movable.len()] as usize, 0);
-        for (index, edge) in (0..).zip(edges) {
-            for place in moving(edge) {
-                let at = &mut next[place as usize];
-                edges_of[*at as usize] = u64::from(!edge.priority) << 32 | index;
-                *at += 1;
-            }
-        }
-        next.copy_from_slice(&starts[..movable.len()]);
-        for range in starts.windows(2) {
-            edges_of[range[0] as usize..range[1] as usize].sort_unstable();
+        spare.resize(order.len(), [0; 2]);
+        ends.resize(1 << DIGIT, 0);
+        for digit in 0..DIGITS {
+            let digit_of = |of: &[u32; 2]| (of[0] >> (digit * DIGIT) & ((1 << DIGIT) - 1)) as usize;
+            counting_sort(order, digit_of, ends, spare);
+            std::mem::swap(order, spare);
         }
     }
 }
@@ -156,6 +135,21 @@ mod tests {
             Colouring::default().run(&edges, &movable, &mut colours);
             prop_assert_eq!(colours, one_by_one(&edges, &movable));
         }
+    }
+
+    /// More contacts than [`FEW`], many of equal priority.
+    #[test]
+    fn many_contacts_have_the_same_colours() {
+        let random = |of: u32| mix(7, of);
+        let edge = |of: u32| Edge {
+            places: [random(3 * of) % 900, 900 + random(3 * of + 1) % 900],
+            priority: random(3 * of + 2) << (of % 3 * 12),
+        };
+        let edges: Vec<Edge> = (0..3 * FEW as u32).map(edge).collect();
+        let movable: Vec<bool> = (0..1800).map(|place| random(place) % 5 > 0).collect();
+        let mut colours = Vec::new();
+        Colouring::default().run(&edges, &movable, &mut colours);
+        assert_eq!(colours, one_by_one(&edges, &movable));
     }
 
     #[test]

@@ -60,6 +60,9 @@ const UNEVEN_KIND: usize = 0;
 const NEAR_KIND: usize = 1;
 const FAR_KIND: usize = 2;
 
+/// Marks pairs of which neither particle moves. They have no contact.
+const UNSOLVED: u8 = KINDS as u8;
+
 /// Gap, as a share of the sum of radii, up to which particles are near.
 const NEAR: f32 = 0.1;
 
@@ -142,7 +145,7 @@ pub struct Contacts {
     pub blocks: Blocks,
     /// The lane of each contact, counted over all blocks, in canonical order.
     lanes: Vec<u32>,
-    /// The colour and the kind of each contact, in canonical order.
+    /// The colour and the kind of each pair, in canonical order.
     colours: Vec<u8>,
     kinds: Vec<u8>,
     /// Where the contact of each lane comes from: which list, and which pair of it.
@@ -195,22 +198,25 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
-        let solved = |&[a, b]: &[u32; 2]| movable[a as usize] || movable[b as usize];
         self.find_uneven(lists, &particles.masses, movable);
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
-        let counts = self.colour(lists, solved, particles, movable);
+        self.list_edges(lists, particles, movable, threads);
+        self.colouring.run(&self.edges, movable, &mut self.colours);
+        let counts = self.count();
         let mut next = self.blocks.arrange(&counts);
-        self.list.clear();
         self.lanes.clear();
+        self.list.clear();
         self.sources.clear();
         self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
         let mut colours = self.colours.iter().zip(&self.kinds);
-        for (which, (_, pairs)) in lists.iter().enumerate() {
-            for (index, _) in pairs.iter().enumerate().filter(|(_, pair)| solved(pair)) {
-                let Some((&colour, &kind)) = colours.next() else { break };
+        for (which, (_, pairs)) in (0..).zip(lists) {
+            for (index, (&colour, &kind)) in (0..pairs.len() as u32).zip(&mut colours) {
+                if kind == UNSOLVED {
+                    continue;
+                }
                 let lane = next.take([colour, kind]);
                 self.lanes.push(lane as u32);
-                self.sources[lane] = [which as u32, index as u32];
+                self.sources[lane] = [which, index];
             }
         }
         let Self { blocks, sources, previous, .. } = self;
@@ -279,34 +285,49 @@ impl Contacts {
         !self.uneven.is_empty()
     }
 
-    /// Gives each pair that is to be solved its colour and kind, and counts them.
-    fn colour(
+    /// Lists the edges and the kinds of all pairs.
+    fn list_edges(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        solved: impl Fn(&[u32; 2]) -> bool,
         particles: &Particles,
         movable: &[bool],
-    ) -> Counts {
-        let Self { edges, colouring, colours, kinds, uneven, .. } = self;
-        edges.clear();
-        kinds.clear();
+        threads: Option<usize>,
+    ) {
+        let Self { edges, kinds, uneven, .. } = self;
         let is_uneven = |place: u32| uneven.get(place as usize).is_some_and(|&uneven| uneven);
+        let count = lists.iter().map(|(_, pairs)| pairs.len()).sum();
+        edges.resize(count, Edge::default());
+        kinds.resize(count, 0);
+        let (mut edges, mut kinds) = (&mut edges[..], &mut kinds[..]);
         for (image, pairs) in lists {
-            for &places in pairs.iter().filter(|pair| solved(pair)) {
-                edges.push(Edge { places, priority: priority(particles, places, *image) });
-                let kind = if places.into_iter().any(is_uneven) {
-                    UNEVEN_KIND
-                } else if are_near(particles, places.map(|place| place as usize), *image) {
-                    NEAR_KIND
-                } else {
-                    FAR_KIND
-                };
-                kinds.push(kind as u8);
-            }
+            let (own, of) =
+                (edges.split_off_mut(..pairs.len()), kinds.split_off_mut(..pairs.len()));
+            let (own, of) = (own.unwrap_or_default(), of.unwrap_or_default());
+            parallel::for_chunks_of_two(threads, own, of, |first, edges, kinds| {
+                for ((edge, kind), &places) in edges.iter_mut().zip(kinds).zip(&pairs[first..]) {
+                    let [a, b] = places.map(|place| place as usize);
+                    *kind = if !(movable[a] || movable[b]) {
+                        UNSOLVED
+                    } else if places.into_iter().any(is_uneven) {
+                        UNEVEN_KIND as u8
+                    } else if are_near(particles, [a, b], *image) {
+                        NEAR_KIND as u8
+                    } else {
+                        FAR_KIND as u8
+                    };
+                    *edge = Edge { places, priority: priority(particles, places, *image) };
+                }
+            });
         }
-        colouring.run(edges, movable, colours);
+    }
+
+    /// Counts the contacts of each kind of each colour.
+    fn count(&mut self) -> Counts {
         let mut counts = [[0usize; KINDS]; COLOURS + 1];
-        for (&colour, kind) in colours.iter().zip(kinds) {
+        for (&colour, kind) in self.colours.iter().zip(&mut self.kinds) {
+            if *kind == UNSOLVED {
+                continue;
+            }
             if colour == COLOURS as u8 && *kind == FAR_KIND as u8 {
                 *kind = NEAR_KIND as u8;
             }

@@ -4,7 +4,10 @@
 //! order of the tasks. So results do not depend on the number of threads.
 
 #[cfg(feature = "parallel")]
+mod barrier;
+#[cfg(feature = "parallel")]
 mod idle;
+mod member;
 #[cfg(feature = "parallel")]
 mod shares;
 #[cfg(feature = "parallel")]
@@ -13,11 +16,12 @@ mod team;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+pub use member::Member;
 use sync::{AtomicUsize, Ordering};
 #[cfg(feature = "parallel")]
 use team::Team;
 
-/// The atomics of [`idle`] and [`shares`], which the tests replace by those of a model checker.
+/// The atomics of [`barrier`], [`idle`] and [`shares`], which the tests replace by those of a model checker.
 mod sync {
     pub use std::sync::atomic::{AtomicUsize, Ordering};
 }
@@ -32,6 +36,17 @@ pub fn for_tasks(threads: Option<usize>, count: usize, task: impl Fn(usize) + Sy
     }
     let _ = threads;
     (0..count).for_each(task);
+}
+
+/// Runs `work` once on each of several threads at the same time: the caller, and those of the others
+/// that are awake. For work whose threads wait for each other very often.
+pub fn together(threads: Option<usize>, work: impl Fn(&Member<'_>) + Sync + Send) {
+    #[cfg(feature = "parallel")]
+    if let Some(team) = Team::of(threads) {
+        return team.together(&work);
+    }
+    let _ = threads;
+    work(&Member { index: 0, threads: 1, wait: &|| () });
 }
 
 /// As [`for_tasks`], with a state for each thread, made by `make`; returns the states in any
@@ -134,8 +149,14 @@ pub fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
     threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 
+/// From this many times the work for which threads are woken on, threads are used on a busy machine,
+/// too.
+#[cfg(feature = "parallel")]
+const LARGE: usize = 4;
+
 /// The number of threads for some work: one if it is less than `sharing`; those that are awake if
-/// it is less than `waking`; otherwise all, which are woken.
+/// it is less than `waking`; otherwise all, which are woken. One on a busy machine, unless the work is
+/// large.
 pub fn threads_for(
     threads: Option<usize>,
     work: usize,
@@ -147,7 +168,11 @@ pub fn threads_for(
     }
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
-        if work >= waking || ALWAYS.load(Ordering::Relaxed) {
+        if ALWAYS.load(Ordering::Relaxed) {
+            team.wake();
+        } else if work < LARGE * waking && team.is_held_up() {
+            return Some(1);
+        } else if work >= waking {
             team.wake();
         } else if !team.is_awake() {
             return Some(1);

@@ -10,8 +10,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 
+use super::barrier::Barrier;
 use super::forks;
 use super::idle::Idle;
+use super::member::Member;
 use super::shares::Shares;
 use crate::interrupt::Stop;
 
@@ -22,6 +24,13 @@ const MAX_ATTEMPTS: usize = 1 << 14;
 /// Attempts between two calls of `yield_now`, which gives the core to other processes.
 const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
+/// Attempts of a thread that waits for others after which the machine counts as busy: about a
+/// millisecond. Another process uses the core of one of them.
+const LONG_WAIT: usize = 1 << 14;
+
+/// Medium calls on one thread after a long wait.
+const CALLS_AFTER_LONG_WAIT: usize = 512;
+
 /// The workers that may take part in a call.
 pub struct Team(Arc<Workers>);
 
@@ -31,6 +40,8 @@ struct Workers {
     idle: Idle,
     /// Whether they were woken and have not started their loop yet.
     called: AtomicBool,
+    /// Medium calls that will use one thread, because the machine is busy.
+    alone: AtomicUsize,
 }
 
 thread_local! {
@@ -53,9 +64,16 @@ impl Team {
         self.0.idle.has(1)
     }
 
+    /// Whether a medium call should use one thread, because threads had to wait for each other for
+    /// long in an earlier call.
+    pub fn is_held_up(&self) -> bool {
+        let next = |calls: usize| calls.checked_sub(1);
+        self.0.alone.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next).is_ok()
+    }
+
     /// Wakes the workers, so that they are ready for the work that follows.
     pub fn wake(&self) {
-        let Workers { pool, idle, called } = &*self.0;
+        let Workers { pool, idle, called, .. } = &*self.0;
         if idle.has(pool.current_num_threads()) || called.swap(true, Ordering::Relaxed) {
             return;
         }
@@ -86,22 +104,56 @@ impl Team {
                 }
                 task(index);
             }
-            wait_for(&working);
+            self.0.wait_for(&working);
+        });
+    }
+
+    /// Runs `work` on the caller and on all workers that are awake, at the same time.
+    pub fn together(&self, work: &(dyn Fn(&Member<'_>) + Sync)) {
+        let Workers { pool, idle, .. } = &*self.0;
+        let joining = idle.reserve(pool.current_num_threads());
+        let group = Group { threads: joining + 1, barrier: Barrier::new(joining + 1), of: &self.0 };
+        let (joined, working) = (AtomicUsize::new(1), AtomicUsize::new(joining));
+        pool.in_place_scope(|scope| {
+            for _ in 0..joining {
+                scope.spawn(|_| {
+                    let _end = AtEnd { idle, working: &working };
+                    group.run(joined.fetch_add(1, Ordering::Relaxed), work);
+                });
+            }
+            group.run(0, work);
+            self.0.wait_for(&working);
         });
     }
 }
 
-/// Waits until all workers have finished, and polls for interruption. The wait is shorter than a
-/// task unless another process uses the core of a worker.
-fn wait_for(working: &AtomicUsize) {
-    let stop = Stop::current();
-    let mut attempts = 0;
-    while working.load(Ordering::Acquire) > 0 {
-        pause(&mut attempts);
-        if attempts == MAX_ATTEMPTS {
-            attempts = 0;
-            stop.is_set();
+/// Threads that run the same work together.
+struct Group<'a> {
+    threads: usize,
+    barrier: Barrier,
+    of: &'a Workers,
+}
+
+impl Group<'_> {
+    fn run(&self, index: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
+        /// Lets the others pass if the work of this thread panics.
+        struct Open<'a>(&'a Barrier);
+        impl Drop for Open<'_> {
+            fn drop(&mut self) {
+                if thread::panicking() {
+                    self.0.open();
+                }
+            }
         }
+        let _open = Open(&self.barrier);
+        let waits = Cell::new(0);
+        let wait = || {
+            waits.set(waits.get() + 1);
+            let mut attempts = 0;
+            self.barrier.wait(waits.get(), || pause(&mut attempts));
+            self.of.waited(attempts);
+        };
+        work(&Member { index, threads: self.threads, wait: &wait });
     }
 }
 
@@ -129,6 +181,27 @@ impl Drop for AtEnd<'_> {
 }
 
 impl Workers {
+    /// Waits until all workers have finished, and polls for interruption. The wait is shorter than a
+    /// task unless another process uses the core of a worker.
+    fn wait_for(&self, working: &AtomicUsize) {
+        let stop = Stop::current();
+        let mut attempts = 0;
+        while working.load(Ordering::Acquire) > 0 {
+            pause(&mut attempts);
+            if attempts.is_multiple_of(MAX_ATTEMPTS) {
+                stop.is_set();
+            }
+        }
+        self.waited(attempts);
+    }
+
+    /// Notes how long a thread has waited for others.
+    fn waited(&self, attempts: usize) {
+        if attempts >= LONG_WAIT {
+            self.alone.store(CALLS_AFTER_LONG_WAIT, Ordering::Relaxed);
+        }
+    }
+
     /// Polls for work on the current thread until there has been none for [`MAX_ATTEMPTS`].
     fn poll_for_work(&self) {
         self.called.store(false, Ordering::Relaxed);
@@ -185,7 +258,12 @@ impl Pools {
             self.refused = CALLS_ALONE;
             return None;
         };
-        let workers = Workers { pool, idle: Idle::default(), called: AtomicBool::new(false) };
+        let workers = Workers {
+            pool,
+            idle: Idle::default(),
+            called: AtomicBool::new(false),
+            alone: AtomicUsize::new(0),
+        };
         self.kept.truncate(MAX_POOLS - 1);
         self.kept.insert(0, Arc::new(workers));
         Some(self.kept[0].clone())

@@ -15,6 +15,7 @@
 mod friction;
 mod pairs;
 mod start;
+mod sweeps;
 mod walls;
 
 use std::ops::Range;
@@ -24,14 +25,14 @@ use crate::contacts::Contacts;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
-use crate::interrupt;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
-use pairs::{Block, Pass, Sweep};
+use pairs::Block;
 use start::{Counts, Limits, Starts};
+use sweeps::Sweeps;
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
@@ -41,22 +42,12 @@ const TOUCHING: f32 = 0.003;
 /// forces give in the sub-step.
 const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
 
-/// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
-const ITERATIONS: usize = 10;
-
-/// Further iterations after each but the last, over the contacts of particles that have contacts of
-/// uneven masses. With the ratio q of masses, the number that is needed grows with √q.
-const UNEVEN_ITERATIONS: usize = 3;
-
 /// Relaxation factor of a contact of equal masses, or with something that does not move.
 const RELAXATION: f32 = 1.9;
 
 /// The same, for one particle that is much lighter than the other. A light particle between heavy
 /// ones gets large velocities if the impulses are not exact, so its factor is smaller.
 const LEAST_RELAXATION: f32 = 1.7;
-
-/// Iterations of the impacts at the beginning of a sub-step.
-const IMPACT_ITERATIONS: usize = 4;
 
 /// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 64;
@@ -133,14 +124,6 @@ struct WallPart {
     found: Vec<segments::Contact>,
     /// The particles that may be near walls.
     near: Vec<u32>,
-}
-
-/// The contacts of an iteration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
-    All,
-    /// Those of particles that have contacts of uneven masses.
-    Uneven,
 }
 
 /// The impulses over mass that walls give, carried from sub-step to sub-step.
@@ -321,73 +304,22 @@ impl Resting {
         self.begin(scene, kicks);
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
-        let threads = scene.threads;
         let Self { velocities, free_velocities, surface_speeds, blocks, frictions, walls, .. } =
             self;
-        let (velocities, free_velocities) = (&*velocities, &*free_velocities);
-        let surface_speeds = &*surface_speeds;
-        let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
-        let mut sweep = |pass, which| {
-            for colour in &contacts.blocks.colours {
-                let range = if which == Which::All { colour.all() } else { colour.uneven() };
-                let blocks = &mut blocks[range.clone()];
-                // Few blocks are not worth a word to other threads.
-                let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
-                let threads = if is_serial { Some(1) } else { threads };
-                let mut frictions = frictions.get_mut(range).unwrap_or_default();
-                let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).map(|blocks| {
-                    let count = blocks.len().min(frictions.len());
-                    (blocks, frictions.split_off_mut(..count).unwrap_or_default())
-                });
-                parallel::for_each(threads, parts, |(blocks, frictions)| {
-                    Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
-                });
-            }
-        };
-        let solve_walls = |walls: &mut [Walls], pass, which| {
-            let count = if which == Which::All { walls.len() } else { uneven_walls };
-            let walls = &mut walls[..count];
-            parallel::for_chunks(threads, walls, |_, chunk| {
-                chunk.iter_mut().for_each(|of| of.solve(velocities, surface_speeds, pass));
-            });
-        };
-        if is_fast || walls.iter().any(Walls::is_fast) {
-            for _ in 0..IMPACT_ITERATIONS {
-                interrupt::check()?;
-                solve_walls(walls, Pass::Impact, Which::All);
-                sweep(Pass::Impact, Which::All);
-            }
-            parallel::for_rows(threads, kicks.len(), |place| {
-                let [u, v] = velocities.get(place as u32);
-                let [x, y] = [0, 1].map(|k| scene.change(&kicks[place], k) as f32);
-                if scene.moving[place] {
-                    velocities.set(place as u32, [u + x, v + y]);
-                }
-            });
-        } else {
-            parallel::for_rows(threads, kicks.len(), |place| {
-                velocities.set(place as u32, free_velocities.get(place as u32));
-            });
+        Sweeps {
+            scene,
+            contacts,
+            kicks,
+            blocks,
+            frictions,
+            walls,
+            uneven_walls: self.uneven_walls,
+            has_fast: self.is_fast,
+            velocities,
+            free_velocities,
+            surface_speeds,
         }
-        sweep(Pass::Start, Which::All);
-        parallel::for_chunks(threads, walls, |_, chunk| {
-            chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
-        });
-        let further = if contacts.has_uneven() { UNEVEN_ITERATIONS } else { 0 };
-        for iteration in 1..=ITERATIONS {
-            interrupt::check()?;
-            if iteration == ITERATIONS {
-                sweep(Pass::Exact, Which::All);
-                solve_walls(walls, Pass::Exact, Which::All);
-                break;
-            }
-            sweep(Pass::Relaxed, Which::All);
-            solve_walls(walls, Pass::Relaxed, Which::All);
-            for _ in 0..further {
-                sweep(Pass::Relaxed, Which::Uneven);
-                solve_walls(walls, Pass::Relaxed, Which::Uneven);
-            }
-        }
+        .run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.place as usize];

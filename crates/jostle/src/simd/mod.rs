@@ -250,7 +250,7 @@ mod tests {
     struct All<T>([T; LANES], [T; LANES]);
 
     impl<T: Number> Work<T> for All<T> {
-        type Out = (Vec<[T; LANES]>, [u32; 4], [Vec<T>; 2]);
+        type Out = (Vec<[T; LANES]>, [u32; 4], Vec<(Vec<T>, [Vec<[u32; 2]>; 2], Vec<u32>)>);
 
         #[inline(always)]
         fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
@@ -279,16 +279,29 @@ mod tests {
                 simd.store(block, &mut to);
                 to
             });
-            let packed = [0b1010_0110_0000_0001, 0xffff].map(|bits: u32| {
-                let mut to = [T::default(); LANES];
-                simd.pack(a, bits, &mut to);
-                to[..bits.count_ones() as usize].to_vec()
-            });
+            let mut packed = Vec::new();
+            for bits in SETS {
+                let (mut numbers, mut places) = ([T::default(); LANES], [0; LANES]);
+                let mut pairs = [[[0; 2]; LANES]; 2];
+                simd.pack(a, bits, &mut numbers);
+                simd.pack_places(70, bits, &mut places);
+                simd.pair_with(5, &OTHERS, bits, &mut pairs[0]);
+                simd.pair_with_places(6, 80, bits, &mut pairs[1]);
+                let count = bits.count_ones() as usize;
+                let pairs = pairs.map(|pairs| pairs[..count].to_vec());
+                packed.push((numbers[..count].to_vec(), pairs, places[..count].to_vec()));
+            }
             let bits =
                 [simd.both_negative(a, b), simd.less(a, b), simd.at_most(a, b), simd.at_most(a, a)];
             (stored.to_vec(), bits, packed)
         }
     }
+
+    /// Sets of lanes: none, few and many, in one half and in both.
+    const SETS: [u32; 9] =
+        [0, 0x1, 0x8000, 0x8181, 0x00f0, 0xf000, 0x801f, 0b1010_0110_0000_0001, 0xffff];
+
+    const OTHERS: [u32; LANES] = [9, 31, 7, 2, 8, 40, 41, 3, 77, 60, 12, 13, 90, 4, 1, 55];
 
     /// The portable implementation and the instructions of this processor give the same results.
     #[test]

@@ -578,13 +578,7 @@ impl Simd<f32> for Avx2 {
     }
     #[inline(always)]
     fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_256(
-            self,
-            first,
-            [counted_256(self, start), counted_256(self, start.wrapping_add(8))],
-            bits,
-            to,
-        );
+        pairs_with_places_256(self, first, start, bits, to);
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
@@ -613,7 +607,19 @@ impl Simd<f64> for Avx2 {
         choose_256d
     );
 
-    pack_one_by_one!(f64);
+    #[inline(always)]
+    fn pack(self, from: Self::Block, bits: u32, to: &mut [f64; LANES]) {
+        let to = to.as_mut_ptr();
+        let behind = |lanes: u32| (bits & ((1 << lanes) - 1)).count_ones() as usize;
+        // SAFETY: the token proves the instructions; before register k there are at most 4 · k
+        // numbers, so that its four end within the sixteen there are.
+        unsafe {
+            _mm256_storeu_pd(to, packed_256d(self, from[0], bits));
+            _mm256_storeu_pd(to.add(behind(4)), packed_256d(self, from[1], bits >> 4));
+            _mm256_storeu_pd(to.add(behind(8)), packed_256d(self, from[2], bits >> 8));
+            _mm256_storeu_pd(to.add(behind(12)), packed_256d(self, from[3], bits >> 12));
+        }
+    }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         // SAFETY: the token proves the instruction; the array is two registers long.
@@ -625,13 +631,7 @@ impl Simd<f64> for Avx2 {
     }
     #[inline(always)]
     fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_256(
-            self,
-            first,
-            [counted_256(self, start), counted_256(self, start.wrapping_add(8))],
-            bits,
-            to,
-        );
+        pairs_with_places_256(self, first, start, bits, to);
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
@@ -762,6 +762,19 @@ fn packed_256(_: Avx2, register: __m256i, bits: u32) -> __m256i {
     }
 }
 
+/// The numbers of a register whose bit is set, first.
+#[inline(always)]
+fn packed_256d(token: Avx2, register: __m256d, bits: u32) -> __m256d {
+    /// Each bit twice, because a number is two words.
+    const TWICE: [u8; 16] = [
+        0x00, 0x03, 0x0c, 0x0f, 0x30, 0x33, 0x3c, 0x3f, 0xc0, 0xc3, 0xcc, 0xcf, 0xf0, 0xf3, 0xfc,
+        0xff,
+    ];
+    let words = u32::from(TWICE[(bits & 0xf) as usize]);
+    // SAFETY: the token proves the instructions.
+    unsafe { _mm256_castsi256_pd(packed_256(token, _mm256_castpd_si256(register), words)) }
+}
+
 /// Eight numbers from `first` on.
 #[inline(always)]
 fn counted_256(_: Avx2, first: u32) -> __m256i {
@@ -775,6 +788,68 @@ fn counted_256(_: Avx2, first: u32) -> __m256i {
 /// As [`pairs_512`], with two registers.
 #[inline(always)]
 fn pairs_256(
+    token: Avx2,
+    first: u32,
+    [low, high]: [__m256i; 2],
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
+    if bits.count_ones() > 4 {
+        return many_pairs_256(token, first, [low, high], bits, to);
+    }
+    // SAFETY: the token proves the instructions.
+    let others = unsafe {
+        let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(lanes_of(bits) as i64));
+        let low = _mm256_permutevar8x32_epi32(low, lanes);
+        let high = _mm256_permutevar8x32_epi32(high, lanes);
+        let is_high = _mm256_cmpgt_epi32(lanes, _mm256_set1_epi32(7));
+        _mm256_castsi256_si128(_mm256_blendv_epi8(low, high, is_high))
+    };
+    four_pairs(token, first, others, to);
+}
+
+/// Pairs of `first` with `start` + lane for every set bit.
+#[inline(always)]
+fn pairs_with_places_256(
+    token: Avx2,
+    first: u32,
+    start: u32,
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
+    if bits.count_ones() > 4 {
+        let others = [counted_256(token, start), counted_256(token, start.wrapping_add(8))];
+        return many_pairs_256(token, first, others, bits, to);
+    }
+    // SAFETY: the token proves the instructions.
+    let others = unsafe {
+        let lanes = _mm_cvtepu8_epi32(_mm_cvtsi64_si128(lanes_of(bits) as i64));
+        _mm_add_epi32(_mm_set1_epi32(start as i32), lanes)
+    };
+    four_pairs(token, first, others, to);
+}
+
+/// The lanes of at most four set bits, lowest first, a byte each.
+#[inline(always)]
+fn lanes_of(bits: u32) -> u64 {
+    let (low, high) = (LANES_OF[(bits & 0xff) as usize], LANES_OF[(bits >> 8 & 0xff) as usize]);
+    low | (high + 0x0808_0808_0808_0808).wrapping_shl(8 * (bits & 0xff).count_ones())
+}
+
+/// Pairs of `first` with four others.
+#[inline(always)]
+fn four_pairs(_: Avx2, first: u32, others: __m128i, to: &mut [[u32; 2]; LANES]) {
+    // SAFETY: the token proves the instructions; both stores end within the sixteen pairs.
+    unsafe {
+        let (own, to) = (_mm_set1_epi32(first as i32), to.as_mut_ptr());
+        _mm_storeu_si128(to.cast(), _mm_unpacklo_epi32(own, others));
+        _mm_storeu_si128(to.add(2).cast(), _mm_unpackhi_epi32(own, others));
+    }
+}
+
+/// Pairs of `first` with those of sixteen others whose bit is set.
+#[inline(always)]
+fn many_pairs_256(
     token: Avx2,
     first: u32,
     [low, high]: [__m256i; 2],

@@ -17,10 +17,10 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
 const MOST_ATTEMPTS: usize = 4;
 
-/// Fewer particles than this are not worth sharing with other threads.
+/// Fewer particles times sub-steps than this are not worth sharing with other threads.
 const WORTH_SHARING: usize = 5000;
 
-/// Fewer particles than this are not worth waking other threads for.
+/// Fewer particles times sub-steps than this are not worth waking other threads for.
 const WORTH_WAKING: usize = 24_000;
 
 impl World {
@@ -50,10 +50,10 @@ impl World {
         Ok(())
     }
 
-    /// The threads to use: one for a small world. Those of a large one are woken.
+    /// The threads to use: one if there is little work. For much work they are woken.
     pub(super) fn threads(&self) -> Option<usize> {
-        let threads = self.settings.tree.threads;
-        parallel::threads_for(threads, self.rows.len(), WORTH_SHARING, WORTH_WAKING)
+        let work = self.rows.len() * self.memory.substeps.max(1);
+        parallel::threads_for(self.settings.tree.threads, work, WORTH_SHARING, WORTH_WAKING)
     }
 
     /// Makes a step, if it changes anything.

@@ -1,0 +1,265 @@
+//! The iterations over all resting contacts, colour after colour. Several threads take a part of each colour
+//! and wait for each other before the next.
+
+use std::ops::Range;
+use std::sync::Mutex;
+
+use super::pairs::{Block, Pass, Sweep};
+use super::walls::Walls;
+use super::{Support, friction};
+use crate::contacts::Contacts;
+use crate::error::Result;
+use crate::flow::Kick;
+use crate::interrupt::Stop;
+use crate::motion::{Scalars, Vectors};
+use crate::parallel::{self, Member, locked};
+
+/// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
+const ITERATIONS: usize = 10;
+
+/// Further iterations after each but the last, over the contacts of particles that have contacts of
+/// uneven masses. With the ratio q of masses, the number that is needed grows with √q.
+const UNEVEN_ITERATIONS: usize = 3;
+
+/// Iterations of the impacts at the beginning of a sub-step.
+const IMPACT_ITERATIONS: usize = 4;
+
+/// Blocks, and particles at walls, that a thread takes at a time.
+const BLOCKS: usize = 32;
+const WALLS: usize = 64;
+
+/// The contacts of an iteration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    All,
+    /// Those of particles that have contacts of uneven masses.
+    Uneven,
+}
+
+/// A part of the iterations, after which all threads wait for each other, for those of contacts after
+/// each colour.
+#[derive(Clone, Copy, Debug)]
+enum Task {
+    Contacts(Pass, Which),
+    Walls(Pass, Which),
+    /// The particles get the velocities that they would have without contacts.
+    Release,
+    /// Gravity and forces are added to the velocities after the impacts.
+    Accelerate,
+}
+
+/// What the iterations need.
+pub struct Sweeps<'a> {
+    pub scene: &'a Support<'a>,
+    pub contacts: &'a Contacts,
+    pub kicks: &'a [Kick],
+    /// The contacts of two particles, and their friction; none if there is none.
+    pub blocks: &'a mut [Block],
+    pub frictions: &'a mut [friction::Block],
+    /// The particles at walls. Those with contacts of uneven masses come first.
+    pub walls: &'a mut [Walls],
+    pub uneven_walls: usize,
+    /// Whether particles touch and approach too fast to rest.
+    pub has_fast: bool,
+    pub velocities: &'a Vectors,
+    pub free_velocities: &'a Vectors,
+    pub surface_speeds: &'a Scalars,
+}
+
+impl Sweeps<'_> {
+    /// Finds the impulses, and the velocities with them.
+    pub fn run(self) -> Result<()> {
+        let stop = Stop::current();
+        if parallel::is_parallel(self.scene.threads) {
+            self.run_together(&stop);
+        } else {
+            self.run_alone(&stop);
+        }
+        stop.check()
+    }
+
+    /// The tasks in their order.
+    fn each_task(has_fast: bool, has_uneven: bool, mut act: impl FnMut(Task)) {
+        use Task::{Accelerate, Contacts, Release};
+        use Which::{All, Uneven};
+        if has_fast {
+            for _ in 0..IMPACT_ITERATIONS {
+                act(Task::Walls(Pass::Impact, All));
+                act(Contacts(Pass::Impact, All));
+            }
+            act(Accelerate);
+        } else {
+            act(Release);
+        }
+        let further = if has_uneven { UNEVEN_ITERATIONS } else { 0 };
+        let mut iterate = |pass, which| {
+            act(Contacts(pass, which));
+            act(Task::Walls(pass, which));
+        };
+        iterate(Pass::Start, All);
+        for _ in 1..ITERATIONS {
+            iterate(Pass::Relaxed, All);
+            (0..further).for_each(|_| iterate(Pass::Relaxed, Uneven));
+        }
+        iterate(Pass::Exact, All);
+    }
+
+    fn run_alone(self, stop: &Stop) {
+        let has_fast = self.has_fast();
+        let Self { scene, contacts, kicks, blocks, frictions, walls, uneven_walls, .. } = self;
+        let all = State {
+            scene,
+            kicks,
+            velocities: self.velocities,
+            free_velocities: self.free_velocities,
+            surface_speeds: self.surface_speeds,
+        };
+        Self::each_task(has_fast, contacts.has_uneven(), |task| match task {
+            _ if stop.is_set() => {}
+            Task::Contacts(pass, which) => {
+                for colour in &contacts.blocks.colours {
+                    let range = if which == Which::All { colour.all() } else { colour.uneven() };
+                    let frictions = frictions.get_mut(range.clone()).unwrap_or_default();
+                    all.sweep(&mut blocks[range], frictions, pass);
+                }
+            }
+            Task::Walls(pass, which) => {
+                let count = if which == Which::All { walls.len() } else { uneven_walls };
+                all.solve_walls(&mut walls[..count], pass);
+            }
+            Task::Release => all.release(0..kicks.len()),
+            Task::Accelerate => all.accelerate(0..kicks.len()),
+        });
+    }
+
+    fn run_together(self, stop: &Stop) {
+        let has_fast = self.has_fast();
+        let Self { scene, contacts, kicks, blocks, mut frictions, walls, uneven_walls, .. } = self;
+        let all = State {
+            scene,
+            kicks,
+            velocities: self.velocities,
+            free_velocities: self.free_velocities,
+            surface_speeds: self.surface_speeds,
+        };
+        let (mut parts, mut colours) = (Vec::new(), Vec::new());
+        let mut rest = blocks;
+        for colour in &contacts.blocks.colours {
+            let first = parts.len();
+            let uneven = colour.uneven().len();
+            let mut cut = |blocks: usize| {
+                let own = rest.split_off_mut(..blocks).unwrap_or_default();
+                for blocks in own.chunks_mut(BLOCKS) {
+                    let count = blocks.len().min(frictions.len());
+                    let frictions = frictions.split_off_mut(..count).unwrap_or_default();
+                    parts.push(Mutex::new((blocks, frictions)));
+                }
+                parts.len()
+            };
+            let uneven_end = cut(uneven);
+            let end = cut(colour.all().len() - uneven);
+            colours.push(Colour { first, uneven_end, end, is_serial: colour.is_serial });
+        }
+        let walls: Vec<_> = walls.chunks_mut(WALLS).map(Mutex::new).collect();
+        // After an interruption there is no more work, but all threads still wait for each other.
+        let run = |member: &Member<'_>, task| match task {
+            Task::Contacts(pass, which) => {
+                for colour in &colours {
+                    let own = if stop.is_set() { 0..0 } else { colour.share(member, which) };
+                    for part in &parts[own] {
+                        let (blocks, frictions) = &mut *locked(part);
+                        all.sweep(blocks, frictions, pass);
+                    }
+                    member.wait();
+                }
+            }
+            Task::Walls(pass, which) => {
+                let count = if which == Which::All { usize::MAX } else { uneven_walls };
+                for part in member.share(walls.len()) {
+                    let walls = &mut *locked(&walls[part]);
+                    let count = count.saturating_sub(part * WALLS).min(walls.len());
+                    all.solve_walls(&mut walls[..count], pass);
+                }
+                member.wait();
+            }
+            Task::Release => {
+                all.release(member.share(kicks.len()));
+                member.wait();
+            }
+            Task::Accelerate => {
+                all.accelerate(member.share(kicks.len()));
+                member.wait();
+            }
+        };
+        parallel::together(scene.threads, |member| {
+            Self::each_task(has_fast, contacts.has_uneven(), |task| run(member, task));
+        });
+    }
+
+    /// Whether particles touch others or walls and approach too fast to rest.
+    fn has_fast(&self) -> bool {
+        self.has_fast || self.walls.iter().any(Walls::is_fast)
+    }
+}
+
+/// The parts of a colour.
+struct Colour {
+    first: usize,
+    uneven_end: usize,
+    end: usize,
+    is_serial: bool,
+}
+
+impl Colour {
+    /// Those of a thread. Contacts that share particles are solved by one.
+    fn share(&self, member: &Member<'_>, which: Which) -> Range<usize> {
+        let end = if which == Which::All { self.end } else { self.uneven_end };
+        let count = end - self.first;
+        let own = match self.is_serial {
+            true if member.is_first() => 0..count,
+            true => 0..0,
+            false => member.share(count),
+        };
+        self.first + own.start..self.first + own.end
+    }
+}
+
+/// What all tasks share.
+struct State<'a> {
+    scene: &'a Support<'a>,
+    kicks: &'a [Kick],
+    velocities: &'a Vectors,
+    free_velocities: &'a Vectors,
+    surface_speeds: &'a Scalars,
+}
+
+impl State<'_> {
+    fn sweep(&self, blocks: &mut [Block], frictions: &mut [friction::Block], pass: Pass) {
+        let Self { velocities, surface_speeds, .. } = *self;
+        Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
+    }
+
+    fn solve_walls(&self, walls: &mut [Walls], pass: Pass) {
+        for of in walls {
+            if pass == Pass::Start {
+                of.start(self.velocities, self.surface_speeds);
+            } else {
+                of.solve(self.velocities, self.surface_speeds, pass);
+            }
+        }
+    }
+
+    fn release(&self, places: Range<usize>) {
+        for place in places {
+            self.velocities.set(place as u32, self.free_velocities.get(place as u32));
+        }
+    }
+
+    fn accelerate(&self, places: Range<usize>) {
+        for place in places.filter(|&place| self.scene.moving[place]) {
+            let [u, v] = self.velocities.get(place as u32);
+            let [x, y] = [0, 1].map(|k| self.scene.change(&self.kicks[place], k) as f32);
+            self.velocities.set(place as u32, [u + x, v + y]);
+        }
+    }
+}
