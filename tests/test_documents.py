@@ -18,7 +18,7 @@ PAGES = {
 BLOCK = re.compile(r"^```(python)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 WITH_CODE = sorted(name for name, text in PAGES.items() if BLOCK.search(text))
-TEACHING = ("adapters", "article", "physics", "pygame", "quadtree", "which")
+TEACHING = ("adapters", "article", "physics", "pygame", "pymunk", "quadtree", "which")
 MUST_HAVE_CODE = {"README.md", *(f"docs/{name}.md" for name in TEACHING)}
 NAMED_TEST = re.compile(r"`((?:tests|crates)/[\w/]+\.(?:py|rs))::(\w+)`")
 

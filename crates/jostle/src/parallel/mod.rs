@@ -39,13 +39,13 @@ pub fn for_tasks(threads: Option<usize>, count: usize, task: impl Fn(usize) + Sy
 }
 
 /// Runs `work` once on each of several threads at the same time: the caller, and those of the others
-/// that are awake. For work whose threads wait for each other very often.
-pub fn together(threads: Option<usize>, work: impl Fn(&Member<'_>) + Sync + Send) {
+/// that are awake, at most `most` together. For work whose threads wait for each other very often.
+pub fn together(threads: Option<usize>, most: usize, work: impl Fn(&Member<'_>) + Sync + Send) {
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
-        return team.together(&work);
+        return team.together(most, &work);
     }
-    let _ = threads;
+    let _ = (threads, most);
     work(&Member { index: 0, threads: 1, wait: &|| () });
 }
 

@@ -24,9 +24,9 @@ const MAX_ATTEMPTS: usize = 1 << 14;
 /// Attempts between two calls of `yield_now`, which gives the core to other processes.
 const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
-/// Attempts of a thread that waits for others after which the machine counts as busy: about a
-/// millisecond. Another process uses the core of one of them.
-const LONG_WAIT: usize = 1 << 14;
+/// Attempts of a thread that waits for others after which the machine counts as busy: about three
+/// milliseconds, the time slice of another process that uses the core of one of them.
+const LONG_WAIT: usize = 1 << 16;
 
 /// Medium calls on one thread after a long wait.
 const CALLS_AFTER_LONG_WAIT: usize = 512;
@@ -108,10 +108,11 @@ impl Team {
         });
     }
 
-    /// Runs `work` on the caller and on all workers that are awake, at the same time.
-    pub fn together(&self, work: &(dyn Fn(&Member<'_>) + Sync)) {
+    /// Runs `work` on the caller and on workers that are awake, at the same time, on at most `most`
+    /// threads.
+    pub fn together(&self, most: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
-        let joining = idle.reserve(pool.current_num_threads());
+        let joining = idle.reserve(pool.current_num_threads().min(most.saturating_sub(1)));
         let group = Group { threads: joining + 1, barrier: Barrier::new(joining + 1), of: &self.0 };
         let (joined, working) = (AtomicUsize::new(1), AtomicUsize::new(joining));
         pool.in_place_scope(|scope| {

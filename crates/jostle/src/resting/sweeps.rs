@@ -25,7 +25,7 @@ const UNEVEN_ITERATIONS: usize = 3;
 const IMPACT_ITERATIONS: usize = 4;
 
 /// Blocks, and particles at walls, that a thread takes at a time.
-const BLOCKS: usize = 32;
+const BLOCKS: usize = 16;
 const WALLS: usize = 64;
 
 /// The contacts of an iteration.
@@ -191,7 +191,8 @@ impl Sweeps<'_> {
                 member.wait();
             }
         };
-        parallel::together(scene.threads, |member| {
+        let most = colours.iter().map(|colour| colour.end - colour.first).max().unwrap_or(1);
+        parallel::together(scene.threads, most, |member| {
             Self::each_task(has_fast, contacts.has_uneven(), |task| run(member, task));
         });
     }
