@@ -16,6 +16,7 @@ mod results;
 mod queries;
 mod query_methods;
 mod ids;
+mod communicator;
 mod find_pairs;
 mod separate;
 mod quadtree;
@@ -63,7 +64,9 @@ mod _core {
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
-    use super::world::PyWorld;
+    use super::communicator::RankError;
+    #[pymodule_export]
+    use super::world::{PyWorld, begin_hash, hash_records};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

@@ -128,7 +128,7 @@ impl State {
 
     /// Does some of the steps, and returns how many are left. If one is refused, those before are
     /// done.
-    fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+    pub(super) fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
         let left = self.step_for_a_while(dt, left);
         self.world.end_record()?;
         left

@@ -321,6 +321,13 @@ impl Contacts {
         self.blocks.clear();
     }
 
+    /// Forgets all contacts.
+    pub fn forget(&mut self) {
+        self.list.clear();
+        self.blocks.clear();
+        self.previous.starts.clear();
+    }
+
     /// Removes the contacts of removed particles and updates the places of the others.
     pub fn retain(&mut self, keep: &[bool]) {
         let mut left = 0;

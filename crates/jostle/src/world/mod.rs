@@ -13,6 +13,7 @@ mod columns;
 mod contacts;
 mod defaults;
 mod discs;
+mod domain;
 mod drive;
 mod edits;
 mod force_step;
@@ -23,6 +24,7 @@ mod record;
 mod reorder;
 mod search;
 mod settings;
+mod shared;
 mod sleeping;
 mod snapshot;
 mod step;
@@ -52,11 +54,14 @@ use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::{Discs, Persistent};
+pub use domain::OwnParticles;
+use domain::Domain;
 use force_step::ForceMemory;
 use ids::Ids;
 use record::Record;
 pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
+pub use sums::{Column, StateHash};
 use step::MAX_CANDIDATES;
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
@@ -159,6 +164,8 @@ pub struct World {
     renumbered: Option<Vec<[Id; 2]>>,
     /// What happened since the last call of [`World::begin_record`].
     record: Record,
+    /// The distribution over ranks, if the world is distributed.
+    domain: Option<Box<Domain>>,
     memory: Memory,
 }
 

@@ -47,6 +47,11 @@ impl Substeps {
 impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
+        self.domain.as_ref().map_or_else(|| self.are_own_elastic(), |domain| domain.is_elastic())
+    }
+
+    /// The same of the particles of this rank.
+    pub(super) fn are_own_elastic(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
@@ -100,11 +105,14 @@ impl World {
     fn begin_substeps(&mut self, dt: f32) -> Substeps {
         let (threads, may_rest, is_elastic) = (self.threads(), self.may_rest(), self.is_elastic());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
-        let Self { particles, persistent, contacts, memory, settings, .. } = self;
+        let Self { particles, persistent, contacts, memory, settings, domain, rows, .. } = self;
         let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
         memory.limits.clear();
         if !self.asleep.is_empty() {
             memory.limits.extend_from_slice(&memory.reaches);
+        }
+        if let Some(domain) = domain {
+            domain.fill_limits(particles, rows, &settings.container, memory);
         }
         memory.grown.clear();
         memory.events.begin_step();
@@ -188,7 +196,7 @@ impl World {
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, .. } = self;
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { tree, reaches, grown, .. } = memory;
         let mut bounds = StepBounds::new(tree, particles, reaches, grown, settings.container);
         let flight = Flight {
@@ -202,6 +210,7 @@ impl World {
             flow: of.flow,
             kicks: &memory.kicks,
             is_first: true,
+            halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
             walls: around(&self.walls, &memory.near_walls, particles, of.clock(substep)),
