@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
-from .exchange import deliver, first_id, from_all, raise_together, send, together
+from .exchange import deliver, first_id, from_all, raise_together, send, together, totals
 from .sums import exact_sum
 
 #: A particle as the core writes it.
@@ -234,22 +234,48 @@ class World:
         x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
         return exact_sum(self._comm, x), exact_sum(self._comm, y)
 
-    def contacts(self) -> NDArray[np.int64]:
-        """Return the pairs that touched during the last step, each on one rank.
+    @property
+    def contacts(self) -> jostle.WorldContacts:
+        """The pairs that touched during the last step, each on one rank, see `jostle.World.contacts`.
 
-        Returns
-        -------
-        ndarray of int64, shape (m, 2)
-            Ids ``i < j``, sorted.
+        Not collective. The pairs are of ids, sorted.
         """
         count, ids, *_ = self._own()
-        pairs = self._core.contacts.pairs
-        movable, all_ids = self._core.movable[pairs], ids[pairs]
+        found = self._core.contacts
+        movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
+        is_reversed = pairs[:, 0] > pairs[:, 1]
         # A pair belongs to the rank of the movable particle with the smaller id.
-        later = np.where(movable.all(axis=1), all_ids[:, 0] > all_ids[:, 1], movable[:, 1])
-        rows = np.where(later, pairs[:, 1], pairs[:, 0])
-        pairs = np.sort(all_ids[rows < count], axis=1)
-        return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
+        owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
+        pairs = np.sort(pairs, axis=1)
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        order = order[owner[order] < count]
+        normals = np.where(is_reversed[:, None], -found.normals, found.normals)
+        return jostle.WorldContacts(
+            pairs[order],
+            normals[order],
+            found.depths[order],
+            found.normal_impulses[order],
+            found.friction_impulses[order],
+        )
+
+    @property
+    def wall_contacts(self) -> jostle.WallContacts:
+        """The particles of this rank to which walls gave an impulse during the last step.
+
+        Not collective. See `jostle.World.wall_contacts`.
+        """
+        count, ids, *_ = self._own()
+        found = self._core.wall_contacts
+        own = np.flatnonzero(found.ids < count)
+        own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
+        return jostle.WallContacts(ids[found.ids[own]], *(column[own] for column in found[1:]))
+
+    @property
+    def collisions(self) -> jostle.WorldCollisions:
+        """The number of collisions in the last call of `step`, see `jostle.World.collisions`."""
+        counts = totals(self._comm, np.array(self._core.collisions, np.int64))
+        return jostle.WorldCollisions(*map(int, counts))
 
     def state_hash(self) -> int:
         """Return the hash of all particles, the same on all ranks.
