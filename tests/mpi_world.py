@@ -103,9 +103,137 @@ def main(which: str) -> None:
         print("all bits are right")
 
 
+def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jostle.World:
+    """Discs at random places without overlap, in a square box unless there is another container."""
+    rng = np.random.default_rng(seed)
+    side = int(np.ceil(np.sqrt(n)))
+    spacing = 2.0 * np.sqrt(np.pi / (4 * cover))
+    cells = rng.permutation(side * side)[:n]
+    places = np.column_stack([cells % side, cells // side]) + 0.5
+    radii = rng.uniform(0.5, 1.0, n)
+    positions = (places * spacing + rng.uniform(-0.2, 0.2, (n, 2))).astype(np.float32)
+    width = side * spacing
+    container = options.pop("container", jostle.Box(0, 0, width, width))
+    if container == "torus":
+        container = jostle.Torus(width, width)
+    velocities = options.pop("velocities", rng.normal(0, 20, (n, 2)))
+    return jostle.World(positions, velocities, radii, container=container, **options)
+
+
 def test_gas() -> None:
     for where in (evenly, all_on_first, all_on_last, unevenly):
-        check("gas", jostle.scenes.create("gas", n=1500, seed=3), 1 / 60, where=where)
+        check("gas", gas(), 1 / 60, where=where)
+
+
+def test_scene() -> None:
+    check("scene gas", jostle.scenes.create("gas", n=2000, seed=3), 1 / 60)
+
+
+def test_containers() -> None:
+    check("torus", gas(container="torus"), 1 / 60)
+    check("plane", gas(container=None), 1 / 60, 100)
+    check("circle", gas(container=jostle.Circle(22, 22, 40)), 1 / 60, 150)
+    # Steps so long that they are divided, and trajectories around the torus.
+    check("long steps on a torus", gas(200, container="torus"), 0.5, 10)
+    check("long steps", gas(200, cover=0.05), 0.5, 10)
+    walls = jostle.polyline([(5, 5), (20, 25), (30, 10)])
+    check("walls", gas(walls=walls), 1 / 60, 150)
+
+
+def test_rules() -> None:
+    # A granular gas with friction: it cools down and forms clusters.
+    cooling = gas(restitution=0.8, friction=0.3, angular_velocities=2.0, container="torus")
+    check("granular gas", cooling, 1 / 60)
+    check("gravity, elastic", gas(gravity=(0, 30)), 1 / 60, 150)
+    check("damping and sub-steps", gas(drag=0.5, substeps=3), 1 / 60, 150)
+    check("ignore", gas(on_touch="ignore"), 1 / 60, 100)
+    hot = jostle.ThermalWalls(400.0, seed=3)
+    check("thermal walls", gas(forces=[hot]), 1 / 60, 150)
+    check("thermostat", gas(forces=[jostle.Thermostat(30.0, 0.5)]), 1 / 60, 150)
+    bath = jostle.AndersenThermostat(400.0, 2.0, seed=3)
+    check("bath", gas(forces=[bath], container="torus"), 1 / 60, 150)
+    kinds = np.arange(600) % 3
+    check("filters", gas(categories=1 << kinds, masks=7 ^ (1 << kinds)), 1 / 60, 150)
+    check("sensors", gas(sensors=kinds == 0), 1 / 60, 150)
+    movable = np.arange(600) % 7 > 0
+    check("kinematic", gas(movable=movable, container="torus"), 1 / 60, 150)
+
+
+def test_nasty() -> None:
+    for n in (0, 1, 2, 3, 5):
+        check(f"{n} particles", gas(n), 1 / 60, 20)
+    # Simultaneous impacts along a line and in a rack of discs that touch.
+    row = np.column_stack([np.arange(40) * 2.0, np.zeros(40)])
+    velocities = np.zeros((40, 2))
+    velocities[0, 0] = 30.0
+    row[0, 0] = -5.0
+    check("a line", jostle.World(row, velocities, radii=1.0), 1 / 60, 60, unevenly)
+    lattice = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), -1).reshape(-1, 2)
+    lattice[:, 0] += 0.5 * (np.arange(144) // 12 % 2)
+    lattice[:, 1] *= np.sqrt(0.75)
+    velocities = np.zeros((144, 2))
+    velocities[:12] = (0.0, 9.0)
+    check("a rack", jostle.World(lattice * 2, velocities, radii=1.0), 1 / 60, 60)
+    # Discs that overlap at the beginning, and coincident ones.
+    rng = np.random.default_rng(2)
+    heap = rng.uniform(0, 20, (200, 2))
+    heap[:10] = 10.0
+    overlapping = jostle.World(heap, rng.normal(0, 5, (200, 2)), radii=1.0, container=jostle.Torus(20, 20))
+    check("overlaps", overlapping, 1 / 60, 60)
+    # One disc that is much larger than the others, one that is much faster, and one far away.
+    world = gas(500)
+    velocities = world.velocities.copy()
+    velocities[3] = (5000.0, 3000.0)
+    world.velocities = velocities
+    check("a fast disc", world, 1 / 60, 100)
+    positions, radii = gas(500).positions.copy(), gas(500).radii.copy()
+    positions[7], radii[7] = (22, 22), 15.0
+    far = np.hypot(*(positions - positions[7]).T) > 16.5
+    far[7] = True
+    count = int(far.sum())
+    options = {"radii": radii[far], "container": jostle.Torus(60, 60)}
+    giant = jostle.World(positions[far], rng.normal(0, 20, (count, 2)), **options)
+    check("a giant", giant, 1 / 60, 150)
+    positions = gas(300).positions.copy()
+    positions[5] = (3e5, -2e5)
+    check("far away", jostle.World(positions, rng.normal(0, 20, (300, 2)), radii=0.5), 1 / 60, 60)
+
+
+def test_errors() -> None:
+    """What is refused is refused on all ranks, and an error leaves the world as it was."""
+    rest = {"gravity": (0.0, 9.8), "restitution": 0.5}
+    world = scattered(gas(50), evenly)
+    refused: list[tuple[str, Callable[[], Any]]] = [
+        ("restitution", lambda: scattered(gas(50, **rest), evenly).step(1 / 60)),
+        ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
+        ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
+        ("track_events", lambda: jostle.mpi.World(COMM, [], [], [], track_events=True)),
+        ("dt", lambda: world.step(-1.0)),
+        ("gravity", lambda: jostle.mpi.World(COMM, [], [], [], gravity=(COMM.rank, 0))),
+    ]
+    for argument, call in refused:
+        if argument == "gravity" and COMM.size == 1:
+            continue
+        try:
+            call()
+        except ValueError as error:
+            assert argument in str(error), error
+        else:
+            raise AssertionError(f"{argument} is refused")
+    # Only one rank has a particle that moves too far.
+    before = world.state_hash()
+    hurried = scattered(gas(50, velocities=np.where(np.arange(50)[:, None] == 49, 1e18, 1.0) * np.ones((50, 2))), evenly)
+    try:
+        hurried.step(100.0)
+    except ValueError as error:
+        assert COMM.rank == COMM.size - 1 and "dt" in str(error), error
+    except jostle.mpi.RankError as error:
+        assert COMM.rank < COMM.size - 1, error
+        assert f"rank {COMM.size - 1}: ValueError: dt" in str(error), error
+    else:
+        raise AssertionError("the step is refused")
+    hurried.step(1e-18)
+    assert world.state_hash() == before and world.time == 0.0
 
 
 main(sys.argv[1])

@@ -14,6 +14,7 @@ import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
 from .exchange import deliver, first_id, from_all, raise_together, send, together, totals
+from .interrupts import held
 from .sums import exact_sum
 
 #: A particle as the core writes it.
@@ -150,9 +151,17 @@ class World:
         RankError
             If another rank cannot do the step, or is interrupted.
         """
+        with together(self._comm):
+            self._core._begin_steps(dt)
+        with held() as pressed:
+            for _ in range(steps):
+                self._step(dt)
+                raise_together(self._comm, KeyboardInterrupt() if pressed() else None)
+
+    def _step(self, dt: float) -> None:
         start, waited = time.perf_counter(), self._messages.seconds
         try:
-            self._core._step_distributed(dt, steps)
+            self._core._step_distributed(dt)
         except RankError:
             raise_together(self._comm, None)
             raise
@@ -181,6 +190,12 @@ class World:
     def total(self) -> int:
         """Number of particles of all ranks."""
         return self._own()[2]
+
+    @property
+    def ghosts(self) -> int:
+        """Number of copies of particles of other ranks in the last step."""
+        count, ids, *_ = self._own()
+        return len(ids) - count
 
     @property
     def time(self) -> float:

@@ -37,16 +37,18 @@ impl PyWorld {
         self.state(py)?.world.check_distributable().map_err(refused)
     }
 
-    /// Advance a distributed world. For `jostle.mpi`.
-    fn _step_distributed(&self, py: Python<'_>, dt: f64, steps: usize) -> PyResult<()> {
-        for _ in 0..steps {
-            let done = detached(py, || {
-                let mut state = self.state.lock()?;
-                PyResult::Ok(state.step(dt, 1))
-            })??;
-            done.map_err(refused)?;
-        }
-        Ok(())
+    /// Make a step of a distributed world. For `jostle.mpi`.
+    fn _step_distributed(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        let done = detached(py, || {
+            let mut state = self.state.lock()?;
+            PyResult::Ok(state.step(dt, 1))
+        })??;
+        done.map(|_| ()).map_err(refused)
+    }
+
+    /// Begin a call of `step` of a distributed world. For `jostle.mpi`.
+    fn _begin_steps(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        self.long(py, |state| state.begin(dt))?.map_err(refused)
     }
 
     /// The numbers of this rank's part. For `jostle.mpi`.

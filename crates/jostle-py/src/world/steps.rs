@@ -119,7 +119,7 @@ impl PyWorld {
 
 impl State {
     /// Begins a call of `step`.
-    fn begin(&mut self, dt: f64) -> jostle::Result<()> {
+    pub(super) fn begin(&mut self, dt: f64) -> jostle::Result<()> {
         self.world.step(dt, 0)?;
         self.world.forget_renumbering();
         self.world.begin_record();
