@@ -42,6 +42,8 @@ mod _core {
     };
 
     #[pymodule_export]
+    use super::communicator::RankError;
+    #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
     use super::events::{PyEvents, restore_events};
@@ -63,8 +65,6 @@ mod _core {
     use super::space::{PySpace, restore_space};
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
-    #[pymodule_export]
-    use super::communicator::RankError;
     #[pymodule_export]
     use super::world::{PyWorld, begin_hash, hash_records};
 

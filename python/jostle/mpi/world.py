@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
-from .exchange import deliver, first_id, from_all, raise_together, send, together, totals
+from .exchange import deliver, first_id, from_all, raise_together, together, totals
 from .interrupts import held
+from .storage import by_ids, read, write
 from .sums import exact_sum
 
 #: A particle as the core writes it.
@@ -108,8 +111,7 @@ class World:
         threads: int | None = 1,
         **options: Any,
     ) -> None:
-        self._comm = comm.Dup()
-        self._messages = _Messages(self._comm)
+        self._begin(comm)
         with together(self._comm):
             positions, velocities = (
                 np.zeros((0, 2)) if np.size(column) == 0 else column
@@ -122,6 +124,11 @@ class World:
         count = len(core)
         ids = first_id(self._comm, count) + np.arange(count)
         core._distribute(self._messages, ids)
+
+    def _begin(self, comm: MPI.Intracomm) -> None:
+        self._comm = comm.Dup()
+        self._core: Any
+        self._messages = _Messages(self._comm)
 
     def _check_settings(self) -> None:
         """Refuse settings that differ between ranks."""
@@ -307,10 +314,8 @@ class World:
         """
         rows = self._records()
         size, total = self._comm.size, self.total
-        bounds = np.arange(1, size) * total // size
         # Ids have no gaps: no particle is removed.
-        rows = send(self._comm, rows, np.searchsorted(bounds, rows["id"], side="right"))
-        rows = np.sort(rows, order="id")
+        rows = by_ids(self._comm, rows, total)
         defaults = {
             1: ((rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0)),
             2: ((rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF)),
@@ -348,6 +353,74 @@ class World:
         if self._comm.rank != root:
             return None
         return self._core._of_records(np.sort(rows, order="id").tobytes())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the world into one file, in which each rank writes a part.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            An existing file is replaced when the new one is complete.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; then an existing one is unchanged.
+        ValueError
+            If particles rest on others: the file has no impulses of contacts, so the world would not
+            continue with the same bits.
+
+        See Also
+        --------
+        load : Reads the file, on any number of ranks.
+        """
+        with together(self._comm):
+            if self._core._rests():
+                raise ValueError("path: a distributed world with resting contacts cannot be saved yet")
+        settings = self._core._of_records(b"").snapshot()
+        write(self._comm, Path(path), settings, self._records())
+
+    @classmethod
+    def load(
+        cls, comm: MPI.Intracomm, path: str | os.PathLike[str], *, threads: int | None = 1
+    ) -> World:
+        """Read a world from a file that `save` has written, on any number of ranks.
+
+        Parameters
+        ----------
+        comm : mpi4py.MPI.Intracomm
+            The ranks.
+        path : str or os.PathLike
+            The file.
+        threads : int, default 1
+            Number of threads of each rank.
+
+        Returns
+        -------
+        World
+            A world that continues with the same bits. ``load(MPI.COMM_SELF, path).gather()`` is a
+            `jostle.World`.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it does not contain a distributed world, or is cut off or damaged.
+
+        See Also
+        --------
+        save : Writes the file.
+        """
+        world = cls.__new__(cls)
+        world._begin(comm)
+        settings, rows = read(world._comm, Path(path), RECORD)
+        with together(world._comm):
+            core = jostle.World.restore(settings)._of_records(rows.tobytes())
+            core.threads = threads
+        world._core = core
+        core._distribute(world._messages, rows["id"].copy())
+        return world
 
     def _records(self) -> NDArray[np.void]:
         """The particles of this rank."""

@@ -51,6 +51,11 @@ impl PyWorld {
         self.long(py, |state| state.begin(dt))?.map_err(refused)
     }
 
+    /// Whether contacts may rest. For `jostle.mpi`.
+    fn _rests(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.state(py)?.world.may_have_resting_contacts())
+    }
+
     /// The numbers of this rank's part. For `jostle.mpi`.
     fn _own<'py>(&self, py: Python<'py>) -> PyResult<Option<Numbers<'py>>> {
         let own = self.long(py, |state| state.world.own_particles())?;

@@ -133,6 +133,17 @@ impl Contact {
     }
 }
 
+/// What the order of solving contacts depends on; the same on all ranks of a distributed world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ContactShape {
+    /// The number of colours.
+    pub colours: usize,
+    /// Whether any particle has a contact of uneven masses.
+    pub has_uneven: bool,
+    /// Whether any particle has more contacts than there are colours.
+    pub is_serial: bool,
+}
+
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
@@ -272,6 +283,28 @@ impl Contacts {
     /// Whether a particle has a contact of uneven masses in this step.
     pub fn is_uneven(&self, place: u32) -> bool {
         self.uneven.get(place as usize).is_some_and(|&uneven| uneven)
+    }
+
+    /// What the order of solving depends on.
+    pub fn shape(&self) -> ContactShape {
+        ContactShape {
+            colours: self.blocks.colours.len(),
+            has_uneven: self.has_uneven(),
+            is_serial: self.blocks.colours.iter().any(|colour| colour.is_serial),
+        }
+    }
+
+    /// Calls `act` with the places, the colour and the kind of each contact of the step.
+    pub fn each_coloured(
+        &self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        movable: &[bool],
+        mut act: impl FnMut([u32; 2], [u8; 2]),
+    ) {
+        let solved = |pair: &&[u32; 2]| pair.iter().any(|&place| movable[place as usize]);
+        let pairs = lists.iter().flat_map(|(_, pairs)| pairs).filter(solved);
+        let colours = self.colours.iter().zip(&self.kinds);
+        pairs.zip(colours).for_each(|(&pair, (&colour, &kind))| act(pair, [colour, kind]));
     }
 
     /// Whether any particle has.

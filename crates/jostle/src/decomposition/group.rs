@@ -126,9 +126,8 @@ impl Group {
     pub fn exchange_known(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
         self.traffic.calls += 1;
         let others = (0..).zip(to).filter(|(rank, part)| *rank != self.rank() && !part.is_empty());
-        let (messages, bytes) = others.fold((0, 0), |(messages, bytes), (_, part)| {
-            (messages + 1, bytes + part.len() as u64)
-        });
+        let (messages, bytes) = others
+            .fold((0, 0), |(messages, bytes), (_, part)| (messages + 1, bytes + part.len() as u64));
         self.traffic.messages += messages;
         self.traffic.bytes += bytes;
         self.communicator.exchange(to, counts)

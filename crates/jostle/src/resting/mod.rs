@@ -20,8 +20,9 @@ mod walls;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::contacts::Contacts;
+use crate::contacts::{ContactShape, Contacts};
 use crate::container::{Container, MAX_WALLS};
+use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
 use crate::interrupt;
@@ -85,6 +86,10 @@ pub struct Support<'a> {
     pub pushes: &'a [WallPush],
     /// Coefficient of restitution of the world.
     pub restitution: f32,
+    /// What is shared with other ranks, if the world is distributed.
+    pub halo: Option<Halo<'a>>,
+    /// The number of colours, and whether any masses are uneven, on all ranks.
+    pub shape: ContactShape,
     /// Threads to use.
     pub threads: Option<usize>,
 }
@@ -327,8 +332,26 @@ impl Resting {
         let (velocities, free_velocities) = (&*velocities, &*free_velocities);
         let surface_speeds = &*surface_speeds;
         let (is_fast, uneven_walls) = (self.is_fast, self.uneven_walls);
+        // After each colour ghosts get the velocities that their own ranks have computed.
+        let refresh = || match scene.halo {
+            None => Ok(()),
+            Some(halo) => halo.refresh(
+                |place| {
+                    let [u, v] = velocities.get(place);
+                    [u, v, surface_speeds.get(place)]
+                },
+                |place, [u, v, speed]| {
+                    velocities.set(place, [u, v]);
+                    surface_speeds.set(place, speed);
+                },
+            ),
+        };
         let mut sweep = |pass, which| {
-            for colour in &contacts.blocks.colours {
+            for number in 0..scene.shape.colours {
+                let Some(colour) = contacts.blocks.colours.get(number) else {
+                    refresh()?;
+                    continue;
+                };
                 let range = if which == Which::All { colour.all() } else { colour.uneven() };
                 let blocks = &mut blocks[range.clone()];
                 // Few blocks are not worth a word to other threads.
@@ -342,7 +365,9 @@ impl Resting {
                 parallel::for_each(threads, parts, |(blocks, frictions)| {
                     Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
                 });
+                refresh()?;
             }
+            Ok(())
         };
         let solve_walls = |walls: &mut [Walls], pass, which| {
             let count = if which == Which::All { walls.len() } else { uneven_walls };
@@ -350,12 +375,19 @@ impl Resting {
             parallel::for_chunks(threads, walls, |_, chunk| {
                 chunk.iter_mut().for_each(|of| of.solve(velocities, surface_speeds, pass));
             });
+            refresh()
         };
-        if is_fast || walls.iter().any(Walls::is_fast) {
+        // Other ranks would wait for a rank that is interrupted here.
+        let check = || if scene.halo.is_none() { interrupt::check() } else { Ok(()) };
+        let mut is_fast = is_fast || walls.iter().any(Walls::is_fast);
+        if let Some(halo) = scene.halo {
+            is_fast = halo.any(is_fast)?;
+        }
+        if is_fast {
             for _ in 0..IMPACT_ITERATIONS {
-                interrupt::check()?;
-                solve_walls(walls, Pass::Impact, Which::All);
-                sweep(Pass::Impact, Which::All);
+                check()?;
+                solve_walls(walls, Pass::Impact, Which::All)?;
+                sweep(Pass::Impact, Which::All)?;
             }
             parallel::for_rows(threads, kicks.len(), |place| {
                 let [u, v] = velocities.get(place as u32);
@@ -369,23 +401,24 @@ impl Resting {
                 velocities.set(place as u32, free_velocities.get(place as u32));
             });
         }
-        sweep(Pass::Start, Which::All);
+        sweep(Pass::Start, Which::All)?;
         parallel::for_chunks(threads, walls, |_, chunk| {
             chunk.iter().for_each(|walls| walls.start(velocities, surface_speeds));
         });
-        let further = if contacts.has_uneven() { UNEVEN_ITERATIONS } else { 0 };
+        refresh()?;
+        let further = if scene.shape.has_uneven { UNEVEN_ITERATIONS } else { 0 };
         for iteration in 1..=ITERATIONS {
-            interrupt::check()?;
+            check()?;
             if iteration == ITERATIONS {
-                sweep(Pass::Exact, Which::All);
-                solve_walls(walls, Pass::Exact, Which::All);
+                sweep(Pass::Exact, Which::All)?;
+                solve_walls(walls, Pass::Exact, Which::All)?;
                 break;
             }
-            sweep(Pass::Relaxed, Which::All);
-            solve_walls(walls, Pass::Relaxed, Which::All);
+            sweep(Pass::Relaxed, Which::All)?;
+            solve_walls(walls, Pass::Relaxed, Which::All)?;
             for _ in 0..further {
-                sweep(Pass::Relaxed, Which::Uneven);
-                solve_walls(walls, Pass::Relaxed, Which::Uneven);
+                sweep(Pass::Relaxed, Which::Uneven)?;
+                solve_walls(walls, Pass::Relaxed, Which::Uneven)?;
             }
         }
         for walls in &*walls {

@@ -4,13 +4,18 @@
 //! Own particles are in the first rows, ghosts in the rows after them, from one step to the next.
 
 use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::iter::repeat_n;
 use std::sync::Mutex;
 
+use super::carried::Resting;
 use super::ids::Ids;
+use super::search::Lists;
 use super::{Memory, OnTouch, World};
+use crate::contacts::{ContactShape, Contacts};
 use crate::container::Container;
 use crate::decomposition::{
-    Communicator, Group, Halo, RECORD, Traffic, cuts, key, put_record, read_records, sample,
+    Communicator, Group, Halo, RECORD, Traffic, digest, put_record, read_records,
 };
 use crate::error::{Error, Result};
 use crate::forces::Force;
@@ -42,12 +47,26 @@ pub(super) struct Domain {
     /// Particles of all ranks.
     pub(super) total: usize,
     is_elastic: bool,
+    has_friction: bool,
     /// The circle of each own row.
     pub(super) announced: Vec<Announced>,
     /// The rows that are ghosts of each rank.
     pub(super) sent: Vec<Vec<u32>>,
     /// The number of ghosts from each rank.
     pub(super) received: Vec<usize>,
+    /// Whether the contacts of the last step are still to be kept.
+    pub(super) has_contacts: bool,
+    /// Contacts at rest that own particles had after the step before.
+    pub(super) resting: Vec<Resting>,
+    /// The places of the rows that are sent, and of the ghosts of each rank.
+    sent_places: Vec<Vec<u32>>,
+    ghost_places: Vec<Vec<u32>>,
+    /// The rank of each ghost.
+    ghost_ranks: Vec<u32>,
+    /// Hashes of the colours of the contacts of each ghost with own particles; by rows.
+    pub(super) ghost_pairs: Vec<u64>,
+    /// The same of each own row with the ghosts of each rank.
+    pub(super) own_pairs: HashMap<(u32, u32), u64>,
     /// Hashes of what happened to each row in the step.
     pub(super) digests: Vec<u64>,
     /// Whether each ghost may meet own particles; by rows.
@@ -60,19 +79,19 @@ pub(super) struct Domain {
     pub(super) shared: Vec<u32>,
     /// Own rows that have got further than announced, and how far.
     pub(super) far: Vec<(u32, f32)>,
-    /// Steps until now.
-    steps: u64,
+    /// Complete steps until now, on all ranks as many.
+    pub(super) steps: u64,
     /// Steps that were repeated because ghosts were missing.
     pub(super) repeats: u64,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
-    work: f64,
+    pub(super) work: f64,
 }
 
 impl Domain {
     /// What the events of a sub-step share with other ranks.
     pub(super) fn halo(&self) -> Halo<'_> {
-        let Self { group, total, is_own, shared, .. } = self;
-        Halo { group, total: *total, is_own, shared }
+        let Self { group, total, is_own, shared, sent_places, ghost_places, .. } = self;
+        Halo { group, total: *total, is_own, shared, sent: sent_places, ghosts: ghost_places }
     }
 
     /// Whether a row has an own particle.
@@ -100,14 +119,93 @@ impl Domain {
         self.is_elastic
     }
 
+    /// Whether any particle of any rank has friction.
+    pub(super) fn has_friction(&self) -> bool {
+        self.has_friction
+    }
+
+    /// Notes how many ghosts came from each rank.
+    pub(super) fn note_received(&mut self, received: Vec<usize>) {
+        let ranks = (0..).zip(&received);
+        self.ghost_ranks = ranks.flat_map(|(rank, &count)| repeat_n(rank, count)).collect();
+        self.received = received;
+        self.far.clear();
+        self.own_pairs.clear();
+        let len = self.ids.len();
+        for column in [&mut self.digests, &mut self.ghost_pairs] {
+            column.clear();
+            column.resize(len, 0);
+        }
+        self.may_meet.clear();
+        self.may_meet.resize(len, false);
+    }
+
     /// Lists the places of own and of shared particles.
     pub(super) fn list_places(&mut self, rows: &[u32]) {
+        let mut places = vec![0; rows.len()];
+        (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
+        self.sent_places.resize(self.sent.len(), Vec::new());
+        for (places_of, rows) in self.sent_places.iter_mut().zip(&self.sent) {
+            places_of.clear();
+            places_of.extend(rows.iter().map(|&row| places[row as usize]));
+        }
+        let mut ghosts = places[self.own..].iter().copied();
+        let ranks = self.received.iter().map(|&count| ghosts.by_ref().take(count).collect());
+        self.ghost_places = ranks.collect();
         let Self { is_own, shared, is_sent, own, .. } = self;
         is_own.clear();
         is_own.extend(rows.iter().map(|&row| (row as usize) < *own));
         shared.clear();
         let is_shared = |row: u32| is_sent.get(row as usize).is_none_or(|&is_sent| is_sent);
         shared.extend((0..).zip(rows).filter(|(_, row)| is_shared(**row)).map(|(place, _)| place));
+    }
+
+    /// Hashes of the contacts of own particles with ghosts, and of their colours, which follow from those
+    /// of other contacts nearby: the rows of both and the hash.
+    pub(super) fn digest_colours(
+        &self,
+        contacts: &Contacts,
+        lists: &Lists,
+        movable: &[bool],
+        rows: &[u32],
+    ) -> Vec<([u32; 2], u64)> {
+        let mut found = Vec::new();
+        contacts.each_coloured(lists, movable, |places, [colour, kind]| {
+            let rows = places.map(|place| rows[place as usize]);
+            let [a, b] = rows.map(|row| self.ids[row as usize]);
+            let colour = u64::from(colour) << 8 | u64::from(kind);
+            let hash = digest(digest(digest(1, a.min(b) as u64), a.max(b) as u64), colour);
+            match rows.map(|row| self.owns(row)) {
+                [true, false] => found.push((rows, hash)),
+                [false, true] => found.push(([rows[1], rows[0]], hash)),
+                _ => {}
+            }
+        });
+        found
+    }
+
+    /// Adds these hashes to those of the step.
+    pub(super) fn add_pair_digests(&mut self, found: Vec<([u32; 2], u64)>) {
+        for ([own, ghost], hash) in found {
+            let rank = self.ghost_ranks[ghost as usize - self.own];
+            let sums = [
+                &mut self.ghost_pairs[ghost as usize],
+                self.own_pairs.entry((own, rank)).or_default(),
+            ];
+            sums.into_iter().for_each(|sum| *sum = sum.wrapping_add(hash));
+        }
+    }
+
+    /// What the order of solving contacts depends on, on all ranks.
+    pub(super) fn shape_of_all(&self, own: ContactShape) -> Result<ContactShape> {
+        let numbers = [own.colours as f64, f64::from(own.has_uneven), f64::from(own.is_serial)];
+        let [colours, has_uneven, is_serial] = locked(&self.group).largest(numbers)?;
+        if is_serial > 0.0 {
+            let rule = "one of a distributed world may have contacts with 64 others at most";
+            return Err(Error::of("radii", "those of a particle with many contacts", rule));
+        }
+        let colours = colours as usize;
+        Ok(ContactShape { colours, has_uneven: has_uneven > 0.0, is_serial: false })
     }
 
     /// Writes how far own particles may get from where they are before they leave the circles that other
@@ -166,9 +264,17 @@ impl World {
             ids,
             total,
             is_elastic: self.are_own_elastic(),
+            has_friction: true,
             announced: Vec::new(),
             sent: Vec::new(),
             received: Vec::new(),
+            has_contacts: false,
+            resting: Vec::new(),
+            sent_places: Vec::new(),
+            ghost_places: Vec::new(),
+            ghost_ranks: Vec::new(),
+            ghost_pairs: Vec::new(),
+            own_pairs: HashMap::new(),
             digests: Vec::new(),
             may_meet: Vec::new(),
             is_sent: Vec::new(),
@@ -202,7 +308,8 @@ impl World {
                 Force::Pair(_) => "a PairForce",
                 Force::Flocking(_) => "Flocking",
             };
-            let rule = "a distributed world has Thermostat, ThermalWalls and AndersenThermostat only";
+            let rule =
+                "a distributed world has Thermostat, ThermalWalls and AndersenThermostat only";
             return Err(Error::at("forces", index, name, rule));
         }
         Ok(())
@@ -237,6 +344,11 @@ impl World {
         world.set_forces(self.forces())?;
         world.time = self.time;
         Ok(world)
+    }
+
+    /// Whether gravity may press inelastic particles of any rank against each other or against walls.
+    pub fn may_have_resting_contacts(&self) -> bool {
+        self.may_rest()
     }
 
     /// Tells how much time this rank needs for each of its particles, from which the next domains
@@ -297,6 +409,7 @@ impl World {
 
     /// Removes the ghosts.
     pub(super) fn drop_ghosts(&mut self) {
+        self.keep_resting();
         let Self { domain, particles, rows, persistent, contacts, ids, wall_impulses, .. } = self;
         let Some(domain) = domain else { return };
         let own = domain.own;
@@ -345,80 +458,26 @@ impl World {
         self.forget_places();
     }
 
-    /// Counts the steps, and sometimes moves particles to the ranks of their domains. There must be no
-    /// ghosts.
+    /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
+    /// require. There must be no ghosts.
     pub(super) fn move_to_domains(&mut self) -> Result<()> {
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        domain.is_elastic = true;
-        domain.steps += 1;
-        if domain.steps % REBALANCE_EVERY == 1 {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        if domain.steps.is_multiple_of(REBALANCE_EVERY) {
             self.rebalance()?;
         }
-        let inelastic = u64::from(!self.are_own_elastic());
-        let is_elastic = self.sum_of_all([inelastic])?[0] == 0;
+        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let own = [u64::from(!self.are_own_elastic()), u64::from(has_friction)];
+        let [inelastic, frictions] = self.sum_of_all(own)?;
         if let Some(domain) = &mut self.domain {
-            domain.is_elastic = is_elastic;
+            (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
         }
-        if self.may_rest() {
-            let rule = "a distributed world does not solve resting contacts yet, so with gravity all \
-                        coefficients of restitution must be 1";
-            return Err(Error::of("restitution", "below 1 for some", rule));
+        if frictions > 0 {
+            self.particles.spins_mut();
+        }
+        if self.may_rest() && self.may_sleep() {
+            let rule = "islands of a distributed world do not fall asleep; pass sleeping=False";
+            return Err(Error::of("sleeping", "True", rule));
         }
         Ok(())
     }
-
-    /// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
-    fn rebalance(&mut self) -> Result<()> {
-        let Some([low, high]) = self.extent_of_all()? else { return Ok(()) };
-        let area = [low, high].map(|corner| corner.map(f64::from));
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        let keys: Vec<u64> = self.particles.positions.iter().map(|&at| key(area, at)).collect();
-        let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
-        let rank = locked(&domain.group).rank();
-        let mut to = vec![Vec::new(); cuts.len() + 1];
-        let mut stays = vec![true; self.rows.len()];
-        let mut gone = vec![false; self.rows.len()];
-        for (place, key) in keys.iter().enumerate() {
-            let home = cuts.partition_point(|cut| cut <= key);
-            if home != rank {
-                let row = self.rows[place] as usize;
-                put_record(&mut to[home], domain.ids[row], &self.particles, place);
-                (stays[place], gone[row]) = (false, true);
-            }
-        }
-        let arrived = locked(&domain.group).exchange(&to)?;
-        domain.ids = keep_unless(&domain.ids, &gone);
-        self.keep(&stays);
-        let mut left = 0;
-        let shifted: Vec<u32> = gone
-            .iter()
-            .map(|&gone| {
-                left += u32::from(!gone);
-                left - u32::from(!gone)
-            })
-            .collect();
-        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.wall_impulses.clear();
-        self.append_records(&arrived, true);
-        Ok(())
-    }
-}
-
-fn keep_unless(ids: &[Id], gone: &[bool]) -> Vec<Id> {
-    ids.iter().zip(gone).filter(|(_, gone)| !**gone).map(|(id, _)| *id).collect()
-}
-
-/// The keys at which the domains of all ranks but the first begin.
-fn cuts_of_all(group: &Mutex<Group>, keys: &[u64], work: f64) -> Result<Vec<u64>> {
-    let mut group = locked(group);
-    let samples = sample(&mut keys.to_vec());
-    let samples = samples.iter().flat_map(|key| key.to_le_bytes()).collect();
-    let amounts = group.gather([(work * keys.len() as f64).to_bits()])?;
-    let to = vec![samples; group.size()];
-    let all = group.exchange(&to)?;
-    let ranks = all.iter().zip(amounts).map(|(bytes, [work])| {
-        let (keys, _) = bytes.as_chunks::<8>();
-        (keys.iter().map(|key| u64::from_le_bytes(*key)).collect(), f64::from_bits(work))
-    });
-    Ok(cuts(&ranks.collect::<Vec<_>>()))
 }

@@ -1,23 +1,27 @@
 //! A step of a distributed world.
 //!
 //! Each rank computes a step of its own particles and of ghosts: copies of the particles of other ranks
-//! near them. What happens to a particle depends on those that it meets, so ranks compare the histories
-//! of ghosts that may meet own particles with those that their own ranks have computed. If all are
-//! equal, every own particle has met the same particles, on the same trajectories, as in one process:
-//! each pair is computed by a rank that has the true trajectory of both. Otherwise the step is
-//! repeated with a wider halo.
+//! near them. A rank announces in which cells its particles may be during the step, and gets all
+//! particles of others that may be there.
 //!
-//! A rank announces in which cells its particles may be during the step, and gets all particles
-//! of others that may be there. A particle that gets further than announced repeats the step too.
+//! Contacts are solved colour by colour, and after each colour ghosts get the velocities, or in position
+//! correction the displacements, that their own ranks have computed. So an own particle needs no
+//! more than the particles that it touches.
+//!
+//! Collisions in the order of time have chains that may be long. So ranks compare the trajectories of
+//! ghosts that may meet own particles with those that their own ranks have computed. If all are
+//! equal, every own particle has met the same particles, on the same trajectories, as in one process:
+//! each pair is computed by a rank that has the true trajectory of both, and a history without
+//! contradictions is unique. The colours of contacts are compared, too. Otherwise, or if a particle
+//! got further than announced, all ranks repeat the step with a wider halo.
 
 use std::collections::HashMap;
 
 use super::domain::Announced;
 use super::{Watch, World};
 use crate::decomposition::{Grid, Marks, Near, RECORD, digest, digest_all, put_record};
-use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
-use crate::motion::exact;
+use crate::motion::{Motion, exact};
 use crate::parallel::locked;
 
 /// Width of the margin around each particle, in mean radii.
@@ -58,6 +62,10 @@ impl World {
                 self.keep_wall_pushes();
                 super::touches::add_up(&mut self.wall_impulses);
                 self.close_step();
+                if let Some(domain) = &mut self.domain {
+                    domain.steps += 1;
+                    domain.has_contacts = true;
+                }
                 return Ok(());
             }
             self.undo();
@@ -140,17 +148,10 @@ impl World {
             group.exchange(&to)?
         };
         self.append_records(&arrived, false);
-        let len = self.rows.len();
         if let Some(domain) = &mut self.domain {
-            domain.received = arrived.iter().map(|bytes| bytes.len() / RECORD).collect();
-            domain.far.clear();
-            for column in [&mut domain.digests] {
-                column.clear();
-                column.resize(len, 0);
-            }
-            domain.may_meet.clear();
-            domain.may_meet.resize(len, false);
+            domain.note_received(arrived.iter().map(|bytes| bytes.len() / RECORD).collect());
         }
+        self.recall_resting();
         Ok(())
     }
 
@@ -184,7 +185,6 @@ impl World {
     /// Adds what happened to shared particles in a part of the step to their hashes, and finds those that
     /// got further than announced.
     pub(super) fn digest_shared(&mut self) {
-        let islands = self.islands_of_corrections();
         let Self { domain, memory, rows, particles, .. } = self;
         let Some(domain) = domain else { return };
         let events = &memory.events;
@@ -196,11 +196,7 @@ impl World {
             let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
             hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
             if !memory.spins.is_empty() {
-                let turning = f64::from(memory.spins.velocity(place));
-                hash = digest_all(hash, [turning, memory.spins.angle(place)]);
-            }
-            if let Some(island) = islands.get(&place) {
-                hash = digest(hash, *island);
+                hash = digest_all(hash, [f64::from(memory.spins.velocity(place))]);
             }
             domain.digests[row] = hash;
             domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
@@ -220,36 +216,35 @@ impl World {
         }
     }
 
-    /// The islands of overlapping particles whose positions were corrected: for each place in one the sum
-    /// of hashes of its members. A correction depends on all members.
-    fn islands_of_corrections(&self) -> HashMap<u32, u64> {
-        let mut islands = HashMap::new();
-        let Some(domain) = &self.domain else { return islands };
-        let overlaps = &self.memory.overlaps;
-        if overlaps.iter().all(|(_, pairs)| pairs.is_empty()) {
-            return islands;
+    /// Gives ghosts the state that their own ranks have computed, at the beginning of all sub-steps but the
+    /// first.
+    pub(super) fn refresh_ghosts(&self, substep: usize) -> Result<()> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        if substep == 0 {
+            return Ok(());
         }
-        let mut sets = DisjointSets::default();
-        sets.reset(self.rows.len());
-        let all = || overlaps.iter().flat_map(|(_, pairs)| pairs);
-        let moves = |place: u32| self.memory.moving[place as usize];
-        // Particles that do not move connect nothing.
-        all().filter(|[a, b]| moves(*a) && moves(*b)).for_each(|&[a, b]| sets.join(a, b));
-        let mut sums: HashMap<u32, u64> = HashMap::new();
-        for pair in all() {
-            let hash = pair.iter().fold(0u64, |sum, &place| {
-                let id = domain.ids[self.rows[place as usize] as usize];
-                sum.wrapping_add(digest(0, id as u64))
-            });
-            for root in distinct(pair.map(|place| sets.root(place))) {
-                let sum = sums.entry(root).or_default();
-                *sum = sum.wrapping_add(digest(1, hash));
-            }
+        domain.halo().any(false)?;
+        let motions = &self.memory.motions;
+        domain.halo().refresh(
+            |place| {
+                let of = motions.get(place);
+                let ([x, y], [a, b], [u, v]) = (of.position, of.residual, of.velocity);
+                [x, y, a, b, u, v]
+            },
+            |place, [x, y, a, b, u, v]| {
+                let displacement = motions.displacement(place);
+                let (position, residual, velocity) = ([x, y], [a, b], [u, v]);
+                motions.set(place, Motion { position, residual, velocity, displacement });
+            },
+        )?;
+        let spins = &self.memory.spins;
+        if !domain.has_friction() {
+            return Ok(());
         }
-        for &place in all().flatten() {
-            islands.insert(place, sums[&sets.root(place)]);
-        }
-        islands
+        domain.halo().refresh(
+            |place| [spins.velocity(place)],
+            |place, [velocity]| spins.set_velocity(place, velocity),
+        )
     }
 
     /// Whether the hashes of all ghosts that may meet own particles are those of their own ranks, on all
@@ -261,23 +256,22 @@ impl World {
         if far != [0] {
             return Ok(false);
         }
-        let bytes = |rows: &Vec<u32>| {
-            rows.iter().flat_map(|&row| domain.digests[row as usize].to_le_bytes()).collect()
+        let bytes = |(rank, rows): (u32, &Vec<u32>)| {
+            let hash = |&row: &u32| {
+                let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
+                digest(domain.digests[row as usize], pairs)
+            };
+            rows.iter().flat_map(|row| hash(row).to_le_bytes()).collect()
         };
-        let to: Vec<Vec<u8>> = domain.sent.iter().map(bytes).collect();
+        let to: Vec<Vec<u8>> = (0..).zip(&domain.sent).map(bytes).collect();
         let counts: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
         let all = group.exchange_known(&to, &counts)?.concat();
         let (all, _) = all.as_chunks::<8>();
-        let ghosts = domain.digests[domain.own..].iter().zip(&domain.may_meet[domain.own..]);
-        let differ = ghosts.zip(all).filter(|((own, may_meet), theirs)| {
-            **may_meet && **own != u64::from_le_bytes(**theirs)
+        let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
+            let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
+            domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
         });
         let different = group.sum([differ.count() as u64])?;
         Ok(different == [0])
     }
-}
-
-/// Two numbers, or one if they are equal.
-fn distinct([a, b]: [u32; 2]) -> impl Iterator<Item = u32> {
-    [Some(a), (a != b).then_some(b)].into_iter().flatten()
 }

@@ -219,7 +219,7 @@ impl World {
         interrupt::check()?;
         self.reorder();
         self.find_shared();
-        self.make_contacts();
+        self.make_contacts()?;
         self.find_near_walls(dt)?;
         watch(Stage::Contacts);
         self.load_motions();

@@ -86,6 +86,7 @@ impl World {
         let of = self.begin_substeps(dt);
         for substep in 0..of.count {
             interrupt::check()?;
+            self.refresh_ghosts(substep)?;
             self.apply_forces_in_substep(&of, substep, watch);
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
@@ -93,7 +94,7 @@ impl World {
             }
             self.simulate_collisions(&of, substep)?;
             watch(Stage::Events);
-            self.correct_positions(&of, substep);
+            self.correct_positions(&of, substep)?;
             watch(Stage::Correction);
         }
         self.end_substeps(&of);
@@ -106,7 +107,10 @@ impl World {
         let (threads, may_rest, is_elastic) = (self.threads(), self.may_rest(), self.is_elastic());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
         let Self { particles, persistent, contacts, memory, settings, domain, rows, .. } = self;
-        let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let has_friction = match &domain {
+            None => particles.spins.iter().any(|spin| spin.friction > 0.0),
+            Some(domain) => domain.has_friction(),
+        };
         memory.limits.clear();
         if !self.asleep.is_empty() {
             memory.limits.extend_from_slice(&memory.reaches);
@@ -168,7 +172,7 @@ impl World {
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
     fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, .. } = self;
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = memory;
         let clock = of.clock(substep);
         let scene = Support {
@@ -183,6 +187,8 @@ impl World {
             rows: &self.rows,
             pushes: wall_pushes,
             restitution: settings.restitution,
+            halo: domain.as_ref().map(|domain| domain.halo()),
+            shape: memory.contact_shape,
             threads: of.threads,
         };
         let Persistent { wall_pushes: normal, wall_frictions: friction, .. } = &mut self.persistent;
@@ -229,13 +235,16 @@ impl World {
     }
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
-    fn correct_positions(&mut self, of: &Substeps, substep: usize) {
-        let Self { particles, settings, memory, .. } = self;
+    fn correct_positions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { motions, near_walls, correction, candidate_merges, .. } = memory;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let places = (&settings.container, walls);
-        correction.run(&self.contacts, motions, particles, places, of.threads);
+        let halo = domain.as_ref().map(|domain| domain.halo());
+        let shared = (memory.contact_shape.colours, halo);
+        correction.run(&self.contacts, motions, particles, places, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
+        Ok(())
     }
 
     /// Stores the impulses in the contacts.

@@ -155,8 +155,12 @@ impl StateHash {
             Column::Spins => {
                 for Spin { friction, velocity, angle } in spins {
                     let angle = angle.to_bits();
-                    let words =
-                        [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
+                    let words = [
+                        friction.to_bits(),
+                        velocity.to_bits(),
+                        angle as u32,
+                        (angle >> 32) as u32,
+                    ];
                     words.into_iter().for_each(&mut mix);
                 }
             }
