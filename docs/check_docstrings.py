@@ -29,6 +29,7 @@ STUB = ROOT / "python" / "jostle" / "_core.pyi"
 MODULES = [
     *("jostle", "jostle.scenes", "jostle.article", "jostle.pyqtree"),
     *(f"jostle.{name}" for name in ("pygame", "arcade") if find_spec(name)),
+    *(["jostle.mpi"] if find_spec("mpi4py") else []),
 ]
 
 NOT_CHECKED = {

@@ -24,9 +24,11 @@ BESIDE_THE_LIBRARY = [
     "test_interrupt.py",
     "test_inlined.py",
     "test_layers.py",
+    "test_mpi_*.py",
     "test_numpydoc.py",
     "test_resting.py",
     "test_stub.py",
+    "test_sweep.py",
     "test_tune.py",
     "test_words.py",
 ]

@@ -168,7 +168,7 @@ def test_library_never_imports_the_app(path: Path) -> None:
     assert not [
         name
         for name in imports(path)
-        if re.match(r"jostle\.(app|bench|tune|cli|interrupt|tables)\b", name)
+        if re.match(r"jostle\.(app|bench|tune|sweep|mpi|cli|interrupt|tables)\b", name)
     ]
 
 
@@ -184,10 +184,23 @@ def test_importing_jostle_loads_no_part_of_the_app() -> None:
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
     extra = {"pygame", "rich", "typer", "imageio_ffmpeg", "matplotlib"}
-    assert not {*extra, "jostle.app", "jostle.bench", "jostle.tune", "jostle.tables"} & set(loaded)
+    parts = {f"jostle.{name}" for name in ("app", "bench", "tune", "sweep", "mpi", "tables")}
+    assert not {*extra, *parts, "mpi4py"} & set(loaded)
 
 
-SIBLINGS = ("app", "bench", "tune")
+MPI = sorted((PACKAGE / "mpi").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", MPI, ids=names_of(MPI, PACKAGE))
+def test_mpi_uses_the_library_and_mpi4py(path: Path) -> None:
+    above = r"jostle\.(app|bench|tune|sweep|cli|interrupt|tables)\b"
+    names = list(imports(path))
+    assert not [name for name in names if re.match(above, name)]
+    allowed = {"jostle", "numpy", "mpi4py", *sys.stdlib_module_names}
+    assert {name.split(".")[0] for name in names} <= allowed
+
+
+SIBLINGS = ("app", "bench", "sweep", "tune")
 
 
 @pytest.mark.parametrize("package", SIBLINGS)

@@ -288,6 +288,19 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
+class RankError(RuntimeError):
+    """Another rank could not do its part of a call, so no rank completes it.
+
+    The rank with the cause raises the cause itself. The others raise this error with the number
+    of that rank and its message.
+    """
+
+def begin_hash(total: int) -> int:
+    """Begin the hash of the state of `total` particles. For `jostle.mpi`."""
+
+def hash_records(hash: int, records: bytes, column: int) -> int:
+    """Continue the hash of the state with one column of the particles of records. For `jostle.mpi`."""
+
 def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events:
     """Events with these pairs. For pickle."""
 

@@ -1,4 +1,4 @@
-"""The command: `jostle run`, `jostle tour`, `jostle tune`, `jostle scenes`, `jostle bench`."""
+"""The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`."""
 
 from __future__ import annotations
 
@@ -43,6 +43,10 @@ DEFAULT_SCENE = "mixed"
 TUNED = whole(1, 2_000_000)  # particles
 SHAPES = whole(10, 10_000_000)  # shapes
 ROUNDS = whole(1, 1_000)
+SEEDS = whole(1, 1_000_000)
+SWEPT = whole(1, 1_000_000_000)
+WARM_UP = whole(0, 1_000_000_000)
+WORKERS = whole(1, 10_000)
 
 app = typer.Typer(
     help="A quadtree that finds every touching pair, and a particle simulator.",
@@ -253,6 +257,63 @@ def bench(
             finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
     except OSError as error:
         _refuse(f"the results could not be written: {str(error).splitlines()[0]}")
+    if not finished:
+        raise typer.Exit(interrupt.CODE)
+
+
+@app.command()
+def sweep(
+    scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
+    out: Annotated[
+        Path, typer.Option(help="CSV file with one row a run; an existing one is continued.")
+    ],
+    n: Annotated[
+        int | None,
+        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE; repeatedly."),
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Number of seeds of each combination.")] = 1,
+    steps: Annotated[int, typer.Option(help="Steps of each run that are measured.")] = 600,
+    warm_up: Annotated[int, typer.Option(help="Steps before these.")] = 0,
+    measure: Annotated[
+        list[str] | None,
+        typer.Option(help="What to measure; repeatedly.  [default: energy and pressure]"),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes; one for each core if not given.")
+    ] = None,
+) -> None:
+    """Simulate a scene with all combinations of settings and seeds, in many processes."""
+    from jostle.sweep import command
+    from jostle.sweep.measures import MEASURES
+    from jostle.sweep.plan import PlanError, plan
+    from jostle.sweep.table import TableError
+
+    _check_scene(scene)
+    _check("n", n, RULES["n"])
+    for name, count, rule in (
+        ("seeds", seeds, SEEDS),
+        ("steps", steps, SWEPT),
+        ("warm_up", warm_up, WARM_UP),
+        ("workers", workers, WORKERS),
+    ):
+        _check(name, count, rule)
+    measures = list(dict.fromkeys(measure or ["energy", "pressure"]))
+    for name in measures:
+        _check("measure", name, one_of(*MEASURES))
+    try:
+        runs = plan(scene, n, given or [], seeds, steps, warm_up, measures)
+        _check_file("--out", out)
+        finished = command.sweep(runs, out, workers, console)
+    except (PlanError, TableError) as error:
+        _refuse(str(error))
+    except OSError as error:
+        _refuse(f"--out is {str(out)!r}, where no file can be written: {error.strerror}")
+    except (ValueError, MemoryError) as error:
+        _refuse(f"a run failed: {error}")
     if not finished:
         raise typer.Exit(interrupt.CODE)
 

@@ -8,6 +8,8 @@ use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::communicator::RankError;
+
 /// The exception for an error of the core.
 #[expect(clippy::needless_pass_by_value, reason = "for map_err")]
 pub fn refused(error: Error) -> PyErr {
@@ -15,6 +17,7 @@ pub fn refused(error: Error) -> PyErr {
         Error::NoMemory { .. } => PyMemoryError::new_err(error.to_string()),
         // Usually the exception of a signal handler is raised instead, see `interrupt`.
         Error::Interrupted => PyKeyboardInterrupt::new_err(()),
+        Error::OtherRank { .. } => RankError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     }
 }

@@ -64,6 +64,11 @@ fn poll() -> bool {
     RAISED.with_borrow(Option::is_some)
 }
 
+/// Keeps an exception of a function that the current call of [`detached`] has called.
+pub fn raise(error: PyErr) {
+    RAISED.set(Some(error));
+}
+
 /// Whether this is the thread on which Python runs signal handlers.
 fn runs_signal_handlers(py: Python<'_>) -> PyResult<bool> {
     static NAMES: PyOnceLock<[Py<PyAny>; 2]> = PyOnceLock::new();

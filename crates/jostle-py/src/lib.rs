@@ -16,6 +16,7 @@ mod results;
 mod queries;
 mod query_methods;
 mod ids;
+mod communicator;
 mod find_pairs;
 mod separate;
 mod quadtree;
@@ -41,6 +42,8 @@ mod _core {
     };
 
     #[pymodule_export]
+    use super::communicator::RankError;
+    #[pymodule_export]
     use super::containers::{PyBox, PyCircle, PyTorus};
     #[pymodule_export]
     use super::events::{PyEvents, restore_events};
@@ -63,7 +66,7 @@ mod _core {
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
-    use super::world::PyWorld;
+    use super::world::{PyWorld, begin_hash, hash_records};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

@@ -4,6 +4,7 @@ mod boundaries;
 mod columns;
 mod edits;
 mod properties;
+mod ranks;
 mod snapshots;
 mod state;
 mod steps;
@@ -24,6 +25,7 @@ use crate::lock::{Guard, Shared};
 use crate::particles::{Arguments, Draft};
 use crate::settings;
 use crate::walls;
+pub use ranks::{begin_hash, hash_records};
 
 /// Particles: discs that move, collide and bounce off walls.
 ///

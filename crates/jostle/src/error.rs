@@ -55,6 +55,11 @@ pub enum Error {
         /// Maximum number of ids.
         limit: usize,
     },
+    /// Another rank of a distributed world has failed.
+    OtherRank {
+        /// Its number.
+        rank: usize,
+    },
     /// More pairs overlap than the caller allows.
     TooManyPairs {
         /// Maximum number of pairs.
@@ -142,6 +147,7 @@ impl fmt::Display for Error {
             Self::TooManyIds { limit } => {
                 write!(f, "the answer has more than {limit} ids; query fewer regions in one call")
             }
+            Self::OtherRank { rank } => write!(f, "rank {rank} could not do its part of the step"),
             Self::TooManyPairs { max_pairs } => write!(
                 f,
                 "more than max_pairs = {max_pairs} pairs overlap; \

@@ -5,6 +5,7 @@
 
 pub mod error;
 pub mod memory;
+pub mod bytes;
 pub mod cache;
 pub mod interrupt;
 pub mod sorting;
@@ -32,16 +33,17 @@ pub mod trajectory;
 pub mod container;
 pub mod walls;
 pub mod forces;
+pub mod decomposition;
 pub mod events;
 pub mod contacts;
 pub mod resting;
 pub mod correction;
-pub mod bytes;
 pub mod world;
 pub mod scenes;
 
 pub use columns::Columns;
 pub use container::Container;
+pub use decomposition::{Communicator, Traffic};
 pub use error::{Error, Result};
 pub use forces::Force;
 pub use geometry::{Bounds, Scalar, Shape};
@@ -55,6 +57,6 @@ pub use slide::SlideRules;
 pub use space::{Id, Slides, Space};
 pub use walls::Wall;
 pub use world::{
-    Collisions, Defaults, OnTouch, Stage, Stats, Touch, TouchEvents, WallTouch, World,
-    WorldSettings,
+    Collisions, Column, Defaults, OnTouch, OwnParticles, Stage, StateHash, Stats, Touch,
+    TouchEvents, WallTouch, World, WorldSettings,
 };

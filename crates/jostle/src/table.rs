@@ -13,6 +13,8 @@ pub trait Table {
     fn append(&mut self, len: usize, other: &Self, added: usize);
     /// Writes the row `from` of `other` over `row`.
     fn put(&mut self, len: usize, row: usize, other: &Self, from: usize);
+    /// Writes one row over another.
+    fn move_row(&mut self, from: usize, to: usize);
     /// Keeps the marked rows.
     fn keep(&mut self, keep: &[bool]);
     /// Removes rows at the end, or appends rows with default values.
@@ -53,6 +55,11 @@ pub mod dense {
     /// See [`Table::put`](super::Table::put).
     pub fn put<V: Copy>(column: &mut [V], _len: usize, row: usize, other: &[V], from: usize) {
         column[row] = other[from];
+    }
+
+    /// See [`Table::move_row`](super::Table::move_row).
+    pub fn move_row<V: Copy>(column: &mut [V], from: usize, to: usize) {
+        column[to] = column[from];
     }
 
     /// See [`Table::keep`](super::Table::keep).
@@ -133,6 +140,13 @@ pub mod sparse {
 
     pub use super::dense::keep;
 
+    /// See [`Table::move_row`](super::Table::move_row).
+    pub fn move_row<V: Copy>(column: &mut [V], from: usize, to: usize) {
+        if !column.is_empty() {
+            column[to] = column[from];
+        }
+    }
+
     /// See [`Table::resize`](super::Table::resize).
     pub fn resize<V: Copy + Default>(column: &mut Vec<V>, len: usize) {
         if !column.is_empty() {
@@ -180,6 +194,11 @@ pub mod nested {
     /// See [`Table::put`].
     pub fn put<T: Table>(column: &mut T, len: usize, row: usize, other: &T, from: usize) {
         column.put(len, row, other, from);
+    }
+
+    /// See [`Table::move_row`].
+    pub fn move_row<T: Table>(column: &mut T, from: usize, to: usize) {
+        column.move_row(from, to);
     }
 
     /// See [`Table::keep`].
@@ -233,6 +252,10 @@ macro_rules! table {
 
             fn put(&mut self, len: usize, row: usize, other: &Self, from: usize) {
                 $($crate::table::$kind::put(&mut self.$field, len, row, &other.$field, from);)*
+            }
+
+            fn move_row(&mut self, from: usize, to: usize) {
+                $($crate::table::$kind::move_row(&mut self.$field, from, to);)*
             }
 
             fn keep(&mut self, keep: &[bool]) {

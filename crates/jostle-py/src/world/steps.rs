@@ -119,7 +119,7 @@ impl PyWorld {
 
 impl State {
     /// Begins a call of `step`.
-    fn begin(&mut self, dt: f64) -> jostle::Result<()> {
+    pub(super) fn begin(&mut self, dt: f64) -> jostle::Result<()> {
         self.world.step(dt, 0)?;
         self.world.forget_renumbering();
         self.world.begin_record();
@@ -128,7 +128,7 @@ impl State {
 
     /// Does some of the steps, and returns how many are left. If one is refused, those before are
     /// done.
-    fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+    pub(super) fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
         let left = self.step_for_a_while(dt, left);
         self.world.end_record()?;
         left

@@ -136,6 +136,17 @@ impl Contact {
     }
 }
 
+/// What the order of solving contacts depends on; the same on all ranks of a distributed world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ContactShape {
+    /// The number of colours.
+    pub colours: usize,
+    /// Whether any particle has a contact of uneven masses.
+    pub has_uneven: bool,
+    /// Whether any particle has more contacts than there are colours.
+    pub is_serial: bool,
+}
+
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
@@ -280,6 +291,29 @@ impl Contacts {
         self.uneven.get(place as usize).is_some_and(|&uneven| uneven)
     }
 
+    /// What the order of solving depends on.
+    pub fn shape(&self) -> ContactShape {
+        ContactShape {
+            colours: self.blocks.colours.len(),
+            has_uneven: self.has_uneven(),
+            is_serial: self.blocks.colours.iter().any(|colour| colour.is_serial),
+        }
+    }
+
+    /// Calls `act` with the places, the colour and the kind of each contact of the step.
+    pub fn each_coloured(
+        &self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        mut act: impl FnMut([u32; 2], [u8; 2]),
+    ) {
+        let pairs = lists.iter().flat_map(|(_, pairs)| pairs);
+        for ((&pair, &colour), &kind) in pairs.zip(&self.colours).zip(&self.kinds) {
+            if kind != UNSOLVED {
+                act(pair, [colour, kind]);
+            }
+        }
+    }
+
     /// Whether any particle has.
     pub fn has_uneven(&self) -> bool {
         !self.uneven.is_empty()
@@ -340,6 +374,13 @@ impl Contacts {
     pub fn exchange(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.list, &mut other.list);
         self.blocks.clear();
+    }
+
+    /// Forgets all contacts.
+    pub fn forget(&mut self) {
+        self.list.clear();
+        self.blocks.clear();
+        self.previous.starts.clear();
     }
 
     /// Removes the contacts of removed particles and updates the places of the others.

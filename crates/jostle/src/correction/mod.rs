@@ -10,6 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::contacts::Contacts;
 use crate::container::{Container, size};
+use crate::decomposition::Halo;
+use crate::error::Result;
 use crate::motion::{Motions, Vectors, exact};
 use crate::parallel;
 use crate::particles::Particles;
@@ -110,8 +112,9 @@ impl Correction {
         motions: &Motions,
         particles: &Particles,
         (container, walls): (&Container, Around<'_>),
+        (colours, halo): (usize, Option<Halo<'_>>),
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let radii = &particles.radii;
         let clamp = |place: u32| {
             let position = motions.position(place);
@@ -149,19 +152,27 @@ impl Correction {
             let is_kept = |k: usize| allowed[k] == wanted[k];
             [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
         };
-        if self.blocks.is_empty() {
-            return;
+        if colours == 0 {
+            return Ok(());
+        }
+        if let Some(halo) = halo {
+            // No rank has failed.
+            halo.any(false)?;
         }
         self.measure(contacts, motions, particles.len(), threads);
         self.free_squares.clear();
         for iteration in 0..ITERATIONS {
-            let moved = self.separate(contacts, inside, threads);
+            let moved = self.separate(contacts, inside, (colours, halo), threads)?;
+            let any = match halo {
+                None => moved > 0,
+                Some(halo) => halo.any(moved > 0)?,
+            };
             if iteration == 0 && moved >= particles.len() / WORTH_LISTING {
                 self.find_free(motions, radii, (container, walls), threads);
             }
-            match (moved, iteration) {
-                (0, 0) => return,
-                (0, _) => break,
+            match (any, iteration) {
+                (false, 0) => return Ok(()),
+                (false, _) => break,
                 _ => {}
             }
         }
@@ -175,6 +186,7 @@ impl Correction {
                 displacements.set(place, [0.0; 2]);
             }
         });
+        Ok(())
     }
 
     /// Finds the pairs that are near.
@@ -231,8 +243,9 @@ impl Correction {
         &self,
         contacts: &Contacts,
         inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
+        (colours, halo): (usize, Option<Halo<'_>>),
         threads: Option<usize>,
-    ) -> usize {
+    ) -> Result<usize> {
         let count = AtomicUsize::new(0);
         let (displacements, inside) = (&self.displacements, |place: u32, by: [f32; 2]| {
             let free = self.free_squares.get(place as usize);
@@ -240,7 +253,18 @@ impl Correction {
             if is_free { by } else { inside(place, by) }
         });
         let inside = &inside;
-        for colour in &contacts.blocks.colours {
+        // After each colour ghosts get the displacements that their own ranks have computed.
+        let refresh = || match halo {
+            None => Ok(()),
+            Some(halo) => {
+                halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))
+            }
+        };
+        for number in 0..colours {
+            let Some(colour) = contacts.blocks.colours.get(number) else {
+                refresh()?;
+                continue;
+            };
             let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
             let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
             let threads = if is_serial { Some(1) } else { threads };
@@ -253,8 +277,9 @@ impl Correction {
                     count.fetch_add(moved, Ordering::Relaxed);
                 },
             );
+            refresh()?;
         }
-        count.into_inner()
+        Ok(count.into_inner())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
+use crate::decomposition::Halo;
 use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
 use crate::motion::{Motions, Spins, exact};
@@ -91,6 +92,8 @@ pub struct Flight<'a> {
     /// Distances from the positions at the beginning of the step; discs that get further are
     /// listed. Empty if none are to be listed.
     pub limits: &'a [f32],
+    /// What is shared with other ranks, if the world is distributed.
+    pub halo: Option<Halo<'a>>,
     /// Whether it is known that all discs without events stay in their bounds.
     pub bounded: bool,
     /// Threads to use.

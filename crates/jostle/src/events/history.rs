@@ -31,6 +31,8 @@ pub struct Course {
     pub next: u32,
     /// The velocity after the window, if the disc had too many events.
     pub stopped: Option<Vector>,
+    /// A hash of the discs that collided with it at the same moment, where these were at least two.
+    pub groups: u64,
 }
 
 /// Two discs that bounced, or a disc and a wall.

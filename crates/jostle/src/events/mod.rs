@@ -20,6 +20,7 @@ mod impulses;
 mod neighbors;
 mod queue;
 mod sensed;
+mod shared;
 mod simulation;
 mod two;
 mod window;
@@ -36,7 +37,7 @@ use conflicts::AGAIN;
 pub use flight::Flight;
 use flight::{Start, Window};
 pub use history::Bounce;
-use history::{History, NONE, Trajectory};
+use history::{Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
 use neighbors::Neighbors;
 pub use neighbors::{NearPair, PairList};
@@ -64,6 +65,10 @@ pub struct Events {
     pub outside_limits: Vec<(u32, f64)>,
     /// Discs whose bounds grew, so that they may belong to these.
     may_be_outside_limits: Vec<u32>,
+    /// Hashes of the trajectories of the discs that are shared with other ranks.
+    pub digests: Vec<u64>,
+    /// Whether each of them may meet a disc of this rank.
+    pub may_meet: Vec<bool>,
     starts: Vec<Start>,
     blocks: Vec<Block>,
     /// Discs of each block but the last.
@@ -142,7 +147,7 @@ impl Events {
             }
         });
         interrupt::check()?;
-        let end = self.end_of_window(&window, shortest, most);
+        let end = self.end_of_window(&window, shortest)?;
         let is_shorter = end < window.end;
         window.end = end;
         self.each_block(&window, reaches, |block, mut arguments| {
@@ -158,6 +163,7 @@ impl Events {
         self.resolve_conflicts(&window, bounds)?;
         self.find_outside_limits(&window);
         self.find_sensed(&window);
+        self.digest_shared(&window);
         self.finish(&window);
         Ok(window.end)
     }
@@ -170,6 +176,8 @@ impl Events {
         self.exhausted.clear();
         self.outside_limits.clear();
         self.may_be_outside_limits.clear();
+        self.digests.clear();
+        self.may_meet.clear();
     }
 
     /// Takes the candidate pairs of a step of `len` discs, a list for each image of a torus.
@@ -215,15 +223,23 @@ impl Events {
 
     /// The trajectory of a disc.
     fn trajectory(&self, window: &Window<'_>, index: u32) -> Trajectory<'_> {
+        match self.course(index) {
+            None => Trajectory::free(window.segment(index), window.end),
+            Some((history, course)) => Trajectory::of(history, course, window.end),
+        }
+    }
+
+    /// The course of a disc and its history, if it has events.
+    fn course(&self, index: u32) -> Option<(&History, &Course)> {
         let number = self.course_of[index as usize];
         if number == NONE {
-            return Trajectory::free(window.segment(index), window.end);
+            return None;
         }
         let history = match number & AGAIN {
             0 => &self.blocks[index as usize / self.size].history,
             _ => &self.again,
         };
-        Trajectory::of(history, &history.courses[(number & !AGAIN) as usize], window.end)
+        Some((history, &history.courses[(number & !AGAIN) as usize]))
     }
 
     /// Writes positions, velocities and displacements at the end of the window.

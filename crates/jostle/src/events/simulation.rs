@@ -13,6 +13,7 @@ use super::history::{Bounce, Course, History, NONE, Trajectory};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
+use crate::decomposition::{digest, digest_all};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
@@ -172,6 +173,7 @@ impl Simulation<'_> {
             island: number,
             next: number,
             stopped: None,
+            groups: 0,
         });
         if self.window.flight.has_friction {
             self.history.turnings.push(self.window.turning(index));
@@ -431,6 +433,7 @@ impl Simulation<'_> {
             }
         }
         let is_heated = self.heat(time);
+        self.note_group();
         for position in 0..self.scratch.group.len() {
             let InGroup { number, now, .. } = self.scratch.group[position];
             self.history.connect(self.scratch.group[0].number, number);
@@ -444,6 +447,23 @@ impl Simulation<'_> {
             self.turn(number, new);
         }
         self.record_bounces();
+    }
+
+    /// Notes which discs collide at the same moment, if these are at least three: the velocities of each
+    /// depend on all of them.
+    fn note_group(&mut self) {
+        let Scratch { group, velocities, .. } = &*self.scratch;
+        if group.len() < 3 {
+            return;
+        }
+        let member = |(own, new): (&InGroup, &Vector)| {
+            digest_all(0, [own.now.position, own.now.velocity, *new].into_iter().flatten())
+        };
+        let all = group.iter().zip(velocities).map(member).fold(0, u64::wrapping_add);
+        for own in group {
+            let groups = &mut self.history.courses[own.number as usize].groups;
+            *groups = digest(*groups, all);
+        }
     }
 
     /// Gives the discs of the group that touch walls at a temperature the velocities with which they

@@ -4,6 +4,7 @@ use super::Events;
 use super::flight::{Start, Window};
 use crate::container::MOST_TOURS;
 use crate::error::{Error, Result};
+use crate::parallel::locked;
 
 /// Discs for each first impact in a window, at least.
 const DISCS_PER_IMPACT: usize = 3;
@@ -17,13 +18,17 @@ pub(super) fn most_impacts(discs: usize) -> usize {
 }
 
 impl Events {
-    /// The longest of `end`, `end`/2, `end`/4 … before which at most `most` first impacts happen,
-    /// but not less than `shortest`. Impacts at the start are in every window, so they do not count. The
-    /// result depends on the state alone.
-    pub(super) fn end_of_window(&self, window: &Window<'_>, shortest: f64, most: usize) -> f64 {
+    /// The longest of `end`, `end`/2, `end`/4 … before which few first impacts happen, but not less than
+    /// `shortest`. Impacts at the start are in every window, so they do not count. The result depends on
+    /// the state alone.
+    pub(super) fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
         if !window.flight.pairs {
-            return window.end;
+            return Ok(window.end);
         }
+        if let Some(halo) = window.flight.halo {
+            return self.end_of_window_of_all(window, shortest, &halo);
+        }
+        let most = most_impacts(window.starts.len());
         let mut end = window.end;
         while 0.5 * end >= shortest {
             let early = self.blocks.iter().map(|block| block.impacts_until(end)).sum::<usize>();
@@ -32,7 +37,7 @@ impl Events {
             }
             end *= 0.5;
         }
-        end
+        Ok(end)
     }
 }
 
@@ -44,7 +49,14 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
         return Ok(window.end);
     }
     let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
-    let fastest = window.starts.iter().map(speed).fold(0.0, f32::max);
+    let fastest = match window.flight.halo {
+        None => window.starts.iter().map(speed).fold(0.0, f32::max),
+        Some(halo) => {
+            let own = window.starts.iter().zip(halo.is_own).filter(|(_, is_own)| **is_own);
+            let fastest = own.map(|(start, _)| speed(start)).fold(0.0, f32::max);
+            locked(halo.group).largest([f64::from(fastest)])?[0] as f32
+        }
+    };
     let tours = |seconds: f64| container.tours(fastest * seconds as f32);
     if tours(window.end) > 2.0 * MOST_TOURS {
         let rule = "forces would make a particle circle the torus too often; take smaller steps";

@@ -126,6 +126,11 @@ impl<T: Scalar> Quadtree<T> {
         built
     }
 
+    /// Lets later builds order the shapes as among others whose centres are within an AABB.
+    pub fn set_extent(&mut self, extent: Option<[[T; 2]; 2]>) {
+        self.order.extent = extent;
+    }
+
     /// As [`Quadtree::rebuild`], without a check of the invariants in debug builds.
     pub fn rebuild_unchecked(
         &mut self,

@@ -67,6 +67,8 @@ pub struct Order<T> {
     /// The first entry has the keys of all places; each other entry those of places that are in one
     /// finest cell of an earlier entry.
     pub keyed: Vec<Keyed<T>>,
+    /// The AABB of the grid, if it is given.
+    pub extent: Option<[[T; 2]; 2]>,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter<T>,
     /// Ranges of places that share a key.
@@ -97,7 +99,7 @@ impl<T: Scalar> Order<T> {
         open.clear();
         let centers = &shapes.centers;
         let extent = T::with_widest(Extent(centers));
-        let known = grid_around(extent);
+        let known = grid_around(self.extent.unwrap_or(extent));
         let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
         let precision = match unsorted {
             0 => Precision::Full,

@@ -21,8 +21,9 @@ mod walls;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::contacts::Contacts;
+use crate::contacts::{ContactShape, Contacts};
 use crate::container::{Container, MAX_WALLS};
+use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
 use crate::motion::{Motions, Scalars, Spins, Vectors};
@@ -76,6 +77,10 @@ pub struct Support<'a> {
     pub pushes: &'a [WallPush],
     /// Coefficient of restitution of the world.
     pub restitution: f32,
+    /// What is shared with other ranks, if the world is distributed.
+    pub halo: Option<Halo<'a>>,
+    /// The number of colours, and whether any masses are uneven, on all ranks.
+    pub shape: ContactShape,
     /// Threads to use.
     pub threads: Option<usize>,
 }

@@ -69,43 +69,50 @@ pub struct Sweeps<'a> {
 impl Sweeps<'_> {
     /// Finds the impulses, and the velocities with them.
     pub fn run(self) -> Result<()> {
-        let stop = Stop::current();
-        if parallel::is_parallel(self.scene.threads) {
-            self.run_together(&stop);
+        let Support { threads, halo, .. } = *self.scene;
+        let own = self.has_fast || self.walls.iter().any(Walls::is_fast);
+        let has_fast = halo.map_or(Ok(own), |halo| halo.any(own))?;
+        if halo.is_none() && parallel::is_parallel(threads) {
+            self.run_together(has_fast)
         } else {
-            self.run_alone(&stop);
+            self.run_alone(has_fast)
         }
-        stop.check()
     }
 
     /// The tasks in their order.
-    fn each_task(has_fast: bool, has_uneven: bool, mut act: impl FnMut(Task)) {
+    fn each_task(
+        has_fast: bool,
+        has_uneven: bool,
+        mut act: impl FnMut(Task) -> Result<()>,
+    ) -> Result<()> {
         use Task::{Accelerate, Contacts, Release};
         use Which::{All, Uneven};
         if has_fast {
             for _ in 0..IMPACT_ITERATIONS {
-                act(Task::Walls(Pass::Impact, All));
-                act(Contacts(Pass::Impact, All));
+                act(Task::Walls(Pass::Impact, All))?;
+                act(Contacts(Pass::Impact, All))?;
             }
-            act(Accelerate);
+            act(Accelerate)?;
         } else {
-            act(Release);
+            act(Release)?;
         }
         let further = if has_uneven { UNEVEN_ITERATIONS } else { 0 };
         let mut iterate = |pass, which| {
-            act(Contacts(pass, which));
-            act(Task::Walls(pass, which));
+            act(Contacts(pass, which))?;
+            act(Task::Walls(pass, which))
         };
-        iterate(Pass::Start, All);
+        iterate(Pass::Start, All)?;
         for _ in 1..ITERATIONS {
-            iterate(Pass::Relaxed, All);
-            (0..further).for_each(|_| iterate(Pass::Relaxed, Uneven));
+            iterate(Pass::Relaxed, All)?;
+            for _ in 0..further {
+                iterate(Pass::Relaxed, Uneven)?;
+            }
         }
-        iterate(Pass::Exact, All);
+        iterate(Pass::Exact, All)
     }
 
-    fn run_alone(self, stop: &Stop) {
-        let has_fast = self.has_fast();
+    /// Solves all contacts on this thread, in a distributed world together with other ranks.
+    fn run_alone(self, has_fast: bool) -> Result<()> {
         let Self { scene, contacts, kicks, blocks, frictions, walls, uneven_walls, .. } = self;
         let all = State {
             scene,
@@ -114,26 +121,47 @@ impl Sweeps<'_> {
             free_velocities: self.free_velocities,
             surface_speeds: self.surface_speeds,
         };
-        Self::each_task(has_fast, contacts.has_uneven(), |task| match task {
-            _ if stop.is_set() => {}
-            Task::Contacts(pass, which) => {
-                for colour in &contacts.blocks.colours {
-                    let range = if which == Which::All { colour.all() } else { colour.uneven() };
-                    let frictions = frictions.get_mut(range.clone()).unwrap_or_default();
-                    all.sweep(&mut blocks[range], frictions, pass);
+        let (stop, shape) = (Stop::current(), scene.shape);
+        let act = |task| {
+            // Other ranks would wait for a rank that is interrupted here.
+            if scene.halo.is_none() {
+                stop.check()?;
+            }
+            match task {
+                Task::Contacts(pass, which) => {
+                    // Another rank may have more colours.
+                    for number in 0..shape.colours {
+                        if let Some(colour) = contacts.blocks.colours.get(number) {
+                            let is_all = which == Which::All;
+                            let range = if is_all { colour.all() } else { colour.uneven() };
+                            let frictions = frictions.get_mut(range.clone()).unwrap_or_default();
+                            all.sweep(&mut blocks[range], frictions, pass);
+                        }
+                        all.refresh()?;
+                    }
+                    Ok(())
+                }
+                Task::Walls(pass, which) => {
+                    let count = if which == Which::All { walls.len() } else { uneven_walls };
+                    all.solve_walls(&mut walls[..count], pass);
+                    all.refresh()
+                }
+                Task::Release => {
+                    all.release(0..kicks.len());
+                    Ok(())
+                }
+                Task::Accelerate => {
+                    all.accelerate(0..kicks.len());
+                    Ok(())
                 }
             }
-            Task::Walls(pass, which) => {
-                let count = if which == Which::All { walls.len() } else { uneven_walls };
-                all.solve_walls(&mut walls[..count], pass);
-            }
-            Task::Release => all.release(0..kicks.len()),
-            Task::Accelerate => all.accelerate(0..kicks.len()),
-        });
+        };
+        Self::each_task(has_fast, shape.has_uneven, act)
     }
 
-    fn run_together(self, stop: &Stop) {
-        let has_fast = self.has_fast();
+    /// Solves all contacts on this thread and on others.
+    fn run_together(self, has_fast: bool) -> Result<()> {
+        let stop = Stop::current();
         let Self { scene, contacts, kicks, blocks, mut frictions, walls, uneven_walls, .. } = self;
         let all = State {
             scene,
@@ -193,13 +221,13 @@ impl Sweeps<'_> {
         };
         let most = colours.iter().map(|colour| colour.end - colour.first).max().unwrap_or(1);
         parallel::together(scene.threads, most, |member| {
-            Self::each_task(has_fast, contacts.has_uneven(), |task| run(member, task));
+            let act = |task| {
+                run(member, task);
+                Ok(())
+            };
+            let _ = Self::each_task(has_fast, scene.shape.has_uneven, act);
         });
-    }
-
-    /// Whether particles touch others or walls and approach too fast to rest.
-    fn has_fast(&self) -> bool {
-        self.has_fast || self.walls.iter().any(Walls::is_fast)
+        stop.check()
     }
 }
 
@@ -238,6 +266,22 @@ impl State<'_> {
     fn sweep(&self, blocks: &mut [Block], frictions: &mut [friction::Block], pass: Pass) {
         let Self { velocities, surface_speeds, .. } = *self;
         Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
+    }
+
+    /// Gives ghosts the velocities that their own ranks have computed.
+    fn refresh(&self) -> Result<()> {
+        let Self { velocities, surface_speeds, .. } = *self;
+        let Some(halo) = self.scene.halo else { return Ok(()) };
+        halo.refresh(
+            |place| {
+                let [u, v] = velocities.get(place);
+                [u, v, surface_speeds.get(place)]
+            },
+            |place, [u, v, speed]| {
+                velocities.set(place, [u, v]);
+                surface_speeds.set(place, speed);
+            },
+        )
     }
 
     fn solve_walls(&self, walls: &mut [Walls], pass: Pass) {

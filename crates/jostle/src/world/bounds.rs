@@ -109,60 +109,90 @@ impl World {
     }
 
     /// The speed that bounds allow for.
-    pub(super) fn usual_speed(&self) -> f32 {
+    pub(super) fn usual_speed(&self) -> Result<f32> {
         let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
-        USUAL * mean(self.particles.velocities.iter().map(speed)) as f32
+        let mean = self.mean(&self.particles.velocities, speed)?;
+        Ok(USUAL * mean as f32)
     }
 
     /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
     /// density n, a typical radius r and a typical displacement d, a particle has 2 π n (r + d)²
     /// candidate pairs.
-    pub(super) fn parts_with_few_candidates(&self, dt: f32) -> usize {
-        let Particles { positions, radii, .. } = &self.particles;
+    pub(super) fn parts_with_few_candidates(&self, dt: f32) -> Result<usize> {
+        let Particles { radii, .. } = &self.particles;
+        let count = self.count_of_all();
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
         let displacement = f64::from(self.memory.usual_speed) * dt + 0.5 * fall * dt * dt;
-        let radius = mean(radii.iter().copied());
-        let area = self.settings.container.area().unwrap_or_else(|| extent(positions));
-        let density = positions.len() as f64 / area;
+        let radius = self.mean(radii, |&radius| radius)?;
+        let area = match self.settings.container.area() {
+            Some(area) => area,
+            None => self.area_of_extent()?,
+        };
+        let density = count as f64 / area;
         let least = TAU * density * radius * radius;
         let most = 2.0 * least + CANDIDATES;
         let room = (most / (TAU * density)).sqrt() - radius;
         let parts = (displacement / room).ceil();
-        let most = (positions.len() as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
+        let most = (count as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
         // Not finite where there is no area.
         let parts = if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 };
-        parts.max(self.parts_with_few_collisions(dt)) as usize
+        Ok(parts.max(self.parts_with_few_collisions(dt, radius)?) as usize)
     }
 
     /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions. A particle
     /// of radius r meets 2 v (N r + Σ r) / A others in a second, with the area A.
-    fn parts_with_few_collisions(&self, dt: f64) -> f64 {
+    fn parts_with_few_collisions(&self, dt: f64, mean_radius: f64) -> Result<f64> {
         let Particles { velocities, radii, .. } = &self.particles;
-        let Some(size) = self.settings.container.period() else { return 1.0 };
+        let Some(size) = self.settings.container.period() else { return Ok(1.0) };
         let [width, height] = size.map(f64::from);
-        let mean_radius = mean(radii.iter().copied());
-        let share = 2.0 * dt * radii.len() as f64 / (width * height);
+        let share = 2.0 * dt * self.count_of_all() as f64 / (width * height);
         let collisions = |(velocity, &radius): (&[f32; 2], &f32)| {
             let velocity = velocity.map(f64::from);
             dot(velocity, velocity).sqrt() * (f64::from(radius) + mean_radius) * share
         };
-        let most = velocities.iter().zip(radii).map(collisions).fold(0.0, f64::max);
-        (most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_FOR_FEW)
+        let all = velocities.iter().zip(radii).map(collisions);
+        let most = match &self.domain {
+            None => all.fold(0.0, f64::max),
+            Some(domain) => {
+                let most = domain.own_of(all, &self.rows).fold(0.0, f64::max);
+                self.largest_of_all([most])?[0]
+            }
+        };
+        Ok((most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_FOR_FEW))
     }
-}
 
-/// The mean of some numbers, none negative; the same whatever their order.
-fn mean(numbers: impl ExactSizeIterator<Item = f32> + Clone) -> f64 {
-    let (largest, count) = (f64::from(largest(numbers.clone())), numbers.len());
-    if largest == 0.0 {
-        return 0.0;
+    /// The mean of a number of all particles, none negative; the same whatever their order and ranks.
+    fn mean<V>(&self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
+        let most = match &self.domain {
+            None => f64::from(largest(column.iter().map(number))),
+            Some(domain) => {
+                let own = domain.own_of(column.iter().map(number), &self.rows);
+                self.largest_of_all([f64::from(largest(own))])?[0]
+            }
+        };
+        if most == 0.0 {
+            return Ok(0.0);
+        }
+        // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts it into
+        // the last bits.
+        let scale = f64::from(i32::MAX) / most;
+        let whole = |value: &V| (f64::from(number(value)) * scale + WHOLE).to_bits() - WHOLE_BITS;
+        let sum = match &self.domain {
+            None => column.iter().map(whole).sum(),
+            Some(domain) => {
+                let own = domain.own_of(column.iter().map(whole), &self.rows);
+                self.sum_of_all([own.sum()])?[0]
+            }
+        };
+        Ok(sum as f64 / scale / self.count_of_all() as f64)
     }
-    // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts it into
-    // the last bits.
-    let scale = f64::from(i32::MAX) / largest;
-    let add = |sum: u64, number| sum + ((f64::from(number) * scale + WHOLE).to_bits() - WHOLE_BITS);
-    numbers.fold(0, add) as f64 / scale / count as f64
+
+    /// Area of the smallest AABB around all particles.
+    fn area_of_extent(&self) -> Result<f64> {
+        let [right, bottom, left, top] = self.farthest()?;
+        Ok((right + left) * (bottom + top))
+    }
 }
 
 /// Numbers from this one on, 2⁵², are whole.
@@ -188,15 +218,6 @@ fn rounding_of([x, y]: [f32; 2], sides: f32) -> f32 {
 /// Sum of the sides of a torus; 0 for other containers.
 fn torus_sides(container: &Container) -> f32 {
     container.period().map_or(0.0, |[width, height]| width + height)
-}
-
-/// Area of the smallest AABB around some points.
-fn extent(points: &[[f32; 2]]) -> f64 {
-    let side = |k: usize| {
-        let all = points.iter().map(|point| f64::from(point[k]));
-        all.clone().fold(f64::MIN, f64::max) - all.fold(f64::MAX, f64::min)
-    };
-    side(0) * side(1)
 }
 
 /// A circle in which a particle may be at some time of the step.

@@ -3,6 +3,7 @@
 
 use super::search::Lists;
 use super::{Memory, OnTouch, World, merge};
+use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
 
@@ -15,11 +16,11 @@ const FILTERED: usize = 1 << 14;
 impl World {
     /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose positions
     /// may have to be corrected or that may rest.
-    pub(super) fn make_contacts(&mut self) {
+    pub(super) fn make_contacts(&mut self) -> Result<()> {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, memory, contacts, .. } = self;
+        let Self { particles, settings, memory, contacts, domain, rows, .. } = self;
         let Memory { tree, pairs, moving, events, .. } = memory;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
@@ -28,6 +29,13 @@ impl World {
         }
         let lists = if may_rest { pairs } else { &memory.overlaps };
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+        memory.contact_shape = contacts.shape();
+        if let Some(domain) = domain {
+            let of_pairs = domain.digest_colours(contacts, lists, rows);
+            memory.contact_shape = domain.shape_of_all(memory.contact_shape)?;
+            domain.add_pair_digests(of_pairs);
+        }
+        Ok(())
     }
 
     /// Moves the pairs that do not push each other to lists of their own: those with sensors, and all

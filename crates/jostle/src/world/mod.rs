@@ -9,20 +9,24 @@
 
 mod asleep;
 mod bounds;
+mod carried;
 mod columns;
 mod contacts;
 mod defaults;
 mod discs;
+mod domain;
 mod drive;
 mod edits;
 mod force_step;
 mod given;
 mod ids;
 mod merge;
+mod migration;
 mod record;
 mod reorder;
 mod search;
 mod settings;
+mod shared;
 mod sleeping;
 mod snapshot;
 mod step;
@@ -36,7 +40,7 @@ mod waking;
 
 use std::sync::OnceLock;
 
-use crate::contacts::Contacts;
+use crate::contacts::{ContactShape, Contacts};
 use crate::correction::Correction;
 use crate::error::{Error, Result};
 use crate::events::Events;
@@ -52,12 +56,15 @@ use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::{Discs, Persistent};
+use domain::Domain;
+pub use domain::OwnParticles;
 use force_step::ForceMemory;
 use ids::Ids;
 use record::Record;
 pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
+pub use sums::{Column, StateHash};
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
 use undo::Before;
@@ -159,6 +166,8 @@ pub struct World {
     renumbered: Option<Vec<[Id; 2]>>,
     /// What happened since the last call of [`World::begin_record`].
     record: Record,
+    /// The distribution over ranks, if the world is distributed.
+    domain: Option<Box<Domain>>,
     memory: Memory,
 }
 
@@ -208,6 +217,7 @@ struct Memory {
     resting: Resting,
     correction: Correction,
     listing: search::ListScratch,
+    contact_shape: ContactShape,
     /// The candidate pairs.
     pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.

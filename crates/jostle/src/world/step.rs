@@ -83,6 +83,9 @@ impl World {
 
     /// Makes a step. If particles would meet sleeping ones, wakes these and makes it anew.
     fn step_until_complete(&mut self, single: f32, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
+        if self.domain.is_some() {
+            return self.step_with_other_ranks(single, watch);
+        }
         self.check_displacements(single)?;
         self.walls.check_displacements(f64::from(single))?;
         let awake = self.rows.len();
@@ -115,14 +118,14 @@ impl World {
         Ok(())
     }
 
-    fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
+    pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.memory.exhausted.clear();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
         let mut left = dt;
         loop {
-            self.memory.usual_speed = self.usual_speed();
-            let parts = self.parts(left);
+            self.memory.usual_speed = self.usual_speed()?;
+            let parts = self.parts(left)?;
             let substeps = (self.substeps() as f32 * (left / dt)).ceil() as usize;
             let substeps = substeps.max(1).div_ceil(parts);
             let part = left / parts as f32;
@@ -159,7 +162,7 @@ impl World {
     }
 
     /// Refuses a step in which a particle would move too far.
-    fn check_displacements(&self, dt: f32) -> Result<()> {
+    pub(super) fn check_displacements(&self, dt: f32) -> Result<()> {
         let longest = self.longest_displacement(dt);
         let tours = self.settings.container.tours(longest);
         if longest <= FARTHEST && tours <= MOST_TOURS {
@@ -176,14 +179,14 @@ impl World {
     }
 
     /// The number of parts of a step of `dt` seconds.
-    fn parts(&self, dt: f32) -> usize {
+    fn parts(&self, dt: f32) -> Result<usize> {
         match self.settings.on_touch {
-            OnTouch::Ignore => 1,
+            OnTouch::Ignore => Ok(1),
             OnTouch::Bounce => self.parts_with_few_candidates(dt),
             // Merging particles touch only their nearest images.
             OnTouch::Merge => {
                 let longest = self.longest_displacement(dt);
-                (longest / self.settings.container.max_displacement()).ceil().max(1.0) as usize
+                Ok((longest / self.settings.container.max_displacement()).ceil().max(1.0) as usize)
             }
         }
     }
@@ -215,11 +218,13 @@ impl World {
         watch(Stage::Pairs);
         interrupt::check()?;
         self.reorder();
-        self.make_contacts();
+        self.find_shared();
+        self.make_contacts()?;
         self.find_near_walls(dt)?;
         watch(Stage::Contacts);
         self.load_motions();
         self.run_substeps(dt, watch)?;
+        self.digest_shared();
         if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
@@ -241,12 +246,18 @@ impl World {
 
     /// Builds the tree of the bounds.
     fn build_tree(&mut self) -> Result<()> {
-        let (particles, forces, rows) = (&self.particles, &self.forces, &self.rows);
-        let memory = &mut self.memory;
+        let extent = self.extent_of_all()?;
+        let Self { particles, forces, rows, memory, .. } = self;
+        let domain = self.domain.as_deref();
         let tie = |a: usize, b: usize| {
             let order = particles.compare(a, b);
-            order.then_with(|| forces::compare_kinds(forces, rows[a], rows[b]))
+            let order = order.then_with(|| forces::compare_kinds(forces, rows[a], rows[b]));
+            match domain {
+                None => order,
+                Some(domain) => order.then_with(|| domain.compare(rows[a], rows[b])),
+            }
         };
+        memory.tree.set_extent(extent);
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 

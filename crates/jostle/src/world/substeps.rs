@@ -47,6 +47,11 @@ impl Substeps {
 impl World {
     /// Whether all collisions are elastic, so that nothing comes to rest.
     pub(super) fn is_elastic(&self) -> bool {
+        self.domain.as_ref().map_or_else(|| self.are_own_elastic(), |domain| domain.is_elastic())
+    }
+
+    /// The same of the particles of this rank.
+    pub(super) fn are_own_elastic(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
@@ -81,6 +86,7 @@ impl World {
         let of = self.begin_substeps(dt);
         for substep in 0..of.count {
             interrupt::check()?;
+            self.refresh_ghosts(substep)?;
             self.apply_forces_in_substep(&of, substep, watch);
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
@@ -88,7 +94,7 @@ impl World {
             }
             self.simulate_collisions(&of, substep)?;
             watch(Stage::Events);
-            self.correct_positions(&of, substep);
+            self.correct_positions(&of, substep)?;
             watch(Stage::Correction);
         }
         self.end_substeps(&of);
@@ -100,11 +106,17 @@ impl World {
     fn begin_substeps(&mut self, dt: f32) -> Substeps {
         let (threads, may_rest, is_elastic) = (self.threads(), self.may_rest(), self.is_elastic());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
-        let Self { particles, persistent, contacts, memory, settings, .. } = self;
-        let has_friction = particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let Self { particles, persistent, contacts, memory, settings, domain, rows, .. } = self;
+        let has_friction = match &domain {
+            None => particles.spins.iter().any(|spin| spin.friction > 0.0),
+            Some(domain) => domain.has_friction(),
+        };
         memory.limits.clear();
         if !self.asleep.is_empty() {
             memory.limits.extend_from_slice(&memory.reaches);
+        }
+        if let Some(domain) = domain {
+            domain.fill_limits(particles, rows, &settings.container, memory);
         }
         memory.grown.clear();
         memory.events.begin_step();
@@ -160,7 +172,7 @@ impl World {
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
     fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, .. } = self;
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = memory;
         let clock = of.clock(substep);
         let scene = Support {
@@ -175,6 +187,8 @@ impl World {
             rows: &self.rows,
             pushes: wall_pushes,
             restitution: settings.restitution,
+            halo: domain.as_ref().map(|domain| domain.halo()),
+            shape: memory.contact_shape,
             threads: of.threads,
         };
         let Persistent { wall_pushes: normal, wall_frictions: friction, .. } = &mut self.persistent;
@@ -188,7 +202,7 @@ impl World {
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, .. } = self;
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { tree, reaches, grown, .. } = memory;
         let mut bounds = StepBounds::new(tree, particles, reaches, grown, settings.container);
         let flight = Flight {
@@ -202,6 +216,7 @@ impl World {
             flow: of.flow,
             kicks: &memory.kicks,
             is_first: true,
+            halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
             walls: around(&self.walls, &memory.near_walls, particles, of.clock(substep)),
@@ -220,13 +235,16 @@ impl World {
     }
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
-    fn correct_positions(&mut self, of: &Substeps, substep: usize) {
-        let Self { particles, settings, memory, .. } = self;
+    fn correct_positions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
+        let Self { particles, settings, memory, domain, .. } = self;
         let Memory { motions, near_walls, correction, candidate_merges, .. } = memory;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let places = (&settings.container, walls);
-        correction.run(&self.contacts, motions, particles, places, of.threads);
+        let halo = domain.as_ref().map(|domain| domain.halo());
+        let shared = (memory.contact_shape.colours, halo);
+        correction.run(&self.contacts, motions, particles, places, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
+        Ok(())
     }
 
     /// Stores the impulses in the contacts.

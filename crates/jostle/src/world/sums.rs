@@ -94,32 +94,83 @@ impl World {
     /// A 64-bit hash of the particles, the same on every platform.
     pub fn state_hash(&self) -> u64 {
         let all = self.particles();
-        let mut hash = 0xcbf2_9ce4_8422_2325u64;
-        let mut mix = |word: u32| {
-            hash = (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
-        };
-        mix(all.len() as u32);
+        let hash = StateHash::begin(all.len());
+        Column::ALL.into_iter().fold(hash, |hash, column| hash.and(&all, column)).0
+    }
+}
+
+/// The parts of a hash of particles, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Positions, velocities and all other dense columns.
+    Dense,
+    /// Friction and rotation.
+    Spins,
+    /// Categories and masks.
+    Filters,
+    /// Which are sensors.
+    Sensors,
+}
+
+impl Column {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Dense, Self::Spins, Self::Filters, Self::Sensors];
+}
+
+/// A hash of particles, which may be given in several parts: first a column of all parts, then the next
+/// one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StateHash(pub u64);
+
+impl StateHash {
+    /// The hash of so many particles, without their columns.
+    pub fn begin(count: usize) -> Self {
+        let mut hash = Self(0xcbf2_9ce4_8422_2325);
+        hash.mix(count as u32);
+        hash
+    }
+
+    fn mix(&mut self, word: u32) {
+        self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
+    }
+
+    /// The hash with one column of some particles.
+    pub fn and(mut self, all: &Particles, column: Column) -> Self {
         // All columns are named, so that none is forgotten.
         #[rustfmt::skip]
         let Particles {
             positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
-        } = &all;
-        for row in 0..all.len() {
-            let ([x, y], [u, v], [a, b]) = (positions[row], velocities[row], residuals[row]);
-            let own = [radii[row], masses[row], restitutions[row]];
-            [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
-            mix(u32::from(movable[row]));
+        } = all;
+        let mut mix = |word: u32| self.mix(word);
+        match column {
+            Column::Dense => {
+                for row in 0..all.len() {
+                    let ([x, y], [u, v], [a, b]) =
+                        (positions[row], velocities[row], residuals[row]);
+                    let own = [radii[row], masses[row], restitutions[row]];
+                    [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
+                    mix(u32::from(movable[row]));
+                }
+            }
+            Column::Spins => {
+                for Spin { friction, velocity, angle } in spins {
+                    let angle = angle.to_bits();
+                    let words = [
+                        friction.to_bits(),
+                        velocity.to_bits(),
+                        angle as u32,
+                        (angle >> 32) as u32,
+                    ];
+                    words.into_iter().for_each(&mut mix);
+                }
+            }
+            Column::Filters => {
+                for &Filter { category, mask } in filters {
+                    [category, mask].into_iter().for_each(&mut mix);
+                }
+            }
+            Column::Sensors => sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor))),
         }
-        for Spin { friction, velocity, angle } in spins {
-            let angle = angle.to_bits();
-            let words =
-                [friction.to_bits(), velocity.to_bits(), angle as u32, (angle >> 32) as u32];
-            words.into_iter().for_each(&mut mix);
-        }
-        for &Filter { category, mask } in filters {
-            [category, mask].into_iter().for_each(&mut mix);
-        }
-        sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor)));
-        hash
+        self
     }
 }

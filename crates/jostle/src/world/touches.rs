@@ -101,9 +101,12 @@ impl World {
     }
 
     fn count_collisions(&mut self) {
+        let (domain, rows) = (&self.domain, &self.rows);
+        // A pair of particles belongs to the rank of the first.
+        let is_own = |place: u32| domain.as_ref().is_none_or(|of| of.owns(rows[place as usize]));
         let Collisions { pairs, walls } = &mut self.memory.collisions;
         let bounced = self.memory.events.bounced.iter();
-        for of in bounced.filter(|of| of.impulses[0] > 0.0) {
+        for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
             *(if of.pair[1] == WALL { &mut *walls } else { &mut *pairs }) += 1;
         }
     }

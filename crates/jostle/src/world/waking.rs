@@ -55,6 +55,9 @@ impl World {
     /// The same at the end of a part of a step, with circles around the particles that have left
     /// their bounds, in the order of time or by position correction.
     pub(super) fn has_left_bounds_to_sleepers(&mut self) -> Result<bool> {
+        if self.asleep.is_empty() {
+            return Ok(false);
+        }
         let Self { asleep, particles, memory, settings, .. } = self;
         let outside_limits = &mut memory.events.outside_limits;
         for (place, &limit) in memory.limits.iter().enumerate() {

@@ -1,0 +1,68 @@
+//! Messages between ranks, by an object of `jostle.mpi`.
+
+use jostle::{Communicator, Error, Result};
+use pyo3::create_exception;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyList};
+
+use crate::interrupt;
+
+create_exception!(
+    jostle.mpi,
+    RankError,
+    PyRuntimeError,
+    "Another rank could not do its part of a call, so no rank completes it.\n\n\
+     The rank with the cause raises the cause itself. The others raise this error with the number \
+     of that rank and its message."
+);
+
+/// An object with the methods `gather` and `exchange`, of a rank.
+pub struct PyCommunicator {
+    object: Py<PyAny>,
+    rank: usize,
+    size: usize,
+}
+
+impl PyCommunicator {
+    pub fn new(object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let number = |name| object.getattr(name)?.extract();
+        Ok(Self { object: object.clone().unbind(), rank: number("rank")?, size: number("size")? })
+    }
+}
+
+/// The result of a call of Python; the current call raises its exception.
+fn called<R>(work: impl FnOnce(Python<'_>) -> PyResult<R>) -> Result<R> {
+    Python::attach(work).map_err(|error| {
+        interrupt::raise(error);
+        Error::Interrupted
+    })
+}
+
+impl Communicator for PyCommunicator {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.size
+    }
+
+    fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>> {
+        called(|py| {
+            let all = self.object.bind(py).call_method1("gather", (PyBytes::new(py, own),))?;
+            Ok(all.cast::<PyBytes>()?.as_bytes().to_vec())
+        })
+    }
+
+    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
+        called(|py| {
+            let to = PyList::new(py, to.iter().map(|part| PyBytes::new(py, part)))?;
+            let all = self.object.bind(py).call_method1("exchange", (to, counts.to_vec()))?;
+            let part = |part: PyResult<Bound<'_, PyAny>>| {
+                PyResult::Ok(part?.cast::<PyBytes>()?.as_bytes().to_vec())
+            };
+            all.try_iter()?.map(part).collect()
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! The part of a distributed world that one rank has, for `jostle.mpi`.
+
+use jostle::decomposition::read_records;
+use jostle::{Column, StateHash};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use super::PyWorld;
+use crate::arrays::column;
+use crate::communicator::PyCommunicator;
+use crate::error::refused;
+use crate::interrupt::detached;
+
+/// Own particles, ids, particles of all ranks; calls, messages, bytes; repeated steps.
+type Numbers<'py> = (usize, Bound<'py, PyArray1<i64>>, usize, (u64, u64, u64), u64);
+
+#[pymethods]
+impl PyWorld {
+    /// Make this world a part of a distributed one. For `jostle.mpi`.
+    fn _distribute(
+        &self,
+        py: Python<'_>,
+        communicator: &Bound<'_, PyAny>,
+        ids: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<()> {
+        let (communicator, ids) = (PyCommunicator::new(communicator)?, ids.as_array().to_vec());
+        let done = detached(py, || {
+            let mut state = self.state.lock()?;
+            PyResult::Ok(state.world.distribute(Box::new(communicator), ids))
+        })??;
+        done.map_err(refused)
+    }
+
+    /// Raise ValueError for what a distributed world cannot do. For `jostle.mpi`.
+    fn _check_distributable(&self, py: Python<'_>) -> PyResult<()> {
+        self.state(py)?.world.check_distributable().map_err(refused)
+    }
+
+    /// Make a step of a distributed world. For `jostle.mpi`.
+    fn _step_distributed(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        let done = detached(py, || {
+            let mut state = self.state.lock()?;
+            PyResult::Ok(state.step(dt, 1))
+        })??;
+        done.map(|_| ()).map_err(refused)
+    }
+
+    /// Begin a call of `step` of a distributed world. For `jostle.mpi`.
+    fn _begin_steps(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
+        self.long(py, |state| state.begin(dt))?.map_err(refused)
+    }
+
+    /// Whether contacts may rest. For `jostle.mpi`.
+    fn _rests(&self, py: Python<'_>) -> PyResult<bool> {
+        Ok(self.state(py)?.world.may_have_resting_contacts())
+    }
+
+    /// The numbers of this rank's part. For `jostle.mpi`.
+    fn _own<'py>(&self, py: Python<'py>) -> PyResult<Option<Numbers<'py>>> {
+        let own = self.long(py, |state| state.world.own_particles())?;
+        Ok(own.map(|own| {
+            let traffic = (own.traffic.calls, own.traffic.messages, own.traffic.bytes);
+            (own.own, column(py, own.ids), own.total, traffic, own.repeats)
+        }))
+    }
+
+    /// The own particles as records. For `jostle.mpi`.
+    fn _own_records<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
+    }
+
+    /// A world like this one with the particles of records. For `jostle.mpi`.
+    fn _of_records(&self, py: Python<'_>, records: &[u8]) -> PyResult<Self> {
+        let world = self.long(py, |state| state.world.of_records(records))?;
+        Ok(Self::of(world.map_err(refused)?))
+    }
+
+    /// Tell the time that this rank needs for each particle. For `jostle.mpi`.
+    fn _set_work(&self, py: Python<'_>, work: f64) -> PyResult<()> {
+        self.state(py)?.world.set_work(work);
+        Ok(())
+    }
+}
+
+/// Begin the hash of the state of `total` particles. For `jostle.mpi`.
+#[pyfunction]
+pub fn begin_hash(total: usize) -> u64 {
+    StateHash::begin(total).0
+}
+
+/// Continue the hash of the state with one column of the particles of records. For `jostle.mpi`.
+#[pyfunction]
+pub fn hash_records(hash: u64, records: &[u8], column: usize) -> u64 {
+    let (mut particles, _) = read_records(records);
+    // Other ranks may have values that are not the default.
+    particles.spins_mut();
+    particles.filters_mut();
+    particles.sensors_mut();
+    StateHash(hash).and(&particles, Column::ALL[column]).0
+}

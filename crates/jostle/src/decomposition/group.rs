@@ -1,0 +1,135 @@
+//! The ranks of a world, and what they do together.
+
+use std::fmt;
+
+use crate::error::{Error, Result};
+
+/// Messages between ranks. All ranks make the same calls in the same order.
+pub trait Communicator: Send {
+    /// The number of this rank.
+    fn rank(&self) -> usize;
+    /// The number of ranks.
+    fn size(&self) -> usize;
+    /// Gathers as many bytes from each rank, in the order of ranks.
+    fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>>;
+    /// Sends bytes to each rank; returns those from each rank, of which there are `counts`.
+    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>>;
+}
+
+/// Numbers that ranks gather at a time.
+const WORDS: usize = 16;
+
+/// What a rank has sent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Calls in which all ranks take part.
+    pub calls: u64,
+    /// Messages to other ranks that carry particles or digests.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+}
+
+/// The ranks of a world. A rank that fails tells the others at its next call, so that none waits for
+/// it: the first number of each gathered block says whether its rank has failed.
+pub struct Group {
+    communicator: Box<dyn Communicator>,
+    /// What this rank has sent so far.
+    pub traffic: Traffic,
+}
+
+impl fmt::Debug for Group {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Group").field("rank", &self.rank()).field("size", &self.size()).finish()
+    }
+}
+
+impl Group {
+    /// The ranks of a communicator.
+    pub fn new(communicator: Box<dyn Communicator>) -> Self {
+        Self { communicator, traffic: Traffic::default() }
+    }
+
+    /// The number of this rank.
+    pub fn rank(&self) -> usize {
+        self.communicator.rank()
+    }
+
+    /// The number of ranks.
+    pub fn size(&self) -> usize {
+        self.communicator.size()
+    }
+
+    /// Gathers numbers from all ranks, fifteen at most. Returns an error if a rank has failed.
+    pub fn gather<const N: usize>(&mut self, own: [u64; N]) -> Result<Vec<[u64; N]>> {
+        const { assert!(N < WORDS) };
+        let mut block = [0; WORDS];
+        block[1..=N].copy_from_slice(&own);
+        let all = self.gather_blocks(&block)?;
+        match all.iter().position(|block| block[0] > 0) {
+            Some(rank) => Err(Error::OtherRank { rank }),
+            None => Ok(all.iter().map(|block| std::array::from_fn(|k| block[k + 1])).collect()),
+        }
+    }
+
+    fn gather_blocks(&mut self, own: &[u64; WORDS]) -> Result<Vec<[u64; WORDS]>> {
+        self.traffic.calls += 1;
+        let bytes: Vec<u8> = own.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let all = self.communicator.gather(&bytes)?;
+        let (words, _) = all.as_chunks::<8>();
+        let words: Vec<u64> = words.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+        let (blocks, _) = words.as_chunks::<WORDS>();
+        Ok(blocks.to_vec())
+    }
+
+    /// Tells the others that this rank has failed. It is called once for each error, and not for those
+    /// that other ranks have caused.
+    pub fn fail(&mut self) {
+        let mut block = [0; WORDS];
+        block[0] = 1;
+        // The others have an error, too, if it cannot be told.
+        _ = self.gather_blocks(&block);
+    }
+
+    /// The largest of each number of all ranks.
+    pub fn largest<const N: usize>(&mut self, own: [f64; N]) -> Result<[f64; N]> {
+        let all = self.gather(own.map(f64::to_bits))?;
+        let largest = |k: usize| all.iter().map(|of| f64::from_bits(of[k])).fold(own[k], f64::max);
+        Ok(std::array::from_fn(largest))
+    }
+
+    /// The sum of each number of all ranks.
+    pub fn sum<const N: usize>(&mut self, own: [u64; N]) -> Result<[u64; N]> {
+        let all = self.gather(own)?;
+        Ok(std::array::from_fn(|k| all.iter().map(|of| of[k]).sum()))
+    }
+
+    /// Gathers as many bytes from each rank, in the order of ranks.
+    pub fn share(&mut self, own: &[u8]) -> Result<Vec<u8>> {
+        self.gather([])?;
+        self.traffic.calls += 1;
+        self.communicator.gather(own)
+    }
+
+    /// Sends bytes to each rank; returns those from each rank.
+    pub fn exchange(&mut self, to: &[Vec<u8>]) -> Result<Vec<Vec<u8>>> {
+        let own: Vec<u8> = to.iter().flat_map(|part| (part.len() as u64).to_le_bytes()).collect();
+        let all = self.share(&own)?;
+        let (rank, size) = (self.rank(), self.size());
+        let (lengths, _) = all.as_chunks::<8>();
+        let length = |from: usize| u64::from_le_bytes(lengths[from * size + rank]) as usize;
+        let counts: Vec<usize> = (0..size).map(length).collect();
+        self.exchange_known(to, &counts)
+    }
+
+    /// The same, if it is known how many bytes come from each rank, and that none has failed.
+    pub fn exchange_known(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
+        self.traffic.calls += 1;
+        let others = (0..).zip(to).filter(|(rank, part)| *rank != self.rank() && !part.is_empty());
+        let (messages, bytes) = others
+            .fold((0, 0), |(messages, bytes), (_, part)| (messages + 1, bytes + part.len() as u64));
+        self.traffic.messages += messages;
+        self.traffic.bytes += bytes;
+        self.communicator.exchange(to, counts)
+    }
+}

@@ -1,0 +1,75 @@
+//! Domain decomposition: a world that is distributed over ranks. Each rank holds the particles of its
+//! domain and copies of those near it (ghosts), as in parallel molecular dynamics (S. Plimpton, *Fast
+//! Parallel Algorithms for Short-Range Molecular Dynamics*, Journal of Computational Physics 117, 1995).
+
+mod cells;
+mod cuts;
+mod group;
+mod records;
+
+use std::sync::Mutex;
+
+use crate::error::Result;
+use crate::forces::chance::mixed;
+use crate::parallel::locked;
+pub use cells::{Grid, Marks, Near};
+pub use cuts::{SAMPLES, cuts, key, sample};
+pub use group::{Communicator, Group, Traffic};
+pub use records::{RECORD, put_record, read_records};
+
+/// What a sub-step shares with other ranks.
+#[derive(Debug, Clone, Copy)]
+pub struct Halo<'a> {
+    /// The ranks.
+    pub group: &'a Mutex<Group>,
+    /// Particles of all ranks, each counted once.
+    pub total: usize,
+    /// Whether the disc at each place belongs to this rank; the others are ghosts.
+    pub is_own: &'a [bool],
+    /// Places of ghosts, and of discs that are ghosts elsewhere.
+    pub shared: &'a [u32],
+    /// The places of the discs that are ghosts of each rank.
+    pub sent: &'a [Vec<u32>],
+    /// The places of the ghosts from each rank.
+    pub ghosts: &'a [Vec<u32>],
+}
+
+impl Halo<'_> {
+    /// Replaces numbers of all ghosts by those that their own ranks have. No rank may have failed since
+    /// the last call.
+    pub fn refresh<const N: usize>(
+        &self,
+        get: impl Fn(u32) -> [f32; N],
+        set: impl Fn(u32, [f32; N]),
+    ) -> Result<()> {
+        let bytes = |places: &Vec<u32>| {
+            let numbers = places.iter().flat_map(|&place| get(place));
+            numbers.flat_map(f32::to_le_bytes).collect()
+        };
+        let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
+        let counts: Vec<usize> = self.ghosts.iter().map(|places| places.len() * N * 4).collect();
+        let all = locked(self.group).exchange_known(&to, &counts)?;
+        for (places, bytes) in self.ghosts.iter().zip(&all) {
+            let (numbers, _) = bytes.as_chunks::<4>();
+            for (&place, numbers) in places.iter().zip(numbers.chunks_exact(N)) {
+                set(place, std::array::from_fn(|k| f32::from_le_bytes(numbers[k])));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether something is so on any rank. Returns an error if a rank has failed.
+    pub fn any(&self, own: bool) -> Result<bool> {
+        Ok(locked(self.group).sum([u64::from(own)])? != [0])
+    }
+}
+
+/// A hash of a hash and a number.
+pub fn digest(hash: u64, number: u64) -> u64 {
+    mixed(hash.rotate_left(23) ^ number)
+}
+
+/// A hash of a hash and some numbers.
+pub fn digest_all(hash: u64, numbers: impl IntoIterator<Item = f64>) -> u64 {
+    numbers.into_iter().fold(hash, |hash, number| digest(hash, number.to_bits()))
+}

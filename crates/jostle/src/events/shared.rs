@@ -1,0 +1,81 @@
+//! Discs that are shared with other ranks: hashes of their trajectories, by which ranks find out whether
+//! they have computed the same, and windows of the same length on all ranks.
+
+use super::Events;
+use super::flight::Window;
+use super::history::NONE;
+use super::window::most_impacts;
+use crate::decomposition::{Halo, digest, digest_all};
+use crate::error::Result;
+use crate::parallel::locked;
+
+/// Lengths of a window, each half as long as the one before.
+const LENGTHS: usize = 11;
+
+impl Events {
+    /// As [`Events::end_of_window`], from the impacts of all ranks. The impact of two discs is counted
+    /// by the rank of the first.
+    pub(super) fn end_of_window_of_all(
+        &self,
+        window: &Window<'_>,
+        shortest: f64,
+        halo: &Halo<'_>,
+    ) -> Result<f64> {
+        let mut ends = [window.end; LENGTHS];
+        let mut early = [0; LENGTHS];
+        for (number, end) in ends.iter_mut().enumerate() {
+            *end *= 0.5f64.powi(number as i32);
+        }
+        let all = self.blocks.iter().flat_map(|block| block.first.iter().chain(&block.crossing));
+        for event in all.filter(|event| event.time > 0.0 && halo.is_own[event.pair[0] as usize]) {
+            for (count, end) in early.iter_mut().zip(&ends) {
+                *count += u64::from(event.time <= *end);
+            }
+        }
+        let early = locked(halo.group).sum(early)?;
+        let most = most_impacts(halo.total) as u64;
+        let mut number = 0;
+        while number + 1 < LENGTHS && 0.5 * ends[number] >= shortest && early[number] > most {
+            number += 1;
+        }
+        Ok(ends[number])
+    }
+
+    /// Adds the trajectories in the window to the hashes, and finds which ghosts may meet discs of
+    /// this rank.
+    pub(super) fn digest_shared(&mut self, window: &Window<'_>) {
+        let Some(halo) = window.flight.halo else { return };
+        self.digests.resize(halo.shared.len(), 0);
+        self.may_meet.resize(halo.shared.len(), false);
+        for (at, &place) in halo.shared.iter().enumerate() {
+            let hash = self.digest_of(window, place, self.digests[at]);
+            self.digests[at] = hash;
+            if halo.is_own[place as usize] || self.may_meet[at] {
+                continue;
+            }
+            let mut meets = false;
+            self.neighbors.of(place, |other| {
+                let other = other.index as usize;
+                meets |= halo.is_own[other] && window.starts[other].is_movable;
+            });
+            self.may_meet[at] = meets;
+        }
+    }
+
+    /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,
+    /// which is the same on all ranks.
+    fn digest_of(&self, window: &Window<'_>, place: u32, hash: u64) -> u64 {
+        if self.course_of[place as usize] == NONE && window.flight.kicks.is_empty() {
+            return hash;
+        }
+        let parts = self.trajectory(window, place).flat_map(|part| {
+            let [position, velocity] = [part.segment.position, part.segment.velocity];
+            [part.segment.time, position[0], position[1], velocity[0], velocity[1]]
+        });
+        let hash = digest_all(hash, parts);
+        match self.course(place) {
+            None => hash,
+            Some((_, course)) => digest(hash, course.groups ^ u64::from(course.stopped.is_some())),
+        }
+    }
+}

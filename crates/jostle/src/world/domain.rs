@@ -1,0 +1,482 @@
+//! The part of a distributed world that one rank has: its own particles, and ghosts, which are copies
+//! of particles of other ranks near them.
+//!
+//! Own particles are in the first rows, ghosts in the rows after them, from one step to the next.
+
+use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::iter::repeat_n;
+use std::sync::Mutex;
+
+use super::carried::Resting;
+use super::ids::Ids;
+use super::search::Lists;
+use super::{Memory, OnTouch, World};
+use crate::contacts::{ContactShape, Contacts};
+use crate::container::Container;
+use crate::decomposition::{
+    Communicator, Group, Halo, RECORD, Traffic, digest, put_record, read_records,
+};
+use crate::error::{Error, Result};
+use crate::forces::Force;
+use crate::parallel::locked;
+use crate::particles::Particles;
+use crate::space::Id;
+use crate::table::Table;
+
+/// Steps after which particles move to the ranks of the domains in which they are.
+const REBALANCE_EVERY: u64 = 32;
+
+/// A circle that an own particle does not leave in a step, as the other ranks know.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Announced {
+    /// Its position at the beginning of the step.
+    pub(super) position: [f32; 2],
+    /// How far it may get from there.
+    pub(super) distance: f32,
+}
+
+/// The distribution of a world over ranks.
+#[derive(Debug)]
+pub(super) struct Domain {
+    pub(super) group: Mutex<Group>,
+    /// The id of each row among the particles of all ranks.
+    pub(super) ids: Vec<Id>,
+    /// The number of own particles.
+    pub(super) own: usize,
+    /// Particles of all ranks.
+    pub(super) total: usize,
+    is_elastic: bool,
+    has_friction: bool,
+    /// The circle of each own row.
+    pub(super) announced: Vec<Announced>,
+    /// The rows that are ghosts of each rank.
+    pub(super) sent: Vec<Vec<u32>>,
+    /// The number of ghosts from each rank.
+    pub(super) received: Vec<usize>,
+    /// Whether the contacts of the last step are still to be kept.
+    pub(super) has_contacts: bool,
+    /// Contacts at rest that own particles had after the step before.
+    pub(super) resting: Vec<Resting>,
+    /// The places of the rows that are sent, and of the ghosts of each rank.
+    sent_places: Vec<Vec<u32>>,
+    ghost_places: Vec<Vec<u32>>,
+    /// The rank of each ghost.
+    ghost_ranks: Vec<u32>,
+    /// Hashes of the colours of the contacts of each ghost with own particles; by rows.
+    pub(super) ghost_pairs: Vec<u64>,
+    /// The same of each own row with the ghosts of each rank.
+    pub(super) own_pairs: HashMap<(u32, u32), u64>,
+    /// Hashes of what happened to each row in the step.
+    pub(super) digests: Vec<u64>,
+    /// Whether each ghost may meet own particles; by rows.
+    pub(super) may_meet: Vec<bool>,
+    /// Whether each own row is a ghost of another rank.
+    pub(super) is_sent: Vec<bool>,
+    /// Whether the particle at each place is an own one.
+    is_own: Vec<bool>,
+    /// Places of particles that other ranks have too.
+    pub(super) shared: Vec<u32>,
+    /// Own rows that have got further than announced, and how far.
+    pub(super) far: Vec<(u32, f32)>,
+    /// Complete steps until now, on all ranks as many.
+    pub(super) steps: u64,
+    /// Steps that were repeated because ghosts were missing.
+    pub(super) repeats: u64,
+    /// Time of this rank for each of its particles, in any unit that all ranks use.
+    pub(super) work: f64,
+}
+
+impl Domain {
+    /// What the events of a sub-step share with other ranks.
+    pub(super) fn halo(&self) -> Halo<'_> {
+        let Self { group, total, is_own, shared, sent_places, ghost_places, .. } = self;
+        Halo { group, total: *total, is_own, shared, sent: sent_places, ghosts: ghost_places }
+    }
+
+    /// Whether a row has an own particle.
+    #[inline(always)]
+    pub(super) fn owns(&self, row: u32) -> bool {
+        (row as usize) < self.own
+    }
+
+    /// The values of own particles, from those of all places.
+    pub(super) fn own_of<V>(
+        &self,
+        all: impl Iterator<Item = V>,
+        rows: &[u32],
+    ) -> impl Iterator<Item = V> {
+        all.zip(rows).filter(|(_, row)| self.owns(**row)).map(|(value, _)| value)
+    }
+
+    /// The order of two rows in the world.
+    pub(super) fn compare(&self, a: u32, b: u32) -> Ordering {
+        self.ids[a as usize].cmp(&self.ids[b as usize])
+    }
+
+    /// Whether the collisions of all ranks are elastic.
+    pub(super) fn is_elastic(&self) -> bool {
+        self.is_elastic
+    }
+
+    /// Whether any particle of any rank has friction.
+    pub(super) fn has_friction(&self) -> bool {
+        self.has_friction
+    }
+
+    /// Notes how many ghosts came from each rank.
+    pub(super) fn note_received(&mut self, received: Vec<usize>) {
+        let ranks = (0..).zip(&received);
+        self.ghost_ranks = ranks.flat_map(|(rank, &count)| repeat_n(rank, count)).collect();
+        self.received = received;
+        self.far.clear();
+        self.own_pairs.clear();
+        let len = self.ids.len();
+        for column in [&mut self.digests, &mut self.ghost_pairs] {
+            column.clear();
+            column.resize(len, 0);
+        }
+        self.may_meet.clear();
+        self.may_meet.resize(len, false);
+    }
+
+    /// Lists the places of own and of shared particles.
+    pub(super) fn list_places(&mut self, rows: &[u32]) {
+        let mut places = vec![0; rows.len()];
+        (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
+        self.sent_places.resize(self.sent.len(), Vec::new());
+        for (places_of, rows) in self.sent_places.iter_mut().zip(&self.sent) {
+            places_of.clear();
+            places_of.extend(rows.iter().map(|&row| places[row as usize]));
+        }
+        let mut ghosts = places[self.own..].iter().copied();
+        let ranks = self.received.iter().map(|&count| ghosts.by_ref().take(count).collect());
+        self.ghost_places = ranks.collect();
+        let Self { is_own, shared, is_sent, own, .. } = self;
+        is_own.clear();
+        is_own.extend(rows.iter().map(|&row| (row as usize) < *own));
+        shared.clear();
+        let is_shared = |row: u32| is_sent.get(row as usize).is_none_or(|&is_sent| is_sent);
+        shared.extend((0..).zip(rows).filter(|(_, row)| is_shared(**row)).map(|(place, _)| place));
+    }
+
+    /// Hashes of the contacts of own particles with ghosts, and of their colours, which follow from those
+    /// of other contacts nearby: the rows of both and the hash.
+    pub(super) fn digest_colours(
+        &self,
+        contacts: &Contacts,
+        lists: &Lists,
+        rows: &[u32],
+    ) -> Vec<([u32; 2], u64)> {
+        let mut found = Vec::new();
+        contacts.each_coloured(lists, |places, [colour, kind]| {
+            let rows = places.map(|place| rows[place as usize]);
+            let [a, b] = rows.map(|row| self.ids[row as usize]);
+            let colour = u64::from(colour) << 8 | u64::from(kind);
+            let hash = digest(digest(digest(1, a.min(b) as u64), a.max(b) as u64), colour);
+            match rows.map(|row| self.owns(row)) {
+                [true, false] => found.push((rows, hash)),
+                [false, true] => found.push(([rows[1], rows[0]], hash)),
+                _ => {}
+            }
+        });
+        found
+    }
+
+    /// Adds these hashes to those of the step.
+    pub(super) fn add_pair_digests(&mut self, found: Vec<([u32; 2], u64)>) {
+        for ([own, ghost], hash) in found {
+            let rank = self.ghost_ranks[ghost as usize - self.own];
+            let sums = [
+                &mut self.ghost_pairs[ghost as usize],
+                self.own_pairs.entry((own, rank)).or_default(),
+            ];
+            sums.into_iter().for_each(|sum| *sum = sum.wrapping_add(hash));
+        }
+    }
+
+    /// What the order of solving contacts depends on, on all ranks.
+    pub(super) fn shape_of_all(&self, own: ContactShape) -> Result<ContactShape> {
+        let numbers = [own.colours as f64, f64::from(own.has_uneven), f64::from(own.is_serial)];
+        let [colours, has_uneven, is_serial] = locked(&self.group).largest(numbers)?;
+        if is_serial > 0.0 {
+            let rule = "one of a distributed world may have contacts with 64 others at most";
+            return Err(Error::of("radii", "those of a particle with many contacts", rule));
+        }
+        let colours = colours as usize;
+        Ok(ContactShape { colours, has_uneven: has_uneven > 0.0, is_serial: false })
+    }
+
+    /// Writes how far own particles may get from where they are before they leave the circles that other
+    /// ranks know. Those of which that is not known are noted as far.
+    pub(super) fn fill_limits(
+        &mut self,
+        particles: &Particles,
+        rows: &[u32],
+        container: &Container,
+        memory: &mut Memory,
+    ) {
+        let Memory { limits, reaches, .. } = memory;
+        limits.clear();
+        for ((&row, position), &reach) in rows.iter().zip(&particles.positions).zip(&*reaches) {
+            let Some(of) = self.announced.get(row as usize) else {
+                limits.push(f32::INFINITY);
+                continue;
+            };
+            let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
+            let [x, y] = container.minimum_image(offset);
+            let moved = (x.hypot(y) * 1.000_01) as f32;
+            let left = of.distance - moved;
+            if left < reach {
+                self.far.push((row, moved + reach));
+            }
+            limits.push(left);
+        }
+    }
+}
+
+/// The particles of a rank.
+#[derive(Debug)]
+pub struct OwnParticles {
+    /// Their number, which is that of the first rows.
+    pub own: usize,
+    /// The ids of all rows.
+    pub ids: Vec<Id>,
+    /// The number of particles of all ranks.
+    pub total: usize,
+    /// What this rank has sent.
+    pub traffic: Traffic,
+    /// Steps that were repeated because ghosts were missing.
+    pub repeats: u64,
+}
+
+impl World {
+    /// Makes this world a part of a larger one, of which each rank has a part. All ranks have the same
+    /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
+    pub fn distribute(&mut self, communicator: Box<dyn Communicator>, ids: Vec<Id>) -> Result<()> {
+        self.check_distributable()?;
+        let mut group = Group::new(communicator);
+        let total = group.sum([ids.len() as u64])?[0] as usize;
+        self.domain = Some(Box::new(Domain {
+            group: Mutex::new(group),
+            own: ids.len(),
+            ids,
+            total,
+            is_elastic: self.are_own_elastic(),
+            has_friction: true,
+            announced: Vec::new(),
+            sent: Vec::new(),
+            received: Vec::new(),
+            has_contacts: false,
+            resting: Vec::new(),
+            sent_places: Vec::new(),
+            ghost_places: Vec::new(),
+            ghost_ranks: Vec::new(),
+            ghost_pairs: Vec::new(),
+            own_pairs: HashMap::new(),
+            digests: Vec::new(),
+            may_meet: Vec::new(),
+            is_sent: Vec::new(),
+            is_own: Vec::new(),
+            shared: Vec::new(),
+            far: Vec::new(),
+            steps: 0,
+            repeats: 0,
+            work: 1.0,
+        }));
+        Ok(())
+    }
+
+    /// Refuses what a distributed world cannot do.
+    pub fn check_distributable(&self) -> Result<()> {
+        if self.settings.on_touch == OnTouch::Merge {
+            let rule = "particles of different ranks do not merge";
+            return Err(Error::of("on_touch", "merge", rule));
+        }
+        if self.settings.track_events {
+            let rule = "a distributed world does not track events";
+            return Err(Error::of("track_events", "True", rule));
+        }
+        for (index, force) in self.forces.iter().enumerate() {
+            let name = match force {
+                Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,
+                Force::Attractor(_) => "an Attractor",
+                Force::Gravitation(_) => "Gravitation",
+                Force::Springs(_) => "Springs",
+                Force::Motor(_) => "a Motor",
+                Force::Pair(_) => "a PairForce",
+                Force::Flocking(_) => "Flocking",
+            };
+            let rule =
+                "a distributed world has Thermostat, ThermalWalls and AndersenThermostat only";
+            return Err(Error::at("forces", index, name, rule));
+        }
+        Ok(())
+    }
+
+    /// The particles of this rank; None if the world is not distributed.
+    pub fn own_particles(&self) -> Option<OwnParticles> {
+        self.domain.as_ref().map(|domain| OwnParticles {
+            own: domain.own,
+            ids: domain.ids.clone(),
+            total: domain.total,
+            traffic: locked(&domain.group).traffic,
+            repeats: domain.repeats,
+        })
+    }
+
+    /// The own particles as records, see [`read_records`].
+    pub fn own_records(&self) -> Vec<u8> {
+        let Some(domain) = &self.domain else { return Vec::new() };
+        let mut bytes = Vec::with_capacity(domain.own * RECORD);
+        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
+            put_record(&mut bytes, domain.ids[row as usize], &self.particles, place);
+        }
+        bytes
+    }
+
+    /// A world with the settings, walls, forces and time of this one, and the particles of some records.
+    pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
+        let (particles, _) = read_records(bytes);
+        let mut world = Self::new(particles, self.settings)?;
+        world.set_walls(self.walls().to_vec())?;
+        world.set_forces(self.forces())?;
+        world.time = self.time;
+        Ok(world)
+    }
+
+    /// Whether gravity may press inelastic particles of any rank against each other or against walls.
+    pub fn may_have_resting_contacts(&self) -> bool {
+        self.may_rest()
+    }
+
+    /// Tells how much time this rank needs for each of its particles, from which the next domains
+    /// follow. Results do not depend on it.
+    pub fn set_work(&mut self, work: f64) {
+        if let Some(domain) = &mut self.domain
+            && work > 0.0
+            && work.is_finite()
+        {
+            domain.work = work;
+        }
+    }
+
+    /// The number of particles of all ranks.
+    pub(super) fn count_of_all(&self) -> usize {
+        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.total)
+    }
+
+    /// The largest of each number of all ranks.
+    pub(super) fn largest_of_all<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N]> {
+        match &self.domain {
+            None => Ok(own),
+            Some(domain) => locked(&domain.group).largest(own),
+        }
+    }
+
+    /// The sum of each number of all ranks.
+    pub(super) fn sum_of_all<const N: usize>(&self, own: [u64; N]) -> Result<[u64; N]> {
+        match &self.domain {
+            None => Ok(own),
+            Some(domain) => locked(&domain.group).sum(own),
+        }
+    }
+
+    /// The AABB of the centres of all ranks; None if the world is not distributed.
+    pub(super) fn extent_of_all(&self) -> Result<Option<[[f32; 2]; 2]>> {
+        if self.domain.is_none() {
+            return Ok(None);
+        }
+        let [right, bottom, left, top] = self.farthest()?.map(|v| v as f32);
+        Ok(Some([[-left, -top], [right, bottom]]))
+    }
+
+    /// The largest x, y, −x and −y of all centres.
+    pub(super) fn farthest(&self) -> Result<[f64; 4]> {
+        let mut most = [f32::MIN; 4];
+        let mut take = |&[x, y]: &[f32; 2]| {
+            most = [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)];
+        };
+        match &self.domain {
+            None => self.particles.positions.iter().for_each(take),
+            Some(domain) => {
+                domain.own_of(self.particles.positions.iter(), &self.rows).for_each(&mut take);
+            }
+        }
+        self.largest_of_all(most.map(f64::from))
+    }
+
+    /// Removes the ghosts.
+    pub(super) fn drop_ghosts(&mut self) {
+        self.keep_resting();
+        let Self { domain, particles, rows, persistent, contacts, ids, wall_impulses, .. } = self;
+        let Some(domain) = domain else { return };
+        let own = domain.own;
+        if rows.len() > own {
+            let mut end = rows.len();
+            for place in 0..own {
+                if domain.owns(rows[place]) {
+                    continue;
+                }
+                // The last places go to those of ghosts.
+                end -= 1;
+                while !domain.owns(rows[end]) {
+                    end -= 1;
+                }
+                particles.move_row(end, place);
+                persistent.move_row(end, place);
+                rows[place] = rows[end];
+            }
+            particles.resize(own);
+            persistent.resize(own);
+            rows.truncate(own);
+            domain.ids.truncate(own);
+            wall_impulses.retain(|of| (of.row as usize) < own);
+            *ids = Ids::of_rows(own);
+        }
+        contacts.forget();
+        self.forget_places();
+    }
+
+    /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
+    pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
+        let Self { domain, particles, rows, persistent, ids, .. } = self;
+        let Some(domain) = domain else { return };
+        for bytes in bytes {
+            let (new, new_ids) = read_records(bytes);
+            particles.extend(&new);
+            domain.ids.extend(new_ids);
+        }
+        let len = domain.ids.len();
+        rows.extend(rows.len() as u32..len as u32);
+        persistent.resize(len);
+        *ids = Ids::of_rows(len);
+        if are_own {
+            domain.own = len;
+        }
+        self.forget_places();
+    }
+
+    /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
+    /// require. There must be no ghosts.
+    pub(super) fn move_to_domains(&mut self) -> Result<()> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        if domain.steps.is_multiple_of(REBALANCE_EVERY) {
+            self.rebalance()?;
+        }
+        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let own = [u64::from(!self.are_own_elastic()), u64::from(has_friction)];
+        let [inelastic, frictions] = self.sum_of_all(own)?;
+        if let Some(domain) = &mut self.domain {
+            (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+        }
+        if frictions > 0 {
+            self.particles.spins_mut();
+        }
+        if self.may_rest() && self.may_sleep() {
+            let rule = "islands of a distributed world do not fall asleep; pass sleeping=False";
+            return Err(Error::of("sleeping", "True", rule));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,15 @@
+"""Many processes: pairs and worlds that are distributed over the ranks of an mpi4py communicator.
+
+Each rank holds a share of the shapes or particles, and no rank holds all. Answers are those of one
+process. Needs mpi4py and an MPI library: ``pip install jostle[mpi]``.
+"""
+
+from jostle._core import RankError
+
+from .search import find_pairs
+from .world import World
+
+__all__ = ["RankError", "World", "find_pairs"]
+
+for _public in (World, find_pairs):
+    _public.__module__ = "jostle.mpi"

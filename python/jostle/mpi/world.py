@@ -1,0 +1,472 @@
+"""Worlds whose particles are distributed over ranks."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import ArrayLike, NDArray
+
+import jostle
+from jostle._core import RankError, begin_hash, hash_records
+
+from .exchange import deliver, first_id, from_all, raise_together, together, totals
+from .interrupts import held
+from .storage import by_ids, read, write
+from .sums import exact_sum
+
+#: A particle as the core writes it.
+RECORD = np.dtype(
+    [
+        ("id", "<i8"),
+        ("angle", "<f8"),
+        ("position", "<f4", 2),
+        ("residual", "<f4", 2),
+        ("velocity", "<f4", 2),
+        ("radius", "<f4"),
+        ("mass", "<f4"),
+        ("restitution", "<f4"),
+        ("friction", "<f4"),
+        ("angular_velocity", "<f4"),
+        ("category", "<u4"),
+        ("mask", "<u4"),
+        ("movable", "?"),
+        ("sensor", "?"),
+    ]
+)
+
+#: Settings that must be the same on all ranks.
+_SETTINGS = (
+    *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
+    *("wall_velocities", "wall_restitution", "wall_friction", "forces", "on_touch", "substeps"),
+)
+
+
+class World:
+    """Particles that are distributed over the ranks of a communicator.
+
+    All methods and properties except `positions` and the other columns are collective: all ranks call
+    them in the same order. The particles of all ranks have the same states, in bits, as those of one
+    `jostle.World` with all particles, whatever the number of ranks and the distribution.
+
+    Parameters
+    ----------
+    comm : mpi4py.MPI.Intracomm
+        The ranks. A duplicate of it is used.
+    positions, velocities : array_like, shape (n, 2)
+        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of rank 0
+        first, then those of rank 1, and so on.
+    radii : array_like, a number or shape (n,)
+        As for `jostle.World`.
+    threads : int, default 1
+        Number of threads of each rank; None for all cores.
+    **options
+        The other arguments of `jostle.World`; arrays have a row for each particle of this rank,
+        and settings are the same on all ranks.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As by `jostle.World`, for what is not supported (see Notes), or if the settings of ranks differ.
+    RankError
+        If another rank raises one of these.
+
+    See Also
+    --------
+    jostle.World : The same in one process.
+    jostle.mpi.find_pairs : Pairs of shapes without a world.
+
+    Notes
+    -----
+    Not supported are resting contacts (gravity together with a coefficient of restitution below 1),
+    merging, `track_events`, and forces other than `Thermostat`, `ThermalWalls` and
+    `AndersenThermostat`. They are refused.
+
+    Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
+    32 steps the ranges are chosen anew, by the time that ranks need, and particles move to other ranks.
+
+    Examples
+    --------
+    >>> from mpi4py import MPI
+    >>> import jostle.mpi
+    >>> world = jostle.mpi.World(MPI.COMM_SELF, [(0, 0), (3, 0)], [(1, 0), (0, 0)], radii=1.0)
+    >>> world.step(0.1, steps=20)
+    >>> world.velocities
+    array([[0., 0.],
+           [1., 0.]], dtype=float32)
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Intracomm,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        *,
+        threads: int | None = 1,
+        **options: Any,
+    ) -> None:
+        self._begin(comm)
+        with together(self._comm):
+            positions, velocities = (
+                np.zeros((0, 2)) if np.size(column) == 0 else column
+                for column in (positions, velocities)
+            )
+            core = jostle.World(positions, velocities, radii, threads=threads, **options)
+            core._check_distributable()
+        self._core = core
+        self._check_settings()
+        count = len(core)
+        ids = first_id(self._comm, count) + np.arange(count)
+        core._distribute(self._messages, ids)
+
+    def _begin(self, comm: MPI.Intracomm) -> None:
+        self._comm = comm.Dup()
+        self._core: Any
+        self._messages = _Messages(self._comm)
+
+    def _check_settings(self) -> None:
+        """Refuse settings that differ between ranks."""
+        texts = {name: repr(getattr(self._core, name)) for name in _SETTINGS}
+        digests = {name: hashlib.sha256(text.encode()).digest() for name, text in texts.items()}
+        own = np.frombuffer(b"".join(digests.values()), np.uint8).reshape(len(texts), -1)
+        everything = from_all(self._comm, own)
+        differ = (everything != everything[0]).any(axis=(0, 2))
+        for name in np.array(list(texts))[differ]:
+            raise ValueError(f"{name} is not the same on all ranks: here it is {texts[name]}")
+
+    def step(self, dt: float, steps: int = 1) -> None:
+        """Advance the world.
+
+        Parameters
+        ----------
+        dt : float
+            Duration of a step, in seconds; the same on all ranks.
+        steps : int, default 1
+            Number of steps.
+
+        Raises
+        ------
+        ValueError
+            If the step is refused, as by `jostle.World.step`. Then the world is as before this step,
+            on all ranks.
+        RankError
+            If another rank cannot do the step, or is interrupted.
+        """
+        with together(self._comm):
+            self._core._begin_steps(dt)
+        with held() as pressed:
+            for _ in range(steps):
+                self._step(dt)
+                raise_together(self._comm, KeyboardInterrupt() if pressed() else None)
+
+    def _step(self, dt: float) -> None:
+        start, waited = time.perf_counter(), self._messages.seconds
+        try:
+            self._core._step_distributed(dt)
+        except RankError:
+            raise_together(self._comm, None)
+            raise
+        except BaseException as error:
+            raise_together(self._comm, error)
+        busy = time.perf_counter() - start - (self._messages.seconds - waited)
+        self._core._set_work(busy / max(len(self), 1))
+
+    def __len__(self) -> int:
+        """Number of particles of this rank."""
+        return self._own()[0]
+
+    def __repr__(self) -> str:
+        return (
+            f"<jostle.mpi.World of {self.total} particles after {self.time:.3f} s, "
+            f"{len(self)} of them on rank {self._comm.rank} of {self._comm.size}>"
+        )
+
+    def _own(self) -> tuple[int, NDArray[np.int64], int, tuple[int, int, int], int]:
+        return self._core._own()
+
+    def _column(self, name: str) -> NDArray[Any]:
+        return getattr(self._core, name)[: len(self)]
+
+    @property
+    def total(self) -> int:
+        """Number of particles of all ranks."""
+        return self._own()[2]
+
+    @property
+    def ghosts(self) -> int:
+        """Number of copies of particles of other ranks in the last step."""
+        count, ids, *_ = self._own()
+        return len(ids) - count
+
+    @property
+    def time(self) -> float:
+        """Simulated time in seconds."""
+        return self._core.time
+
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Ids of this rank's particles: ndarray of int64, shape (n,), in the order of all columns."""
+        return self._own()[1][: len(self)]
+
+    @property
+    def traffic(self) -> dict[str, float]:
+        """What this rank has sent so far.
+
+        A dict of `calls` in which all ranks take part, `messages` and `bytes` with particles and
+        hashes, `repeats`, the number of steps that were repeated, and `seconds` of waiting and
+        communication.
+        """
+        _, _, _, (calls, messages, size), repeats = self._own()
+        counts = {"calls": calls, "messages": messages, "bytes": size, "repeats": repeats}
+        return {**counts, "seconds": self._messages.seconds}
+
+    @property
+    def profile(self) -> dict[str, float]:
+        """Milliseconds of each stage of the last step on this rank, see `jostle.World.profile`."""
+        return self._core.profile
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Sum of ½ m v² + ½ I ω² of the movable particles of all ranks, with I = m r²/2.
+
+        The exact sum, rounded once, so it is the same for every number of ranks. That of
+        `jostle.World` is rounded after each addition and may differ in the last digits.
+        """
+        rows = self._records()
+        rows = rows[rows["movable"]]
+        mass = rows["mass"].astype(np.float64)
+        x, y = rows["velocity"].astype(np.float64).T
+        surface = rows["radius"].astype(np.float64) * rows["angular_velocity"]
+        return exact_sum(
+            self._comm,
+            np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)]),
+        )
+
+    @property
+    def momentum(self) -> tuple[float, float]:
+        """Sum of mass times velocity of the movable particles of all ranks, (x, y), rounded once."""
+        rows = self._records()
+        rows = rows[rows["movable"]]
+        x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
+        return exact_sum(self._comm, x), exact_sum(self._comm, y)
+
+    @property
+    def contacts(self) -> jostle.WorldContacts:
+        """The pairs that touched during the last step, each on one rank, see `jostle.World.contacts`.
+
+        Not collective. The pairs are of ids, sorted.
+        """
+        count, ids, *_ = self._own()
+        found = self._core.contacts
+        movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
+        is_reversed = pairs[:, 0] > pairs[:, 1]
+        # A pair belongs to the rank of the movable particle with the smaller id.
+        is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
+        owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
+        pairs = np.sort(pairs, axis=1)
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        order = order[owner[order] < count]
+        normals = np.where(is_reversed[:, None], -found.normals, found.normals)
+        return jostle.WorldContacts(
+            pairs[order],
+            normals[order],
+            found.depths[order],
+            found.normal_impulses[order],
+            found.friction_impulses[order],
+        )
+
+    @property
+    def wall_contacts(self) -> jostle.WallContacts:
+        """The particles of this rank to which walls gave an impulse during the last step.
+
+        Not collective. See `jostle.World.wall_contacts`.
+        """
+        count, ids, *_ = self._own()
+        found = self._core.wall_contacts
+        own = np.flatnonzero(found.ids < count)
+        own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
+        return jostle.WallContacts(ids[found.ids[own]], *(column[own] for column in found[1:]))
+
+    @property
+    def collisions(self) -> jostle.WorldCollisions:
+        """The number of collisions in the last call of `step`, see `jostle.World.collisions`."""
+        counts = totals(self._comm, np.array(self._core.collisions, np.int64))
+        return jostle.WorldCollisions(*map(int, counts))
+
+    def state_hash(self) -> int:
+        """Return the hash of all particles, the same on all ranks.
+
+        Returns
+        -------
+        int
+            That of `jostle.World.state_hash` with the same particles in the order of ids.
+
+        Notes
+        -----
+        The particles are sent to ranks in the order of ids, and the ranks compute the hash one after
+        the other.
+        """
+        rows = self._records()
+        size, total = self._comm.size, self.total
+        # Ids have no gaps: no particle is removed.
+        rows = by_ids(self._comm, rows, total)
+        defaults = {
+            1: ((rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0)),
+            2: ((rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF)),
+            3: rows["sensor"],
+        }
+        state = begin_hash(total)
+        for column in range(4):
+            is_any = column == 0 or self._comm.allreduce(bool(defaults[column].any()), MPI.LOR)
+            if not is_any:
+                continue
+            for rank in range(size):
+                if rank == self._comm.rank:
+                    state = hash_records(state, rows.tobytes(), column)
+                state = self._comm.bcast(state, root=rank)
+        return state
+
+    def gather(self, root: int = 0) -> jostle.World | None:
+        """Bring all particles to one rank.
+
+        Parameters
+        ----------
+        root : int, default 0
+            The rank.
+
+        Returns
+        -------
+        jostle.World or None
+            On `root` a world of all particles in the order of ids, which continues with the same
+            bits; None on other ranks.
+        """
+        rows = self._records()
+        parts = [rows[:0]] * self._comm.size
+        parts[root] = rows
+        rows = deliver(self._comm, parts)
+        if self._comm.rank != root:
+            return None
+        return self._core._of_records(np.sort(rows, order="id").tobytes())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the world into one file, in which each rank writes a part.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            An existing file is replaced when the new one is complete.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written; then an existing one is unchanged.
+        ValueError
+            If particles rest on others: the file has no impulses of contacts, so the world would not
+            continue with the same bits.
+
+        See Also
+        --------
+        load : Reads the file, on any number of ranks.
+        """
+        with together(self._comm):
+            if self._core._rests():
+                raise ValueError("path: a distributed world with resting contacts cannot be saved yet")
+        settings = self._core._of_records(b"").snapshot()
+        write(self._comm, Path(path), settings, self._records())
+
+    @classmethod
+    def load(
+        cls, comm: MPI.Intracomm, path: str | os.PathLike[str], *, threads: int | None = 1
+    ) -> World:
+        """Read a world from a file that `save` has written, on any number of ranks.
+
+        Parameters
+        ----------
+        comm : mpi4py.MPI.Intracomm
+            The ranks.
+        path : str or os.PathLike
+            The file.
+        threads : int, default 1
+            Number of threads of each rank.
+
+        Returns
+        -------
+        World
+            A world that continues with the same bits. ``load(MPI.COMM_SELF, path).gather()`` is a
+            `jostle.World`.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it does not contain a distributed world, or is cut off or damaged.
+
+        See Also
+        --------
+        save : Writes the file.
+        """
+        world = cls.__new__(cls)
+        world._begin(comm)
+        settings, rows = read(world._comm, Path(path), RECORD)
+        with together(world._comm):
+            core = jostle.World.restore(settings)._of_records(rows.tobytes())
+            core.threads = threads
+        world._core = core
+        core._distribute(world._messages, rows["id"].copy())
+        return world
+
+    def _records(self) -> NDArray[np.void]:
+        """The particles of this rank."""
+        return np.frombuffer(self._core._own_records(), RECORD)
+
+
+def _column_of(name: str) -> property:
+    about = getattr(jostle.World, name).__doc__ or ""
+    shape = about.split(":", 1)[0].rstrip(".")
+    text = f"{shape} of this rank's particles, in the order of `ids`; see `jostle.World.{name}`."
+    return property(lambda self: self._column(name), doc=text)
+
+
+for _name in (
+    *("positions", "velocities", "radii", "masses", "restitutions", "movable", "friction"),
+    *("angles", "angular_velocities", "categories", "masks", "sensors"),
+):
+    setattr(World, _name, _column_of(_name))
+
+
+class _Messages:
+    """Messages between the ranks, for the core."""
+
+    def __init__(self, comm: MPI.Intracomm) -> None:
+        self._comm = comm
+        self.rank, self.size = comm.rank, comm.size
+        #: Time in calls, waiting included.
+        self.seconds = 0.0
+
+    def gather(self, own: bytes) -> bytes:
+        """Gather as many bytes from each rank."""
+        start = time.perf_counter()
+        everything = bytearray(len(own) * self.size)
+        self._comm.Allgather([own, MPI.BYTE], [everything, MPI.BYTE])
+        self.seconds += time.perf_counter() - start
+        return bytes(everything)
+
+    def exchange(self, parts: list[bytes], counts: list[int]) -> list[bytes]:
+        """Send bytes to each rank; returns those from each rank, of which there are `counts`."""
+        start = time.perf_counter()
+        sent, got = (np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts))
+        ends = np.cumsum(got)
+        everything = bytearray(int(got.sum()))
+        self._comm.Alltoallv(
+            [b"".join(parts), sent, np.cumsum(sent) - sent, MPI.BYTE],
+            [everything, got, ends - got, MPI.BYTE],
+        )
+        self.seconds += time.perf_counter() - start
+        return [bytes(everything[end - count : end]) for end, count in zip(ends, got)]

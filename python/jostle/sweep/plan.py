@@ -1,0 +1,119 @@
+"""The plan of a sweep: its runs, from settings with their values."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import jostle
+
+#: What a setting changes in the world of a scene.
+SETTINGS = {
+    "n": "number of particles",
+    "restitution": "coefficient of restitution of the world",
+    "drag": "linear damping, per second",
+    "friction": "coefficient of friction of all particles",
+    "gravity": "acceleration downwards",
+    "speed": "factor of all velocities at the beginning",
+    "substeps": "sub-steps of a step",
+}
+
+_WHOLE = ("n", "substeps")
+
+#: Values of one setting at most.
+_MOST_VALUES = 100_000
+
+
+class PlanError(ValueError):
+    """A setting that is not understood."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A world of a scene with a seed and settings, and how long it is simulated."""
+
+    scene: str
+    n: int
+    seed: int
+    steps: int
+    warm_up: int
+    settings: tuple[tuple[str, float], ...]
+    measures: tuple[str, ...]
+
+    @property
+    def key(self) -> dict[str, str]:
+        """The columns of the table that identify the run."""
+        given = {name: repr(value) for name, value in self.settings if name != "n"}
+        own = {"scene": self.scene, "n": self.n, "seed": self.seed, "steps": self.steps}
+        return {**{name: str(value) for name, value in own.items()}, **given}
+
+
+def parse(text: str) -> tuple[str, list[float]]:
+    """Read ``name=first:last:count`` or ``name=value,value``.
+
+    Returns
+    -------
+    tuple
+        The name and the values; those of a range include both ends.
+    """
+    name, equals, given = text.partition("=")
+    if not equals or name not in SETTINGS:
+        known = ", ".join(SETTINGS)
+        raise PlanError(f"--set is {text!r}; it must be NAME=VALUES, and NAME one of {known}")
+    try:
+        if ":" in given:
+            first, last, count = given.split(":")
+            values = _between(float(first), float(last), int(count))
+        else:
+            values = [float(value) for value in given.split(",")]
+    except ValueError:
+        rule = "the values are FIRST:LAST:COUNT, or numbers with commas between them"
+        raise PlanError(f"--set is {text!r}; {rule}") from None
+    if name in _WHOLE:
+        if any(value != int(value) or value < 1 for value in values):
+            raise PlanError(f"--set is {text!r}; {name} must be whole numbers above 0")
+        return name, [int(value) for value in values]
+    return name, values
+
+
+def _between(first: float, last: float, count: int) -> list[float]:
+    if not 2 <= count <= _MOST_VALUES:
+        raise ValueError
+    # So that 0.5:1.0:6 has 0.7 and not 0.7000000000000001.
+    return [float(f"{first + (last - first) * k / (count - 1):.12g}") for k in range(count)]
+
+
+def plan(
+    scene: str,
+    n: int | None,
+    ranges: Sequence[str],
+    seeds: int,
+    steps: int,
+    warm_up: int,
+    measures: Sequence[str],
+) -> list[Run]:
+    """List all runs: each combination of values with each seed."""
+    names, values = [], []
+    for name, own in map(parse, ranges):
+        if name in names:
+            raise PlanError(f"--set {name} is given twice")
+        names.append(name)
+        values.append(own)
+    count = n if n is not None else jostle.scenes.default_count(scene)
+    runs = []
+    for combination in itertools.product(*values):
+        settings = dict(zip(names, combination))
+        runs += [
+            Run(
+                scene,
+                int(settings.get("n", count)),
+                seed,
+                steps,
+                warm_up,
+                tuple(settings.items()),
+                tuple(measures),
+            )
+            for seed in range(seeds)
+        ]
+    return runs

@@ -1,0 +1,43 @@
+"""One run of a sweep."""
+
+from __future__ import annotations
+
+import time
+
+import jostle
+
+from .measures import MEASURES
+from .plan import Run
+
+#: Duration of a step, as of all scenes.
+_DT = 1 / 60
+
+
+def do(run: Run) -> dict[str, str]:
+    """Simulate a run; returns its row of the table."""
+    start = time.perf_counter()
+    world = jostle.scenes.create(run.scene, n=run.n, seed=run.seed)
+    # Each process has one thread, because there is a process for each core.
+    world.threads = 1
+    for name, value in run.settings:
+        _set(world, name, value)
+    world.step(_DT, run.warm_up)
+    measures = {name: MEASURES[name][0]() for name in run.measures}
+    for step in range(run.steps):
+        world.step(_DT)
+        for measure in measures.values():
+            measure.see(world, step, _DT)
+    found = {name: repr(float(measure.value())) for name, measure in measures.items()}
+    seconds = f"{time.perf_counter() - start:.3f}"
+    return {**run.key, **found, "hash": f"{world.state_hash():016x}", "seconds": seconds}
+
+
+def _set(world: jostle.World, name: str, value: float) -> None:
+    if name == "gravity":
+        world.gravity = (0.0, value)
+    elif name == "speed":
+        world.velocities = world.velocities * value
+    elif name == "friction":
+        world.friction = value
+    elif name != "n":
+        setattr(world, name, value)

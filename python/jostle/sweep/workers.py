@@ -1,0 +1,57 @@
+"""The processes of a sweep: those of this machine, or the ranks that mpirun has started."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Iterator
+from concurrent.futures import Executor, FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+
+from .plan import Run
+from .run import do
+
+#: Variables by which launchers tell processes how many there are.
+_SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "SLURM_STEP_NUM_TASKS")
+
+#: Runs that wait for each process, so that none is idle.
+_AHEAD = 2
+
+
+def is_started_by_mpi() -> bool:
+    """Return whether mpirun, or another launcher, has started several processes."""
+    return any(int(os.environ.get(name) or 1) > 1 for name in _SIZES)
+
+
+@contextmanager
+def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
+    """Provide an executor and its number of processes; None on ranks that work for the first one."""
+    if is_started_by_mpi():
+        from mpi4py import MPI
+        from mpi4py.futures import MPICommExecutor
+
+        with MPICommExecutor(MPI.COMM_WORLD, root=0) as pool:
+            yield None if pool is None else (pool, MPI.COMM_WORLD.size - 1)
+        return
+    count = workers or os.cpu_count() or 1
+    # A forked process would have no threads for steps, and could inherit locked locks.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, context)
+    try:
+        yield pool, count
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def results(pool: Executor, count: int, runs: list[Run]) -> Iterator[dict[str, str]]:
+    """Yield the rows of runs as they are completed."""
+    todo = iter(runs)
+    pending: set[Future[dict[str, str]]] = set()
+    while True:
+        while len(pending) < _AHEAD * count and (run := next(todo, None)) is not None:
+            pending.add(pool.submit(do, run))
+        if not pending:
+            return
+        done, pending = wait(pending, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield future.result()

@@ -1,0 +1,132 @@
+"""A program of test_mpi_pairs: compares the pairs of all ranks with those of one process."""
+
+from collections.abc import Callable
+
+import numpy as np
+from mpi4py import MPI
+
+import jostle
+import jostle.mpi
+
+COMM = MPI.COMM_WORLD
+RNG = np.random.default_rng(5)
+
+Shapes = dict[str, np.ndarray]
+
+
+def discs(n: int, side: float = 30.0) -> Shapes:
+    return {"centers": RNG.uniform(0, side, (n, 2)), "radii": RNG.uniform(0.2, 1.0, n)}
+
+
+def split(rows: Shapes, where: Callable[[np.ndarray], np.ndarray]) -> Shapes:
+    """This rank's share; `where` gives the rank of each row, in ascending order."""
+    count = len(rows["centers"])
+    mine = where(np.arange(count) * COMM.size // max(count, 1)) == COMM.rank
+    return {name: column[mine] for name, column in rows.items()}
+
+
+def evenly(ranks: np.ndarray) -> np.ndarray:
+    return ranks
+
+
+def all_on_last(ranks: np.ndarray) -> np.ndarray:
+    return np.full_like(ranks, COMM.size - 1)
+
+
+def check(rows: Shapes, where: Callable[[np.ndarray], np.ndarray] = evenly, **options) -> None:
+    expected = jostle.find_pairs(**rows, **options, sort=True)
+    share = split(rows, where)
+    found = jostle.mpi.find_pairs(COMM, **share, **options, sort=True)
+    assert found.dtype == np.int64 and found.shape[1:] == (2,)
+    assert np.array_equal(found, found[np.lexsort((found[:, 1], found[:, 0]))])
+    everything = np.concatenate(COMM.allgather(found))
+    everything = everything[np.lexsort((everything[:, 1], everything[:, 0]))]
+    assert np.array_equal(everything, expected), (len(everything), len(expected))
+
+
+def main() -> None:
+    check(discs(3000))
+    check(discs(3000), all_on_last)
+    check(discs(3000), distance=0.7)
+    rows = discs(2000)
+    check({name: column.astype(np.float32) for name, column in rows.items()})
+    check(discs(2000), period=30.0)
+    check(discs(2000), period=(30.0, None), distance=0.3)
+    # Far outside of the first period.
+    rows = discs(1000)
+    rows["centers"] += RNG.integers(-3, 4, (1000, 2)) * 30.0
+    check(rows, period=30.0)
+    # A period that is not much longer than the shapes.
+    check({"centers": RNG.uniform(0, 4, (60, 2)), "radii": np.full(60, 0.9)}, period=4.0)
+    # Boxes, and shapes that are boxes or discs.
+    rows = discs(2000) | {"half_sizes": RNG.uniform(0, 0.8, (2000, 2))}
+    check(rows)
+    # Coincident shapes, at the point where a plane of two ranks is divided.
+    rows = discs(900)
+    rows["centers"][::3] = 15.0
+    check(rows)
+    check({"centers": np.full((200, 2), 7.0), "radii": np.full(200, 1.0)})
+    # A giant shape across all ranks, and one shape that is far away.
+    rows = discs(3000)
+    rows["radii"][1234] = 40.0
+    check(rows)
+    rows["centers"][77] = (1e9, -1e7)
+    check(rows)
+    # Few large shapes among many points.
+    rows = discs(4000)
+    rows["radii"] = np.where(np.arange(4000) % 40 == 0, 3.0, 0.0)
+    check(rows)
+    # Sizes over many orders of magnitude.
+    rows = discs(1500, 100.0)
+    rows["radii"] = np.exp(RNG.uniform(-12, 3, 1500))
+    check(rows)
+    # Fewer shapes than ranks, none, and all on one line.
+    check(discs(2, 0.5))
+    check(discs(1))
+    check({"centers": np.zeros((0, 2)), "radii": np.zeros(0)})
+    rows = discs(800, 200.0)
+    rows["centers"][:, 1] = 3.0
+    check(rows)
+    # Categories and masks.
+    rows = discs(2000)
+    rows["categories"] = 1 << RNG.integers(0, 3, 2000).astype(np.uint32)
+    rows["masks"] = RNG.integers(0, 8, 2000).astype(np.uint32)
+    check(rows)
+    # Two clusters far from each other.
+    rows = discs(2000)
+    rows["centers"][::2] += 1e7
+    check(rows)
+    # A plain number for all, in the precision of the arrays.
+    points = split({"centers": RNG.uniform(0, 20, (500, 2)).astype(np.float32)}, evenly)["centers"]
+    found = jostle.mpi.find_pairs(COMM, points, 0.3, (0.2, 0.1))
+    whole = np.concatenate(COMM.allgather(points))
+    assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(whole, 0.3, (0.2, 0.1)))
+    check_shares()
+    check_errors()
+    if COMM.rank == 0:
+        print("all pairs are right")
+
+
+def check_shares() -> None:
+    """All ranks find about as many pairs, wherever the shapes come from."""
+    share = split(discs(8000, 80.0), all_on_last)
+    counts = COMM.allgather(len(jostle.mpi.find_pairs(COMM, **share)))
+    assert max(counts) < 2 * sum(counts) / COMM.size + 10, counts
+
+
+def check_errors() -> None:
+    radii = np.ones(4)
+    if COMM.rank == COMM.size - 1:
+        radii[2] = -0.5
+    try:
+        jostle.mpi.find_pairs(COMM, np.zeros((4, 2)), radii)
+    except ValueError as error:
+        assert COMM.rank == COMM.size - 1 and "radii[2] is -0.5" in str(error), error
+    except jostle.mpi.RankError as error:
+        assert COMM.rank < COMM.size - 1
+        assert str(error).startswith(f"rank {COMM.size - 1}: ValueError: radii[2] is -0.5"), error
+    else:
+        raise AssertionError("a negative radius is refused")
+
+
+main()

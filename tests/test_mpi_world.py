@@ -1,0 +1,24 @@
+"""Distributed worlds have the bits of one process, for any number of ranks and any distribution."""
+
+import pytest
+from mpi_ranks import HERE, needs_mpi, run_ranks
+
+CASES = ("gas", "scenes", "containers", "rules", "nasty", "piles", "files", "errors", "pressed")
+
+
+@needs_mpi
+@pytest.mark.parametrize("ranks", [1, 2, 3, 4])
+@pytest.mark.parametrize("case", CASES)
+def test_ranks_have_the_bits_of_one_process(case: str, ranks: int) -> None:
+    assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
+
+
+@needs_mpi
+@pytest.mark.slow
+def test_larger_worlds_have_the_bits_of_one_process_after_300_steps() -> None:
+    assert "all bits are right" in run_ranks(3, HERE / "mpi_world.py", "long")
+
+
+@needs_mpi
+def test_the_death_of_a_rank_ends_all() -> None:
+    run_ranks(3, HERE / "mpi_world.py", "killed", is_right=False)
