@@ -381,6 +381,16 @@ def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> N
         start(read(tmp_path, long).settings)
 
 
+def test_groups_do_not_overlap_images_of_walls_on_a_torus(tmp_path: Path) -> None:
+    """A wall along the top side acts along the bottom, too."""
+    walls = '[[walls]]\npoints = [[0, 1], [100, 1]]'
+    group = "[[particles]]\nradius = 5\ncount = 40\nregion = [0, 85, 100, 100]"
+    text = f'scene = "gas"\nn = 0\ncontainer = "torus"\n{walls}\n{group}'
+    simulation = start(read(tmp_path, text).settings)
+    side = simulation.frame().container.height
+    assert (simulation.frame().positions[:, 1] <= side - 4).all()
+
+
 def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:
     text = 'scene = "gas"\nn = 0\ncontainer = "none"\n[[particles]]\nradius = 1e18'
     with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: radii\[0\] is 1000"):

@@ -11,6 +11,7 @@ pygame = pytest.importorskip("pygame")
 
 from app_interaction import FRAME, MIDDLE, RIGHT, Driver, article_with, post, tags, world_of  # noqa: E402
 
+import jostle  # noqa: E402
 from jostle.app.act.attractors import STRENGTH  # noqa: E402
 from jostle.app.act.interaction_view import draw_preview, draw_selection  # noqa: E402
 from jostle.app.act.tools import Tool  # noqa: E402
@@ -176,12 +177,39 @@ def test_walls_are_drawn_even_if_their_ends_are_far_outside(size) -> None:
     painter = SoftwarePainter(size)
     camera = Camera(size, (0.0, 0.0, 64.0, 36.0))
     painter.fill(STAGE)
-    draw_walls(painter, np.array([[(-1e9, 18.0), (1e9, 18.0)], [(1e9, 1e9), (2e9, 1e9)]]), camera)
+    walls = np.array([[(-1e9, 18.0), (1e9, 18.0)], [(1e9, 1e9), (2e9, 1e9)]])
+    draw_walls(painter, walls, None, camera)
     canvas = pygame.surfarray.array3d(painter.canvas())
     lit = (canvas != np.array(STAGE)).any(axis=2)
     (x,), (y,) = camera.to_screen(np.array([(32.0, 18.0)]))
     assert lit[round(float(x)) - 50 : round(float(x)) + 50, round(float(y))].all()
     assert lit.any(axis=0).sum() <= 5
+
+
+def test_images_of_walls_are_drawn_on_a_torus_alone() -> None:
+    """One wall crosses the right side and one a corner; a third was carried away by its motion."""
+    painter = SoftwarePainter((640, 360))
+    camera = Camera((640, 360), (-8.0, -8.0, 24.0, 24.0))
+    painter.fill(STAGE)
+    walls = [[(14, 4), (20, 4)], [(-1, -1), (1, 1)], [(164, 12), (168, 12)]]
+    draw_walls(painter, np.array(walls, np.float32), jostle.Torus(16, 16), camera)
+    canvas = pygame.surfarray.array3d(painter.canvas())
+    points = np.array(
+        [(15, 4), (2, 4), (0.5, 0.5), (15.5, 15.5), (6, 12), (18, 4), (-2, 4), (-0.5, -0.5)]
+    )
+    x, y = np.rint(camera.to_screen(points)).astype(int)
+    lit = (canvas[x, y] != np.array(STAGE)).any(axis=1)
+    assert lit.tolist() == [True] * 5 + [False] * 3
+
+
+def test_a_click_removes_the_image_of_a_wall_on_a_torus() -> None:
+    driver = Driver(world_of([(200, 250)], container=jostle.Torus(800, 500)))
+    driver.session.interaction.commands.wall((600, 250), (900, 250))
+    driver.key(pygame.K_2)
+    driver.click((300, 250))
+    assert len(driver.session.frame.walls) == 1
+    driver.click((50, 250))
+    assert len(driver.session.frame.walls) == 0
 
 
 def test_the_cursor_shows_which_tool_is_in_drag_tool() -> None:

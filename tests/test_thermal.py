@@ -110,6 +110,49 @@ def test_they_are_values() -> None:
 
 
 @pytest.mark.parametrize(
+    ("container", "sides", "rule"),
+    [
+        (None, None, "[0, 1, 2, 3]; a world without a container has no sides"),
+        (jostle.Torus(50, 50), [2], "[2]; a Torus has no sides"),
+        (jostle.Circle((0, 0), 50), [0, 1], "[0, 1]; a Circle has one side, 0"),
+        (jostle.Circle((0, 0), 50), [3], "[3]; a Circle has one side, 0"),
+    ],
+)
+def test_sides_that_a_container_does_not_have_are_refused(
+    container: Any, sides: Any, rule: str
+) -> None:
+    """At the construction, when forces are set, and when the container changes."""
+    message = f"^{re.escape('forces[1] is ThermalWalls with sides=' + rule)}$"
+    forces = [jostle.Thermostat(1.0, 0.5), jostle.ThermalWalls(1.0, sides)]
+    disc = {"positions": [(20, 20)], "velocities": [(0, 0)], "radii": 1.0}
+    with pytest.raises(ValueError, match=message):
+        jostle.World(**disc, container=container, forces=forces)
+    world = jostle.World(**disc, container=container)
+    with pytest.raises(ValueError, match=message):
+        world.forces = forces
+    assert world.forces == ()
+    box = jostle.Box(-50, -50, 50, 50)
+    world = jostle.World(**disc, container=box, forces=forces)
+    with pytest.raises(ValueError, match=message):
+        world.container = container
+    assert world.container == box and world.forces == tuple(forces)
+    world.forces = ()
+    world.container = container
+
+
+def test_all_sides_are_the_wall_of_a_circle_and_walls_need_no_container() -> None:
+    disc = {"positions": [(20, 20)], "velocities": [(0, 0)], "radii": 1.0}
+    round_wall = [jostle.ThermalWalls(1.0)]
+    world = jostle.World(**disc, container=jostle.Box(0, 0, 50, 50), forces=round_wall)
+    world.container = jostle.Circle((20, 20), 50)
+    world.forces = [jostle.ThermalWalls(1.0, sides=[0])]
+    plate = [jostle.ThermalWalls(1.0, walls=[0])]
+    for container in (None, jostle.Torus(50, 50)):
+        walls = [((0, 0), (5, 0))]
+        assert jostle.World(**disc, container=container, walls=walls, forces=plate).forces
+
+
+@pytest.mark.parametrize(
     ("make", "error", "message"),
     [
         (lambda: jostle.ThermalWalls(0), ValueError, "temperature is 0; it must be above 0"),

@@ -478,7 +478,8 @@ impl PyThermostat {
 ///     particle, in units of mass times length² per second².
 /// sides : array_like of int, shape (k,), optional
 ///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-///     0 is the wall of a `Circle`. If omitted, all; none if `walls` is given.
+///     0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+///     is given.
 /// seed : int, default 0
 ///     Seed of the random numbers, below 2³².
 /// walls : array_like of int, shape (m,), optional
@@ -491,7 +492,8 @@ impl PyThermostat {
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a number is out of range, or a side or a wall is given twice. When it is assigned to
-///     `World.forces`, also if a wall does not exist, or has a temperature already.
+///     `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
+///     not have a side. A change of `World.container` to one without it is refused, too.
 ///
 /// See Also
 /// --------

@@ -170,7 +170,7 @@ impl PyPairForce {
     /// kinds : array_like of int, shape (n,)
     ///     The kind of each particle, from 0 to K - 1.
     /// epsilon : array_like, a number or shape (K, K)
-    ///     Depth of the potential, in units of energy.
+    ///     Depth of the potential, in units of energy, at least 0.
     /// sigma : array_like, a number or shape (K, K)
     ///     Distance at which it is 0, in units of length. The minimum is at ``2**(1/6) * sigma``.
     /// cutoff : float
@@ -219,7 +219,7 @@ impl PyPairForce {
     /// kinds : array_like of int, shape (n,)
     ///     The kind of each particle, from 0 to K - 1.
     /// stiffness : array_like, a number or shape (K, K)
-    ///     Force per unit of overlap.
+    ///     Force per unit of overlap, at least 0.
     /// diameters : array_like, a number or shape (K, K)
     ///     Distance below which two kinds overlap, in units of length. The largest is the cutoff.
     /// damping : float, default 0.0

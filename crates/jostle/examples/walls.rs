@@ -8,6 +8,9 @@ use jostle::{Container, Particles, Stage, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 
+/// Distance of neighbouring places of the lattice of discs.
+const SPACING: f32 = 2.1;
+
 fn main() {
     let numbers: Vec<usize> =
         std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
@@ -20,7 +23,7 @@ fn main() {
             sleeping: false,
             ..WorldSettings::default()
         };
-        let mut both = [0, walls].map(|walls| crowd(discs, walls, settings));
+        let mut both = [0, walls].map(|shown| crowd(discs, walls, shown, settings));
         for world in &mut both {
             step(world, 30);
         }
@@ -72,25 +75,54 @@ fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
     times
 }
 
-/// Discs of radius 1 that cover 30 % of a box, and walls of length 6 at random places.
-fn crowd(discs: usize, walls: usize, settings: WorldSettings) -> World {
+/// Walls of length 6 at random places in a box, and discs of radius 1 that cover 30 % of it. The
+/// discs are on a lattice, at random places that overlap no wall: one that began between crossing walls
+/// would bounce there very often. Without walls (`walls` is 0) there are the same discs.
+fn crowd(discs: usize, among: usize, walls: usize, settings: WorldSettings) -> World {
     let mut random = Random::new(1);
-    let columns = (discs as f64).sqrt().ceil() as usize;
-    let spacing = (std::f32::consts::PI / 0.3).sqrt();
-    let side = columns as f32 * spacing;
-    let center = |row: usize| [row % columns, row / columns].map(|k| (k as f32 + 0.5) * spacing);
-    let velocities =
-        (0..discs).map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]).collect();
-    let positions = (0..discs).map(center).collect();
-    let all = Particles::new(positions, velocities, vec![1.0; discs], 1.0);
+    let side = (discs as f32 * std::f32::consts::PI / 0.3).sqrt();
+    let lines: Vec<Wall> = (0..among)
+        .map(|_| {
+            let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
+            let angle = random.between(0.0, std::f32::consts::TAU);
+            Wall::new([[x, y], [x + 6.0 * angle.cos(), y + 6.0 * angle.sin()]])
+        })
+        .collect();
+    let positions = free_places(&lines, discs, side, &mut random);
+    let velocities = positions.iter().map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]);
+    let all = Particles::new(positions.clone(), velocities.collect(), vec![1.0; discs], 1.0);
     let container = Container::Box { min: [0.0; 2], max: [side; 2] };
     let mut world =
         World::new(all, WorldSettings { container, ..settings }).expect("the world is valid");
-    let walls = (0..walls).map(|_| {
-        let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
-        let angle = random.between(0.0, std::f32::consts::TAU);
-        Wall::new([[x, y], [x + 6.0 * angle.cos(), y + 6.0 * angle.sin()]])
-    });
-    world.set_walls(walls.collect()).expect("the walls are valid");
+    world.set_walls(lines[..walls].to_vec()).expect("the walls are valid");
     world
+}
+
+/// Random places of a lattice for discs of radius 1 that overlap no wall.
+fn free_places(walls: &[Wall], count: usize, side: f32, random: &mut Random) -> Vec<[f32; 2]> {
+    let columns = ((side - 2.0) / SPACING) as usize;
+    let mut is_free = vec![true; columns * columns];
+    let place = |at: usize| [at % columns, at / columns].map(|k| 1.0 + (k as f32 + 0.5) * SPACING);
+    for Wall { ends: [a, b], .. } in walls {
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let square = along[0] * along[0] + along[1] * along[1];
+        let cells = |k: usize| {
+            let cell = |at: f32| ((at - 1.0) / SPACING).clamp(0.0, columns as f32) as usize;
+            cell(a[k].min(b[k]) - SPACING)..(cell(a[k].max(b[k]) + SPACING) + 1).min(columns)
+        };
+        for at in cells(1).flat_map(|row| cells(0).map(move |column| row * columns + column)) {
+            let [x, y] = place(at);
+            let share = ((x - a[0]) * along[0] + (y - a[1]) * along[1]) / square;
+            let near = [0, 1].map(|k| a[k] + share.clamp(0.0, 1.0) * along[k]);
+            is_free[at] &= (x - near[0]).hypot(y - near[1]) > 1.0;
+        }
+    }
+    let mut free: Vec<usize> = (0..is_free.len()).filter(|&at| is_free[at]).collect();
+    assert!(free.len() >= count, "there is no room");
+    let last = free.len() - 1;
+    for at in 0..count {
+        let other = at + (random.unit() * (last - at + 1) as f32) as usize;
+        free.swap(at, other.min(last));
+    }
+    free[..count].iter().map(|&at| place(at)).collect()
 }

@@ -122,24 +122,28 @@ impl Correction {
             if allowed != position {
                 motions.set_position(place, allowed);
             }
+            allowed
         };
-        if container.has_walls() {
-            parallel::for_rows(threads, particles.len(), |index| {
-                if particles.movable[index] {
-                    clamp(index as u32);
-                }
-            });
-        }
+        // Nearly all particles are in it, so that they need not be moved.
+        let inner = container.inner();
+        let move_inside = |index: usize| {
+            let position = motions.position(index as u32);
+            let is_inside = inner.contains(position, radii[index]) || !particles.movable[index];
+            if is_inside { position } else { clamp(index as u32) }
+        };
         if !walls.is_empty() {
             parallel::for_rows(threads, particles.len(), |index| {
-                let position = motions.position(index as u32);
-                if particles.movable[index] && !walls.is_far(index as u32, position, 0.0) {
-                    let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
-                    if by != [0.0; 2] {
-                        motions.displace(index as u32, by);
-                    }
+                let is_far = walls.is_far(index as u32, move_inside(index), 0.0);
+                if is_far || !particles.movable[index] {
+                    return;
+                }
+                let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
+                if by != [0.0; 2] {
+                    motions.displace(index as u32, by);
                 }
             });
+        } else if container.has_walls() {
+            parallel::for_rows(threads, particles.len(), |index| _ = move_inside(index));
         }
         // The displacement that walls allow.
         let inside = |place: u32, by: [f32; 2]| {

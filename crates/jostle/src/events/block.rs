@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::flight::{Flight, Window};
+use super::flight::Window;
 use super::history::{Bounce, History};
 use super::neighbors::Neighbors;
 use super::queue::{Event, WALL};
@@ -102,18 +102,11 @@ impl Block {
     }
 
     /// Finds the impacts on walls along the first segments.
-    pub(super) fn find_first_wall_impacts(&mut self, window: &Window<'_>) {
-        let start = |index: u32| &window.starts[index as usize];
-        let Flight { container, walls, .. } = window.flight;
-        if walls.is_empty() && !container.has_walls() {
-            return;
-        }
-        for index in self.range.clone() {
-            let may_hit = !walls.is_empty() && window.may_hit_walls(index);
-            if may_hit || window.may_hit_container(start(index)) {
-                self.first.extend(window.wall_event(index, &window.segment(index), 0));
-            }
-        }
+    /// `near` is scratch.
+    pub(super) fn find_first_wall_impacts(&mut self, window: &Window<'_>, near: &mut Vec<u32>) {
+        let near = window.list_near_walls(self.range.clone(), near).iter();
+        let events = near.map(|&index| window.wall_event(index, &window.segment(index), 0));
+        self.first.extend(events.flatten());
     }
 
     /// Simulates the events of the block by itself.

@@ -1,6 +1,8 @@
 //! Tests in float32 that leave out most pairs of discs before anything is computed in float64.
 
-use super::flight::{DEFERRED, Start, Window};
+use std::ops::Range;
+
+use super::flight::{DEFERRED, Flight, Start, Window};
 use crate::trajectory::Segment;
 
 /// Relative error, with a large reserve, of the squares of distances in float32.
@@ -165,11 +167,30 @@ impl Window<'_> {
         self.may_touch_side([position, velocity], radius, span)
     }
 
-    /// The same for the first segment of a disc and the container.
-    #[inline(always)]
-    pub fn may_hit_container(&self, start: &Start) -> bool {
-        let Start { position, velocity, radius, .. } = *start;
-        self.may_touch_side([position, velocity], radius, self.end as f32)
+    /// Lists the discs of a range that may hit a wall along their first segments, and some others.
+    pub fn list_near_walls<'n>(&self, range: Range<u32>, near: &'n mut Vec<u32>) -> &'n [u32] {
+        let Flight { container, walls, gravity, .. } = self.flight;
+        let (has_sides, has_walls) = (container.has_walls(), !walls.is_empty());
+        near.clear();
+        if !(has_sides || has_walls) {
+            return near;
+        }
+        let end = self.end as f32;
+        let fall = 0.5 * end * dot(gravity.map(|g| g as f32), gravity.map(|g| g as f32)).sqrt();
+        near.resize(range.len(), 0);
+        let mut count = 0;
+        for index in range {
+            let Start { position, velocity, radius, .. } = self.starts[index as usize];
+            let far = (dot(velocity, velocity).sqrt() + fall) * end * (1.0 + MARGIN);
+            let margin = |k: usize| far + radius + MARGIN * (position[k].abs() + radius);
+            let is_near_side =
+                has_sides && container.is_near_side(position, [margin(0), margin(1)]);
+            let is_near_wall = has_walls && !walls.is_far(index, position, far);
+            // Without a branch, which would often be predicted wrongly.
+            near[count] = index;
+            count += usize::from(is_near_side | is_near_wall);
+        }
+        &near[..count]
     }
 
     #[inline(always)]

@@ -192,16 +192,6 @@ impl Window<'_> {
         }
     }
 
-    /// A test in float32 that is false only if a disc certainly does not get to a wall.
-    #[inline(always)]
-    pub fn may_hit_walls(&self, index: u32) -> bool {
-        let Start { position, velocity: [u, v], .. } = self.starts[index as usize];
-        let [x, y] = self.flight.gravity.map(|g| g as f32);
-        let end = self.end as f32;
-        let far = ((u * u + v * v).sqrt() + 0.5 * (x * x + y * y).sqrt() * end) * end;
-        !self.flight.walls.is_far(index, position, far * (1.0 + 4.0 * f32::EPSILON))
-    }
-
     /// Moves a disc that nothing accelerates to the end of the window.
     pub fn carry(&self, index: u32) {
         let Flight { particles, motions, spins, .. } = self.flight;

@@ -138,7 +138,7 @@ impl Events {
             block.load_starts(&arguments);
             let near = &mut arguments.scratch.near;
             block.find_first_impacts(&window, arguments.neighbors, near);
-            block.find_first_wall_impacts(&window);
+            block.find_first_wall_impacts(&window, &mut arguments.scratch.near_walls);
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;

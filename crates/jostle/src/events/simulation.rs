@@ -67,6 +67,8 @@ pub struct Scratch {
     pub(super) predicted: Vec<Event>,
     /// Pairs that may have an impact along their first segments.
     pub(super) near: Vec<[u32; 2]>,
+    /// Discs that may hit a wall along their first segments.
+    pub(super) near_walls: Vec<u32>,
     /// The contacts of a disc with walls.
     pub(super) contacts: Vec<Contact>,
     pub(super) impulses: Vec<[f64; 2]>,

@@ -186,6 +186,20 @@ pub fn check_fit(forces: &[Force], container: Container) -> Result<()> {
     }
 }
 
+/// Refuses thermal walls on sides that a container does not have.
+pub fn check_sides(forces: &[Force], container: Container) -> Result<()> {
+    for (index, force) in forces.iter().enumerate() {
+        if let Force::ThermalWalls(hot) = force
+            && let Some(rule) = hot.misfit(container)
+        {
+            let sides: Vec<u32> = hot.numbers().filter(|&number| number < FIRST).collect();
+            let value = format!("ThermalWalls with sides={sides:?}");
+            return Err(Error::at("forces", index, value, rule));
+        }
+    }
+    Ok(())
+}
+
 /// Changes the kinds of rows, for forces between kinds.
 pub fn change_kinds(forces: &mut [Force], change: impl Fn(&mut Vec<u8>)) {
     for force in forces {

@@ -1,7 +1,9 @@
 //! Tables of well-known forces between kinds.
 
+use super::check_number;
 use super::pair::{PairTable, check_cutoff, check_kinds_of_table};
 use crate::error::{Error, Result};
+use crate::particles::FARTHEST;
 
 /// Points of a table whose pieces are not straight.
 const POINTS: usize = 2049;
@@ -24,7 +26,8 @@ impl PairTable {
         core: f32,
         strength: f32,
     ) -> Result<Self> {
-        check_square("matrix", kinds, matrix.len())?;
+        check_each("matrix", kinds, matrix, f32::is_finite, "it must be finite")?;
+        check_number("strength", strength, -FARTHEST)?;
         if !(0.0..1.0).contains(&core) || core == 0.0 {
             return Err(Error::of("core", core, "it must lie between 0 and 1"));
         }
@@ -53,7 +56,7 @@ impl PairTable {
         sigma: &[f32],
         cutoff: f32,
     ) -> Result<Self> {
-        check_square("epsilon", kinds, epsilon.len())?;
+        check_not_negative("epsilon", kinds, epsilon)?;
         check_positive("sigma", kinds, sigma)?;
         check_cutoff(cutoff)?;
         let force = |pair: usize, distance: f64| {
@@ -74,7 +77,7 @@ impl PairTable {
         diameters: &[f32],
         damping: f32,
     ) -> Result<Self> {
-        check_square("stiffness", kinds, stiffness.len())?;
+        check_not_negative("stiffness", kinds, stiffness)?;
         check_positive("diameters", kinds, diameters)?;
         let cutoff = diameters.iter().copied().fold(0.0, f32::max);
         check_cutoff(cutoff)?;
@@ -111,20 +114,32 @@ fn segments_with_corners(corners: [f64; 2]) -> usize {
     (2..MOST_SEGMENTS).find(fits).unwrap_or(MOST_SEGMENTS)
 }
 
-/// Refuses an array that has not one number for each pair of kinds.
-fn check_square(argument: &'static str, kinds: usize, len: usize) -> Result<()> {
-    check_kinds_of_table(kinds)?;
-    if len == kinds * kinds {
-        return Ok(());
-    }
-    Err(Error::Length { argument, found: len, expected: kinds * kinds })
-}
-
 /// Refuses lengths that are not finite or not above 0.
 fn check_positive(argument: &'static str, kinds: usize, all: &[f32]) -> Result<()> {
-    check_square(argument, kinds, all.len())?;
-    match all.iter().position(|&value| !(value > 0.0 && value.is_finite())) {
+    let is_positive = |value: f32| value > 0.0 && value.is_finite();
+    check_each(argument, kinds, all, is_positive, "it must be finite and above 0")
+}
+
+/// Refuses numbers that are not finite or below 0.
+fn check_not_negative(argument: &'static str, kinds: usize, all: &[f32]) -> Result<()> {
+    let is_allowed = |value: f32| value >= 0.0 && value.is_finite();
+    check_each(argument, kinds, all, is_allowed, "it must be finite and at least 0")
+}
+
+/// Refuses an array that has not one allowed number for each pair of kinds.
+fn check_each(
+    argument: &'static str,
+    kinds: usize,
+    all: &[f32],
+    is_allowed: impl Fn(f32) -> bool,
+    rule: &str,
+) -> Result<()> {
+    check_kinds_of_table(kinds)?;
+    if all.len() != kinds * kinds {
+        return Err(Error::Length { argument, found: all.len(), expected: kinds * kinds });
+    }
+    match all.iter().position(|&value| !is_allowed(value)) {
         None => Ok(()),
-        Some(index) => Err(Error::at(argument, index, all[index], "it must be finite and above 0")),
+        Some(index) => Err(Error::at(argument, index, all[index], rule)),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::chance::Chance;
 use super::{check_distinct, check_number};
-use crate::container::MAX_WALLS;
+use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 use crate::walls::{FIRST, MOST_WALLS};
@@ -44,6 +44,23 @@ impl ThermalWalls {
             return Ok(());
         }
         Err(Error::of("sides", "()", "at least one side or wall must have the temperature"))
+    }
+
+    /// Why a container does not have its sides; None if it has them. All four are the whole wall of a
+    /// circle.
+    pub(super) fn misfit(&self, container: Container) -> Option<&'static str> {
+        let [first, rest @ ..] = self.sides;
+        let (has_them, rule) = match container {
+            Container::Box { .. } => (true, ""),
+            Container::Circle { .. } => {
+                (rest == [first; 3] || rest == [false; 3], "a Circle has one side, 0")
+            }
+            Container::Torus { .. } => (!self.sides.contains(&true), "a Torus has no sides"),
+            Container::None => {
+                (!self.sides.contains(&true), "a world without a container has no sides")
+            }
+        };
+        (!has_them).then_some(rule)
     }
 }
 

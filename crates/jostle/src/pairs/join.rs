@@ -208,8 +208,8 @@ impl<'a, T: Scalar> Join<'a, T> {
 /// Scratch of [`Join::run_in`], kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct JoinScratch {
-    pairs: PairScratch,
-    tasks: Vec<Task>,
+    pub(super) pairs: PairScratch,
+    pub(super) tasks: Vec<Task>,
 }
 
 impl JoinScratch {

@@ -10,6 +10,7 @@ mod images;
 mod join;
 mod kernel;
 mod output;
+mod segments;
 
 use std::ops::Range;
 
@@ -29,6 +30,7 @@ use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
 use output::{Budget, Output, PairScratch, filter_map, map_each};
+pub use segments::{LineSegment, near_segments};
 
 /// Up to this number of shapes brute force is faster than a tree. Measured with AVX-512; the same
 /// for all processors, because the order of the pairs depends on it.
@@ -212,19 +214,6 @@ pub fn places_between<T: Scalar>(
 ) -> Result<Found> {
     let join = Join { shift, filters, ..Join::between(a, b, None) };
     join.run_in(max_pairs, &unchanged, scratch)
-}
-
-/// As [`places_between`], without a shift or filters, and only pairs that `is_wanted` accepts.
-pub fn wanted_places_between<T: Scalar>(
-    a: &Quadtree<T>,
-    b: &Quadtree<T>,
-    is_wanted: impl Fn([u32; 2]) -> bool + Sync,
-    max_pairs: usize,
-    scratch: &mut JoinScratch,
-) -> Result<Found> {
-    let join = Join { filters: Filters::Ignore, ..Join::between(a, b, None) };
-    let map = |pairs: &mut [[u32; 2]]| filter_map(pairs, |pair| is_wanted(pair).then_some(pair));
-    join.run_in(max_pairs, &map, scratch)
 }
 
 /// All overlapping pairs of rows, `i < j`, in unspecified order; every row is tested against every

@@ -182,20 +182,21 @@ impl Support<'_> {
         near: &'n mut Vec<u32>,
     ) -> &'n [u32] {
         near.clear();
-        if !self.walls.is_empty() {
-            near.extend(places.map(|place| place as u32));
-            return near;
-        }
-        let inner = self.container.inner();
-        let h = self.flow.duration as f32;
         near.resize(places.len(), 0);
+        let (inner, has_sides) = (self.container.inner(), self.container.has_walls());
+        let has_walls = !self.walls.is_empty();
+        let h = self.flow.duration as f32;
         let mut count = 0;
         for place in places {
+            let position = self.motions.position(place as u32);
+            let far = FARTHEST * kicks[place].speed * h;
             // Twice the distance, so that rounding does not matter.
-            let far = 2.0 * FARTHEST * kicks[place].speed * h + self.particles.radii[place];
+            let is_inside = inner.contains(position, 2.0 * far + self.particles.radii[place]);
+            let is_near = (has_sides & !is_inside)
+                | (has_walls && !self.walls.is_far(place as u32, position, far));
             // Without a branch, which would often be predicted wrongly.
             near[count] = place as u32;
-            count += usize::from(!inner.contains(self.motions.position(place as u32), far));
+            count += usize::from(is_near);
         }
         &near[..count]
     }

@@ -18,6 +18,7 @@ use std::cmp::Ordering;
 use crate::container::{Container, MAX_WALLS, ROUNDING, size};
 use crate::error::{Error, Result};
 use crate::motion::exact;
+use crate::pairs::LineSegment;
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
@@ -112,6 +113,8 @@ pub struct Walls {
     images: Vec<Image>,
     /// In the order of the tree, so that discs near each other find their walls near each other.
     lines: Vec<Line>,
+    /// The same in float32, moved by the offsets of images.
+    segments: Vec<LineSegment>,
     /// Where in this order each wall is.
     places: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
@@ -200,7 +203,7 @@ impl Walls {
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, torus, images, lines, places, tree, .. } = self;
+        let Self { all, torus, images, lines, segments, places, tree, .. } = self;
         images.clear();
         images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
         let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
@@ -221,6 +224,11 @@ impl Walls {
         tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &tie)?;
         lines.clear();
         lines.extend(tree.rows().iter().map(|&row| line(&images[row as usize])));
+        segments.clear();
+        segments.extend(lines.iter().zip(tree.rows()).map(|(line, &row)| {
+            let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
+            LineSegment::new(ends, line.least_radius, line.travel)
+        }));
         places.resize(all.len(), 0);
         let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());
         own.for_each(|(place, &row)| places[row as usize] = place);

@@ -99,7 +99,8 @@ impl Walls {
             let mut ends = wall.exact_ends().into_iter();
             ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
         };
-        if let Some(index) = self.all.iter().position(is_far) {
+        let index = self.all.iter().position(|wall| wall.moves() && is_far(wall));
+        if let Some(index) = index {
             let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
             return Err(Error::of("dt", dt, &rule));
         }
@@ -108,7 +109,7 @@ impl Walls {
             let by = wall.displacement(dt);
             (0..2).any(|k| by[k].abs() > sides[k])
         };
-        match self.all.iter().position(circles) {
+        match self.all.iter().position(|wall| wall.moves() && circles(wall)) {
             None => Ok(()),
             Some(index) => {
                 let rule = format!("wall {index} would circle the torus; take smaller steps");

@@ -64,7 +64,6 @@ impl Near {
         if walls.is_empty() {
             return Ok(());
         }
-        // The bounds of a wall that is not parallel to an axis are much larger than the wall.
         let is_near = |[wall, place]: [u32; 2]| {
             let circle = bounds.columns().shape(place as usize);
             let line = &walls.lines[wall as usize];
@@ -75,7 +74,7 @@ impl Near {
         join.keep(std::mem::take(found));
         let pairs = match method {
             Method::Quadtree => {
-                pairs::wanted_places_between(&walls.tree, bounds, is_near, most, join)
+                pairs::near_segments(&walls.tree, &walls.segments, bounds, most, join)
             }
             Method::Brute => {
                 let [lines, discs] = [&walls.tree, bounds].map(Quadtree::columns);
@@ -218,44 +217,45 @@ impl Around<'_> {
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
     ) -> Option<(Impact, u32)> {
-        let mut first = None::<(Impact, u32)>;
         let mut start = segment.time;
         let radius = f64::from(self.particles.radii[place as usize]);
-        let [_, velocity] = segment.at(start, gravity);
-        let span = until - start;
+        let (velocity, span) = (segment.velocity, until - start);
         let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
-        if self.is_far(place, segment.position.map(|v| v as f32), (fastest * span) as f32) {
+        let longest = fastest * span;
+        if self.is_far(place, segment.position.map(|v| v as f32), longest as f32) {
             return None;
         }
-        let parts = fastest * span / (PART * radius);
         // Not a number without displacement of a point.
+        let parts = longest / (PART * radius);
+        let mut search = Search { around: self, segment, until, radius, gravity, first: None };
+        if !(parts > 1.0) && self.stays_near(place, segment.position, longest) {
+            self.near.each(place, |wall, offset| {
+                search.test(wall, offset, [start, until], &limits);
+            });
+            return search.first;
+        }
         let parts = if parts > 1.0 { parts.min(MOST_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
             self.each(place, bounds, 0.0, |wall, offset| {
-                let seen = self.seen_from(wall, offset, segment);
-                if !self.walls.may_hit(wall, &seen, [start, end], radius, gravity) {
-                    return;
-                }
-                let until = first.map_or(until, |(impact, _)| impact.time);
-                let limits = Limits { until, ..limits(wall) };
-                let found = self.walls.impact(wall, &seen, radius, gravity, &limits);
-                let is_first = |impact: &Impact| {
-                    first.is_none_or(|(before, other)| {
-                        impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
-                    })
-                };
-                if let Some(impact) = found.filter(is_first) {
-                    first = Some((impact, wall));
-                }
+                search.test(wall, offset, [start, end], &limits);
             });
-            if first.is_some_and(|(impact, _)| impact.time <= end) {
+            if search.first.is_some_and(|(impact, _)| impact.time <= end) {
                 break;
             }
             start = end;
         }
-        first
+        search.first
+    }
+
+    /// Whether a disc stays where the walls near it were searched, if it moves by `longest` at most from
+    /// a position.
+    fn stays_near(&self, place: u32, position: Vector, longest: f64) -> bool {
+        let at = place as usize;
+        let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
+        let offset = less(position, anchor);
+        dot(offset, offset).sqrt() + longest <= f64::from(self.near.reaches[at])
     }
 
     /// A segment relative to a wall with an offset.
@@ -323,6 +323,45 @@ impl Around<'_> {
                 }
             }
             found.truncate(kept);
+        }
+    }
+}
+
+/// The search for the first impact of a disc on a wall.
+struct Search<'a> {
+    around: &'a Around<'a>,
+    segment: &'a Segment,
+    until: f64,
+    radius: f64,
+    gravity: Vector,
+    /// The first impact so far, and the number of the wall.
+    first: Option<(Impact, u32)>,
+}
+
+impl Search<'_> {
+    /// Takes the impact on a wall with an offset between two times, if it is the first.
+    fn test(
+        &mut self,
+        wall: u32,
+        offset: Vector,
+        times: [f64; 2],
+        limits: &impl Fn(u32) -> Limits,
+    ) {
+        let Self { around, radius, gravity, first, .. } = *self;
+        let seen = around.seen_from(wall, offset, self.segment);
+        if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
+            return;
+        }
+        let until = first.map_or(self.until, |(impact, _)| impact.time);
+        let limits = Limits { until, ..limits(wall) };
+        let found = around.walls.impact(wall, &seen, radius, gravity, &limits);
+        let is_first = |impact: &Impact| {
+            first.is_none_or(|(before, other)| {
+                impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
+            })
+        };
+        if let Some(impact) = found.filter(is_first) {
+            self.first = Some((impact, wall));
         }
     }
 }

@@ -270,6 +270,7 @@ impl World {
         let new_walls = if settings.container == self.settings.container {
             None
         } else {
+            forces::check_sides(&self.forces, settings.container)?;
             let walls = self.walls.all().to_vec();
             Some(Walls::new(walls, settings.container, settings.tree)?)
         };
@@ -325,6 +326,7 @@ impl World {
     pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
         forces::validate(&forces, self.len(), |id| self.contains(id))?;
         forces::check_fit(&forces, self.settings.container)?;
+        forces::check_sides(&forces, self.settings.container)?;
         self.check_motors(&forces)?;
         forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
         self.wake_all();

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.containers import bounds, diagonal
+from jostle.app.simulate.containers import bounds, diagonal, wall_images
 from jostle.app.simulate.engine import REFUSALS, Edit, Engine, message_of
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline
@@ -140,9 +140,11 @@ class Commands:
         """Remove the wall that is nearest to a point, if it is within `reach` of it."""
 
         def work(simulation: Simulation) -> None:
-            row, distance = nearest(simulation.frame().walls, point)
+            frame = simulation.frame()
+            images, rows = wall_images(frame.container, frame.walls, reach)
+            image, distance = nearest(images, point)
             if distance <= reach:
-                simulation.remove_walls([row])
+                simulation.remove_walls(rows[image])
 
         self._edit(work)
 

@@ -54,7 +54,7 @@ def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
         _box(painter, (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), ACCENT)
     elif preview.tool is Tool.WALL:
         ends = np.array([preview.start, preview.end], np.float64)
-        draw_walls(painter, ends[None], camera)
+        draw_walls(painter, ends[None], None, camera)
     else:
         painter.circle((x0, y0), TARGET, ACCENT, RING_WIDTH)
         painter.circle((x0, y0), 2.5, ACCENT)

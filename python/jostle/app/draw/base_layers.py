@@ -18,7 +18,7 @@ from jostle.app.draw.palette import (
     WALL,
     repeated,
 )
-from jostle.app.simulate.containers import bounds
+from jostle.app.simulate.containers import bounds, wall_images
 from jostle.app.simulate.simulation import Container, Frame, Rect
 
 CONTAINER_WIDTH = 2
@@ -64,23 +64,30 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
         painter.circle((float(x[row]), float(y[row])), float(radii[row]), colour, 1.5)
 
 
-def draw_walls(painter: Painter, walls: NDArray[np.floating], camera: Camera) -> None:
-    """Draw line segments, (m, 2, 2) in world units."""
+def draw_walls(
+    painter: Painter, walls: NDArray[np.floating], container: Container, camera: Camera
+) -> None:
+    """Draw line segments, (m, 2, 2) in world units; on a torus their images inside it."""
     if len(walls) == 0:
         return
-    x, y = camera.to_screen(walls.reshape(-1, 2).astype(np.float64))
-    ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2))
+    images, _ = wall_images(container, walls)
+    x, y = camera.to_screen(images.reshape(-1, 2).astype(np.float64))
+    ends = _clipped(np.column_stack([x, y]).reshape(-1, 2, 2), (-FAR, -FAR, FAR, FAR))
+    rect = bounds(container)
+    if rect is not None and isinstance(container, jostle.Torus):
+        ends = _clipped(ends, camera.rect_to_screen(rect))
     painter.lines(ends.reshape(-1, 4), repeated(FIXED, len(ends)), SEGMENT_WIDTH)
 
 
-def _clipped(ends: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the parts of segments within `FAR` of the origin."""
+def _clipped(ends: NDArray[np.float64], rect: Rect) -> NDArray[np.float64]:
+    """Return the parts of segments in a rectangle."""
     start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    low, high = np.array(rect[:2]), np.array(rect[2:])
     with np.errstate(divide="ignore", invalid="ignore"):
-        first, last = (np.array([-FAR, FAR])[:, None, None] - start) / along
+        first, last = (low - start) / along, (high - start) / along
     enter = np.fmax(np.fmin(first, last).max(axis=1), 0.0)
     leave = np.fmin(np.fmax(first, last).min(axis=1), 1.0)
-    inside = (enter < leave) & ((along != 0) | (np.abs(start) <= FAR)).all(axis=1)
+    inside = (enter < leave) & ((along != 0) | (low <= start) & (start <= high)).all(axis=1)
     shares = np.stack([enter, leave], axis=1)[inside]
     clipped: NDArray[np.float64] = start[inside, None] + shares[..., None] * along[inside, None]
     return clipped

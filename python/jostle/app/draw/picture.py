@@ -105,7 +105,7 @@ class Picture:
         draw_discs(painter, frame, shades, camera)
         draw_spins(painter, frame, camera)
         self._wall_discs.draw(painter, frame, camera)
-        draw_walls(painter, frame.walls, camera)
+        draw_walls(painter, frame.walls, frame.container, camera)
         if options.tree is TreeView.OUTLINE:
             _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
         draw_attractors(painter, frame, camera)

@@ -49,6 +49,24 @@ def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bo
     return crossing
 
 
+def wall_images(
+    container: Container, ends: Floats, margin: float = 0.0
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the line segments that act inside a container, and the wall of each.
+
+    On a torus these are the periodic images of walls that are nearer to it than `margin`.
+    """
+    if not isinstance(container, jostle.Torus) or len(ends) == 0:
+        return ends, np.arange(len(ends))
+    sides = np.array([container.width, container.height])
+    home = ends - (np.floor(ends.mean(axis=1) / sides) * sides)[:, None]
+    shifts = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)]) * sides
+    images = home[:, None] + shifts[:, None]
+    near = (images.max(axis=2) >= -margin) & (images.min(axis=2) <= sides + margin)
+    walls, which = np.nonzero(near.all(axis=2))
+    return images[walls, which], walls
+
+
 def diagonal(rect: Rect) -> float:
     """Return the length of the diagonal of a rectangle."""
     width, height = rect[2] - rect[0], rect[3] - rect[1]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.containers import bounds, moved_inside
+from jostle.app.simulate.containers import bounds, moved_inside, wall_images
 from jostle.app.simulate.simulation import Container, Rect
 from jostle.app.simulate.wall_segments import Ends, clear_of
 
@@ -31,6 +31,7 @@ def free_positions(
     rect = np.array(_common(bounds(container), view)).reshape(2, 2)
     places = np.zeros((len(radii), 2))
     found = np.zeros(len(radii), np.bool_)
+    images, _ = wall_images(container, walls, float(np.max(radii, initial=0.0)))
     there, sizes = np.asarray(taken, np.float64), np.asarray(taken_radii, np.float64)
     for _ in range(ROUNDS):
         left = np.flatnonzero(~found)
@@ -39,7 +40,7 @@ def free_positions(
         who = np.resize(left, min(max(TRIES * len(left), LEAST), MOST))
         tries = moved_inside(rng.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
         clear = _clear_of(tries, radii[who], there, sizes)
-        free = np.flatnonzero(clear & clear_of(tries, radii[who], walls))
+        free = np.flatnonzero(clear & clear_of(tries, radii[who], images))
         _, first = np.unique(who[free], return_index=True)
         taken_now = free[first]  # one position per disc
         taken_now = taken_now[_apart(tries[taken_now], radii[who[taken_now]])]

@@ -80,7 +80,7 @@ class WallSegments:
         world.wall_restitution, world.wall_friction = restitution, friction
 
 
-def nearest(ends: Ends, point: Point) -> tuple[int, float]:
+def nearest(ends: Floats, point: Point) -> tuple[int, float]:
     """Return the row of the nearest wall and its distance; -1 and inf if there is none."""
     if len(ends) == 0:
         return -1, np.inf
@@ -89,7 +89,7 @@ def nearest(ends: Ends, point: Point) -> tuple[int, float]:
     return row, float(gaps[row])
 
 
-def clear_of(positions: Floats, radii: Floats, ends: Ends) -> NDArray[np.bool_]:
+def clear_of(positions: Floats, radii: Floats, ends: Floats) -> NDArray[np.bool_]:
     """Return which discs overlap no wall."""
     clear = np.ones(len(positions), np.bool_)
     if len(ends) and len(positions):
@@ -101,7 +101,7 @@ def clear_of(positions: Floats, radii: Floats, ends: Ends) -> NDArray[np.bool_]:
     return clear
 
 
-def _distances(points: Floats, ends: Ends) -> Floats:
+def _distances(points: Floats, ends: Floats) -> Floats:
     """Return the distance of each point from the wall of the same row."""
     start, along = ends[:, 0].astype(np.float64), np.diff(ends.astype(np.float64), axis=1)[:, 0]
     offset = points - start
