@@ -162,8 +162,7 @@ def tour(
 ) -> None:
     """Make pictures and short videos of the simulator, without a display."""
     _check_extra("imgui_bundle")
-    from jostle.app.tour.progress import show_tour
-    from jostle.app.tour.tour import names
+    from jostle.app.tour.tour import names, show_tour
 
     for name in only or []:
         if name not in names():

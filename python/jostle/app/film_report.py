@@ -11,7 +11,7 @@ from typing import Literal
 from rich.table import Table
 
 import jostle
-from jostle.app.draw.formatting import pairs_of, share
+from jostle.app.draw.text import pairs_of, plural, share
 from jostle.app.headless import Film
 from jostle.app.simulate.article_simulation import article_of
 from jostle.app.simulate.settings import METHODS, Settings
@@ -43,9 +43,7 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     table.add_column(justify="right")
     table.add_column(style="dim")
     table.add_row("particles", f"{n:,}", "")
-    table.add_row(
-        "steps", f"{film.steps:,}", f"{film.frames:,} frame{'s' if film.frames != 1 else ''}"
-    )
+    table.add_row("steps", f"{film.steps:,}", plural(film.frames, "frame"))
     table.add_row(
         "steps/s",
         f"{1e3 / own:,.0f}",

@@ -21,9 +21,6 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation
 from jostle.app.storage.files import Files
 
-EXPLANATION_INTERVAL = 1.0  # seconds between two explanations in scenes of
-MANY = 50_000  # particles and more
-
 
 class Session:
     """One run of the program, composed of parts.
@@ -39,35 +36,21 @@ class Session:
     synchronous
         Whether steps, edits and new scenes are computed by the calling thread, for tests and
         videos; otherwise they are computed on worker threads, and the last finished frame is shown.
-
-    Attributes
-    ----------
-    engine
-        Steps the simulation.
-    camera, view_options
-        The visible part of the world; what is drawn.
-    messages, interaction, runner, files
-        Message and time; mouse and commands; scenes, settings and time; files and recordings.
-    traces, question
-        The plots of the statistics; the pair whose contact is explained.
-    open
-        False if the window is to be closed.
     """
 
     def __init__(
         self, simulation: Simulation, size: Size, left: int = 0, *, synchronous: bool = False
     ) -> None:
-        self.engine = Engine(simulation, synchronous=synchronous)
+        self.engine = Engine(simulation, synchronous=synchronous)  # steps the simulation
         self.camera = Camera(size, simulation.view, left=left)
         self.view_options = ViewOptions(tree=TreeView.OUTLINE)
-        self.messages = Messages()
+        self.messages = Messages()  # and the time of the session
         self.interaction = Interaction(self.engine, self.camera, self.messages)
         self.runner = Runner(self.engine, self.camera, self.interaction, self.messages)
         self.files = Files(self.runner, self.camera, self.view_options, self.messages)
-        self.traces = Traces(self.runner.statistics)
-        self.question = PairQuestion()
-        self.open = True
-        self._explained_frame, self._explanation_due = self.frame, 0.0
+        self.traces = Traces(self.runner.statistics)  # the plots of the statistics
+        self.question = PairQuestion()  # the pair whose contact is explained
+        self.open = True  # false if the window is to be closed
 
     @property
     def frame(self) -> Frame:
@@ -128,11 +111,8 @@ class Session:
 
     @property
     def explanation(self) -> Explanation | None:
-        """Return the explanation for the last frame, or an earlier one of very many particles."""
-        now = self.messages.now
-        if len(self.frame) < MANY or now >= self._explanation_due:
-            self._explained_frame, self._explanation_due = self.frame, now + EXPLANATION_INTERVAL
-        return self.question.answer(self._explained_frame, self.settings)
+        """Return the explanation of the pair, if there is one."""
+        return self.question.answer(self.frame, self.settings, self.messages.now)
 
     # Closing
 

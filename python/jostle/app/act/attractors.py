@@ -1,4 +1,4 @@
-"""Attractors of the user: points, particles, and the cursor while Space is held.
+"""Gravity, and attractors of the user: points, particles, and the cursor while Space is held.
 
 The acceleration is distance × strength, independent of the mass, as in the article's program.
 """
@@ -6,6 +6,7 @@ The acceleration is distance × strength, independent of the mass, as in the art
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.simulation import Attractor, Frame, Point, Simulation, Tags
@@ -16,17 +17,11 @@ CURSOR_STRENGTH = 8.0  # 1/s²: enough to lift a pile
 
 
 class Attractors:
-    """The attractors that the user has placed.
-
-    Attributes
-    ----------
-    placed
-        The permanent ones, in the order of placing.
-    """
+    """The attractors that the user has placed."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self.placed: tuple[Attractor, ...] = ()
+        self.placed: tuple[Attractor, ...] = ()  # the permanent ones, in the order of placing
         self._cursor: Point | None = None
         self._seen: tuple[Attractor, ...] = ()  # those of the last frame
 
@@ -88,11 +83,7 @@ class Attractors:
             return self.placed
         return *self.placed, Attractor(CURSOR_STRENGTH, cursor, passing=True)
 
-    def apply(self, simulation: Simulation) -> None:
-        """Set the attractors of a simulation."""
-        self.update(simulation)
-
-    def update(self, simulation: Simulation) -> bool:
+    def apply(self, simulation: Simulation) -> bool:
         """Set the attractors of a simulation; return whether the cursor attracts."""
         active = self.active
         simulation.attract(active)
@@ -107,3 +98,77 @@ def _within_reach(point: Point) -> Point:
     """Return the nearest point within the limits of a world, which the camera may exceed."""
     x, y = (min(max(side, -FARTHEST), FARTHEST) for side in point)
     return x, y
+
+
+FALL_TIME = 1.5  # seconds in which a ball falls through the view after gravity is switched on
+
+
+class Gravity:
+    """Changes of gravity by the user; an error becomes a message."""
+
+    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+        self._engine = engine
+        self._say = say
+
+    @property
+    def value(self) -> Point:
+        """Return gravity in world units per second squared, y down."""
+        return self._engine.effective_settings.gravity or (0.0, 0.0)
+
+    def set(self, value: Point) -> None:
+        """Set both components."""
+        self._change(lambda old: value)
+
+    def set_downwards(self, strength: float) -> None:
+        """Set gravity to point down, or up where it is negative."""
+        self.set((0.0, strength))
+
+    def scale(self, factor: float) -> None:
+        """Multiply gravity; from 0, an increase sets a moderate value."""
+
+        def scaled(old: Point) -> Point:
+            if old == (0.0, 0.0) and factor > 1:
+                return 0.0, self._moderate()
+            return old[0] * factor, old[1] * factor
+
+        self._change(scaled)
+
+    def invert(self) -> None:
+        """Invert gravity."""
+        self._change(lambda old: (-old[0], -old[1]))
+
+    def zero(self) -> None:
+        """Set gravity to 0."""
+        self.set((0.0, 0.0))
+
+    def turn(self) -> None:
+        """Turn gravity by 90°: down, left, up, right."""
+
+        def turned(old: Point) -> Point:
+            return (0.0, self._moderate()) if old == (0.0, 0.0) else (-old[1], old[0])
+
+        self._change(turned)
+
+    def _moderate(self) -> float:
+        _, min_y, _, max_y = self._engine.view
+        return 2 * (max_y - min_y) / FALL_TIME**2
+
+    def _change(self, new: Callable[[Point], Point]) -> None:
+        def work(simulation: Simulation) -> None:
+            value = new(simulation.effective_settings.gravity or (0.0, 0.0))
+            value = value[0] + 0.0, value[1] + 0.0  # no negative zero
+            self._say(simulation.adjust("gravity", value) or as_text(value))
+
+        self._engine.edit(work)
+
+
+def as_text(gravity: Point) -> str:
+    """Return gravity as a message."""
+    x, y = gravity
+    strength = math.hypot(x, y)
+    if strength == 0:
+        return "No gravity"
+    if x and y:
+        return f"Gravity x {x:.4g}, y {y:.4g}"
+    direction = ("down" if y > 0 else "up") if y else ("to the right" if x > 0 else "to the left")
+    return f"Gravity {strength:.4g} {direction}"

@@ -30,18 +30,12 @@ class Camera:
         The part of the world to show, as min_x, min_y, max_x, max_y.
     left, right
         Pixels at the edges that the panels cover.
-
-    Attributes
-    ----------
-    columns
-        Number of equal columns between the panels. The view is shown in the first; `column`
-        gives the others.
     """
 
     def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
         self.size = size
         self.left, self.right = left, right
-        self.columns = 1
+        self.columns = 1  # equal ones between the panels; the first shows the view
         self._view = view
         self.home()
 

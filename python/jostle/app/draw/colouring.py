@@ -27,18 +27,11 @@ Values = NDArray[np.floating]
 
 
 class Colouring:
-    """Shades for one scene; make a new one when the scene starts again.
-
-    Attributes
-    ----------
-    shows
-        Name of the quantity.
-    range
-        The values at both ends of the ramp; None for random colours and kinds.
-    """
+    """Shades for one scene; make a new one when the scene starts again."""
 
     def __init__(self) -> None:
-        self.shows = "speed"
+        self.shows = "speed"  # name of the quantity
+        # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
         self._reference = 0.0
         self._columns: tuple[Values, Values, str] | None = None  # from which `_kept` was made

@@ -17,12 +17,12 @@ from jostle.app.draw.base_layers import (
 )
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.force_chains import draw_force_chains
-from jostle.app.draw.labels import draw_labels
 from jostle.app.draw.legend import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.marks import (
     draw_attractors,
     draw_contacts,
+    draw_force_chains,
+    draw_labels,
     draw_spins,
     draw_springs,
     draw_velocities,
@@ -41,19 +41,12 @@ class Picture:
     """Draws frames, and keeps what one frame needs of those before it.
 
     Each run has its own. Two threads may use it, one after the other.
-
-    Attributes
-    ----------
-    colouring
-        The colour of each particle.
-    trails
-        The past positions of particles.
     """
 
     def __init__(self) -> None:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
-        self.colouring = Colouring()
-        self.trails = Trails()
+        self.colouring = Colouring()  # the colour of each particle
+        self.trails = Trails()  # the past positions of particles
         self._wall_discs = WallDiscs()
         self._extras = SceneOverlays()
 

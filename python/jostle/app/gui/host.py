@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+import string
+from typing import TYPE_CHECKING, Protocol, cast
 
 import pygame
 from imgui_bundle import imgui, implot
@@ -10,8 +11,34 @@ from imgui_bundle import imgui, implot
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Painter
 from jostle.app.gui import style as gui_style
-from jostle.app.gui.keys import KEYS, MODIFIERS
 from jostle.app.gui.software import SoftwareGui
+
+if TYPE_CHECKING:  # it needs moderngl, which may be missing
+    from jostle.app.draw.opengl import OpenGLPainter
+
+MODIFIERS = (
+    (pygame.KMOD_CTRL, imgui.Key.mod_ctrl),
+    (pygame.KMOD_SHIFT, imgui.Key.mod_shift),
+    (pygame.KMOD_ALT, imgui.Key.mod_alt),
+    (pygame.KMOD_META, imgui.Key.mod_super),
+)
+
+# Pairs of names, pygame's and ImGui's, that text fields and menus need.
+_SAME = ("TAB", "HOME", "END", "INSERT", "DELETE", "BACKSPACE", "SPACE", "ESCAPE")
+_MODIFIER_KEYS = {"CTRL": "ctrl", "SHIFT": "shift", "ALT": "alt", "META": "super"}
+_NAMES = {
+    **{name: name.lower() for name in _SAME},
+    **{name: f"{name.lower()}_arrow" for name in ("LEFT", "RIGHT", "UP", "DOWN")},
+    **{"PAGEUP": "page_up", "PAGEDOWN": "page_down", "RETURN": "enter", "KP_ENTER": "keypad_enter"},
+    **{f"L{ours}": f"left_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
+    **{f"R{ours}": f"right_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
+    **{letter: letter for letter in string.ascii_lowercase},
+    **{digit: f"_{digit}" for digit in string.digits},
+}
+KEYS: dict[int, imgui.Key] = {
+    getattr(pygame, f"K_{ours}"): getattr(imgui.Key, theirs) for ours, theirs in _NAMES.items()
+}
+
 
 OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
 SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
@@ -35,6 +62,27 @@ class GuiDrawing(Protocol):
         """Release all resources."""
 
 
+class OpenGLGui:
+    """Draws with ImGui's own backend, which does not change the state of OpenGL."""
+
+    def __init__(self, painter: OpenGLPainter) -> None:
+        self._painter = painter
+        imgui.backends.opengl3_init("#version 330")
+
+    def begin(self) -> None:
+        imgui.backends.opengl3_new_frame()
+
+    def draw(self, data: imgui.ImDrawData) -> None:
+        self._painter.target.use()
+        imgui.backends.opengl3_render_draw_data(data)
+
+    def again(self) -> None:
+        self.draw(imgui.get_draw_data())
+
+    def close(self) -> None:
+        imgui.backends.opengl3_shutdown()
+
+
 class Gui:
     """Panels and menus over the canvas of a painter.
 
@@ -45,13 +93,6 @@ class Gui:
     ----------
     painter
         Its canvas is below the panels.
-
-    Attributes
-    ----------
-    drawing
-        Draws ImGui's output on that canvas.
-    marks
-        Rectangles of the widgets and windows named by `mark` and `mark_window`, in points.
     """
 
     def __init__(self, painter: Painter) -> None:
@@ -62,7 +103,8 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        self.drawing = _drawing_for(painter)
+        self.drawing = _drawing_for(painter)  # draws ImGui's output on that canvas
+        # Rectangles, in points, of the widgets and windows named by `mark` and `mark_window`.
         self.marks: dict[str, pygame.Rect] = {}
         self._owned: set[int] = set()  # buttons pressed in a panel
         self._scene: set[int] = set()  # buttons pressed in the scene
@@ -197,11 +239,7 @@ class Gui:
 
 def _drawing_for(painter: Painter) -> GuiDrawing:
     if painter.name == "opengl":
-        from jostle.app.draw.opengl import OpenGLPainter
-        from jostle.app.gui.opengl import OpenGLGui
-
-        assert isinstance(painter, OpenGLPainter)
-        return OpenGLGui(painter)
+        return OpenGLGui(cast("OpenGLPainter", painter))
     return SoftwareGui(painter)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import pygame
 
-from jostle.app.act.tools import Tool
+from jostle.app.act.interaction import Tool
 from jostle.app.session import Session
 
 GRAVITY_STEP = 1.5
@@ -117,7 +117,7 @@ def _switch(name: str) -> Command:
 
 
 def _choose(tool: Tool) -> Command:
-    return lambda session: session.interaction.tools.choose(tool)
+    return lambda session: session.interaction.choose(tool)
 
 
 HANDLERS: dict[str, Command] = {
@@ -140,7 +140,7 @@ HANDLERS: dict[str, Command] = {
     "slower": lambda s: s.runner.scale_time(1 / TIME_STEP),
     "faster": lambda s: s.runner.scale_time(TIME_STEP),
     "restart": lambda s: s.runner.restart(),
-    "previous scene": lambda s: s.runner.previous_scene(),
+    "previous scene": lambda s: s.runner.next_scene(-1),
     "next scene": lambda s: s.runner.next_scene(),
     "method": lambda s: s.runner.switch_method(),
     "race": lambda s: s.runner.toggle_race(),

@@ -56,13 +56,11 @@ class SoftwareGui:
         self._sheets = kept
 
     def again(self) -> None:
-        """Draw the last frame again."""
         canvas = self._painter.canvas()
         for sheet in self._sheets.values():
             canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
 
     def close(self) -> None:
-        """Mark ImGui's textures as destroyed."""
         for texture in imgui.get_platform_io().textures:
             texture.set_tex_id(0)
             texture.set_status(imgui.ImTextureStatus.destroyed)

@@ -1,19 +1,22 @@
-"""The statistics panel: times of the stages, tested pairs, energy and momentum."""
+"""The statistics panel: times of the stages, tested pairs, energy and momentum, with plots."""
 
 from __future__ import annotations
 
-from imgui_bundle import imgui
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
-from jostle.app.draw.formatting import pairs_of, scientific, share
+import numpy as np
+from imgui_bundle import imgui, implot
+
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
+from jostle.app.draw.text import pairs_of, plural, scientific, share
 from jostle.app.gui.host import Gui
-from jostle.app.gui.layout import layout
-from jostle.app.gui.style import RAISED, rgba, vec
+from jostle.app.gui.style import RAISED, layout, rgba, vec
 from jostle.app.measure.traces import SPAN, Floats
-from jostle.app.panels import plots
 from jostle.app.panels.widgets import (
+    Button,
     at_right,
-    button,
+    buttons,
     colours,
     hint,
     part,
@@ -24,6 +27,64 @@ from jostle.app.panels.widgets import (
     width,
 )
 from jostle.app.session import Session
+
+BARE = (
+    implot.Flags_.no_title | implot.Flags_.no_legend | implot.Flags_.no_menus
+    | implot.Flags_.no_box_select | implot.Flags_.no_mouse_text | implot.Flags_.no_inputs
+)  # fmt: skip
+AXIS = implot.AxisFlags_.no_decorations
+SMALL = 12.0
+
+
+@contextmanager
+def plot(
+    name: str,
+    height: float,
+    across: tuple[float, float],
+    up: tuple[float, float],
+    corners: tuple[str, str],
+) -> Iterator[bool]:
+    """Make a plot with limits of the axes; `corners` are the texts of the upper two."""
+    implot.push_style_var(implot.StyleVar_.plot_padding, (0.0, 3.0))
+    seen = implot.begin_plot(f"##{name}", (-1.0, height), BARE)
+    if seen:
+        grid = AXIS & ~implot.AxisFlags_.no_grid_lines
+        implot.setup_axes("", "", AXIS, grid)
+        implot.setup_axes_limits(*across, *up, imgui.Cond_.always)
+        implot.setup_finish()
+    yield seen
+    if seen:
+        low, size = implot.get_plot_pos(), implot.get_plot_size()
+        implot.end_plot()
+        imgui.push_font(None, SMALL)
+        draw, y = imgui.get_window_draw_list(), low.y + 3.0
+        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+        draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
+        draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
+        imgui.pop_font()
+    implot.pop_style_var()
+
+
+def stack(at: Floats, stacked: Floats, colours: Sequence[Colour], least: float) -> None:
+    """Draw stacked bars: the highest first, each covered by those below it.
+
+    Boxes are fast without a graphics card. A layer that is nowhere thicker than `least` is omitted.
+    """
+    width = float(at[1] - at[0])
+    thick = (stacked[1:] - stacked[:-1]).max(axis=1) > least
+    for k in np.flatnonzero(thick)[::-1].tolist():
+        spec = implot.Spec()
+        spec.fill_color, spec.line_weight = vec(colours[k]), 0.0
+        spec.line_color = spec.fill_color
+        implot.plot_bars(f"##bars {k}", at, stacked[k + 1], width, spec)
+
+
+def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 1.5) -> None:
+    """Draw a line."""
+    spec = implot.Spec()
+    spec.line_color, spec.line_weight = vec(colour), weight
+    implot.plot_line(f"##{name}", at, values, spec)
+
 
 TAB = 34.0  # height of the folded panel
 UNSEEN = 0.5  # points; thinner layers are not drawn
@@ -115,10 +176,10 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     top = traces.top * height / (height - TEXT_HEIGHT)  # no bar is behind the text
-    with plots.plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
+    with plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
         if seen:
-            plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
-            plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
+            stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
+            line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
     legend = [
         *(
@@ -154,7 +215,7 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
 def _tree(nodes: int, depth: int) -> str:
     if not nodes:
         return "\u2013"
-    return f"{nodes:,} node{'s' if nodes != 1 else ''}, {depth:,} deep"
+    return f"{plural(nodes, 'node')}, {depth:,} deep"
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
@@ -184,8 +245,8 @@ def _momentum(session: Session, gui: Gui, height: float) -> None:
         "by walls, immovable particles and forces. Collisions of particles conserve momentum. "
         f"{RESETS}"
     )
-    if button(gui, "measure drift", "Reset reference"):
-        session.runner.statistics.reset_reference()
+    reset = session.runner.statistics.reset_reference
+    buttons(gui, Button("measure drift", "Reset reference", reset))
 
 
 def _lines(
@@ -208,10 +269,10 @@ def _lines(
     above = (
         (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
     )  # no line crosses the text in the corners
-    with plots.plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
+    with plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
         if seen:
             for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint, THICK if word == "total" else THIN)
+                line(word, time, values, tint, THICK if word == "total" else THIN)
     gui.mark(f"plot {name}")
     for word, tint, values in zip(names, tints, columns, strict=True):
         _swatch(word, tint, _sum(float(values[-1])))

@@ -13,7 +13,16 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.packing import pack, unpack
+from jostle.app.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    Arrays,
+    column,
+    pack,
+    particles_of,
+    unpack,
+    within,
+)
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
     WIDTHS,
@@ -28,14 +37,6 @@ from jostle.app.simulate.simulation import (
     Tags,
     TreeBoxes,
     find,
-)
-from jostle.app.simulate.state_validation import (
-    ATTRACTORS,
-    COUNT,
-    Arrays,
-    column,
-    particles_of,
-    within,
 )
 from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
@@ -105,12 +106,10 @@ class ArticleSimulation:
 
     @property
     def method(self) -> str:
-        """Return "article-quadtree" or "article-brute"."""
         return f"article-{self.program.method}"
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return the settings that can change while it runs: the program and the speed."""
         return frozenset({"method", "time_scale"})
 
     @property
@@ -130,7 +129,6 @@ class ArticleSimulation:
     # Reading
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        """Return the particles as arrays."""
         rows = [
             (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
              p.density) for p in self.program.particles
@@ -184,19 +182,15 @@ class ArticleSimulation:
 
     def step(self) -> None:
         """Advance by one frame of the article."""
-        start, program = time.perf_counter(), self.program
-        before = [(p.x, p.y, p.speed, p.angle, p.rectangle) for p in program.particles]
-        counted = program.tests, program.repeats, program.hits, program.leaves
+        before, start = self.save(), time.perf_counter()
         if wrong := self._try_frame():
-            for p, state in zip(program.particles, before, strict=True):
-                p.x, p.y, p.speed, p.angle, p.rectangle = state
-            program.tests, program.repeats, program.hits, program.leaves = counted
+            self.load(before)
             raise ValueError(f"{wrong}; the step was not made.")
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
 
     def _try_frame(self) -> str:
-        """Make one frame; return a description of an error, or None."""
+        """Make one frame; return a description of an error, or an empty text."""
         failed = ""
         try:
             for attractor in self._attractors:
@@ -206,7 +200,7 @@ class ArticleSimulation:
             failed = str(error)
         self.program.release()  # `drag` applies to one frame
         for row, p in enumerate(self.program.particles):
-            if not (abs(p.x) <= FARTHEST and abs(p.y) <= FARTHEST and abs(p.speed) <= FARTHEST):
+            if not all(abs(number) <= FARTHEST for number in (p.x, p.y, p.speed)):
                 state = f"at ({p.x:.4g}, {p.y:.4g}) with speed {p.speed:.4g}"
                 return f"Particle {self._tags[row]} would be {state}, beyond {FARTHEST:g}"
         return failed
@@ -265,17 +259,12 @@ class ArticleSimulation:
         return tags
 
     def remove(self, tags: ArrayLike) -> None:
-        """Remove particles."""
         keep = ~np.isin(self._tags, np.asarray(tags))
-        particles = self.program.particles
-        self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
+        particles = zip(self.program.particles, keep, strict=True)
+        self.program.particles = [particle for particle, kept in particles if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
-        left = set(self._tags.tolist())
-        self._attractors = tuple(
-            attractor
-            for attractor in self._attractors
-            if attractor.tag is None or attractor.tag in left
-        )
+        left = {None, *self._tags.tolist()}
+        self._attractors = tuple(one for one in self._attractors if one.tag in left)
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set positions, velocities, densities; the article has no immovable particles."""
@@ -296,7 +285,6 @@ class ArticleSimulation:
         """Do nothing: there are none."""
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        """Replace the attractors of the user."""
         self._attractors = attractors
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
@@ -306,7 +294,6 @@ class ArticleSimulation:
             self.program.drag_to(*point)
 
     def save(self) -> bytes:
-        """Return the state."""
         program = self.program
         facts = {
             "settings": asdict(self.settings),
@@ -329,7 +316,6 @@ class ArticleSimulation:
         return pack("article", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Restore a state from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("article", state)
         facts = read(facts, FACTS)
         settings, method = facts["settings"], facts["method"]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.rng import TRIES, in_disc
+from jostle.app.simulate.placement import TRIES, in_disc
 
 Floats = NDArray[np.floating]
 
@@ -28,19 +28,12 @@ class Emitters:
         Limit of the number of drops; the default of the scene if None.
     seed
         Seed of the drops' positions, velocities and radii.
-
-    Attributes
-    ----------
-    emitted
-        Number of drops so far.
-    debt
-        Fraction of the next drop that is due, 0 to 1.
     """
 
     def __init__(self, n: int | None = None, seed: int = 0) -> None:
         self.cap = jostle.scenes.default_count("emitters") if n is None else n
-        self.emitted = 0
-        self.debt = 0.0
+        self.emitted = 0  # number of drops so far
+        self.debt = 0.0  # fraction of the next drop that is due, 0 to 1
         self._seed = seed
         nozzles = jostle.scenes.fountains(n)
         rates = np.array([nozzle.drops_per_second for nozzle in nozzles])

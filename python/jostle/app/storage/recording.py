@@ -44,21 +44,14 @@ class Recording:
         Size of the video in pixels.
     seconds
         Its length; None until it is stopped.
-
-    Attributes
-    ----------
-    written, repeated
-        Number of frames so far, and of those that repeat the frame before.
-    error
-        Why the recording ended early; empty if it did not.
     """
 
     def __init__(self, path: Path, size: Size, seconds: float | None = None) -> None:
         self.path, self.size = path, size
         self.rate = RATES[path.suffix]
         self.total = None if seconds is None else max(round(seconds * self.rate), 1)
-        self.written = self.repeated = 0
-        self.error = ""
+        self.written = self.repeated = 0  # frames so far, and those that repeat the one before
+        self.error = ""  # why the recording ended early; empty if it did not
         self.stopped = False
         self._given = self._due = 0  # frames queued, and frames due
         self._begin: float | None = None

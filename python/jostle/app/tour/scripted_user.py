@@ -37,15 +37,10 @@ class ScriptedUser:
         The window that receives the input.
     film
         Called with each frame of a video, from `start_recording` on.
-
-    Attributes
-    ----------
-    session
-        That of the window.
     """
 
     def __init__(self, window: Window, film: Show | None = None) -> None:
-        self.window, self.session = window, window.session
+        self.window, self.session = window, window.session  # that of the window
         self._film, self._recording = film, False
         self._frames = 0
         self._pointing = self._pressing = False

@@ -10,10 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pygame
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 
 from jostle.app.draw.camera import Size
 from jostle.app.simulate.start import start
-from jostle.app.storage.video_writer import VideoWriter, save_png
+from jostle.app.storage.encoder import Encoder
 from jostle.app.tour.scripted_user import FILMED, FRAME, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop
 from jostle.app.window import SIZE, Window
@@ -82,17 +85,17 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
     with contextlib.ExitStack() as ending:
         ending.callback(window.close)
-        recorder = ending.enter_context(VideoWriter(path, size, RATE)) if film else None
+        recorder = ending.enter_context(Encoder(path, size, RATE)) if film else None
 
         def add(canvas: pygame.Surface) -> None:
             nonlocal pictures
             pictures += 1
             if recorder is not None:
-                recorder.add(canvas)
+                recorder.draw(canvas)
 
         user = ScriptedUser(window, add if film else None)
         stop.script(user)
-        save_png(user.picture(), still)
+        pygame.image.save(user.picture(), still)
     return Visit(stop, still, path if film else None, pictures, time.perf_counter() - began)
 
 
@@ -113,3 +116,53 @@ def _no_display() -> Iterator[None]:
             del os.environ["SDL_VIDEODRIVER"]
         else:
             os.environ["SDL_VIDEODRIVER"] = before
+
+
+LONGEST_NAME = max(map(len, names()))
+
+
+def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
+    """Run the tour, and print the results."""
+    visits: list[Visit] = []
+    with _progress(console) as progress:
+        task = progress.add_task("", total=len(set(chosen) or names()))
+
+        def say(name: str) -> None:
+            progress.update(task, description=name.ljust(LONGEST_NAME))
+
+        for visit in tour(out, chosen, films=films, coming=lambda stop: say(stop.name)):
+            visits.append(visit)
+            progress.advance(task)
+        say("")
+    console.print(_table(visits))
+    console.print(f"in {out}", highlight=False, soft_wrap=True)
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=console,
+    )
+
+
+def _table(visits: Sequence[Visit]) -> Table:
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("stop", style="cyan", no_wrap=True)
+    table.add_column("description")
+    for name in ("picture", "video", "time"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for visit in visits:
+        film = visit.film and f"{visit.pictures / RATE:.1f} s, {_size(visit.film)}"
+        table.add_row(
+            *(visit.stop.name, visit.stop.sentence),
+            *(_size(visit.still), film or "\u2013", f"{visit.seconds:.1f} s"),
+        )
+    return table
+
+
+def _size(path: Path) -> str:
+    size = path.stat().st_size
+    return f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} KB"
