@@ -287,7 +287,7 @@ def _show(settings: Settings, steps: int | None, renderer: str, config: Config) 
         _refuse(f"--renderer is 'opengl', but {error}")
     except pygame.error as error:
         return str(error)
-    config.apply_view_options(window.session.view_options)
+    window.session.view_options.update(config.view_options)
     with interrupt.raised():
         window.run()
     return None
@@ -299,10 +299,7 @@ def _film(settings: Settings, steps: int | None, out: Path, config: Config) -> N
     from jostle.app.film_report import film_report
     from jostle.app.headless import SIZE, default_steps, make_film
 
-    options = ViewOptions() if config.view_options else None
-    if options is not None:
-        config.apply_view_options(options)
-
+    options = ViewOptions(**config.view_options) if config.view_options else None
     simulation = _start(settings, config)
     try:
         with interrupt.raised():

@@ -44,12 +44,10 @@ class Contestant:
 
     @property
     def steps(self) -> int:
-        """Return the number of steps since the start."""
         return self.engine.steps - self.first
 
     @property
     def stats(self) -> StepStats:
-        """Return the numbers of the last step."""
         return self.engine.frame.stats
 
 
@@ -84,7 +82,6 @@ class Race:
             self.engine.refresh()
 
     def close(self) -> None:
-        """End the second engine."""
         self.engine.abandon()
 
     # Drawing

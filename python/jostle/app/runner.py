@@ -226,7 +226,6 @@ class Runner:
             self._camera.divide(2)
 
     def end_race(self) -> None:
-        """End the comparison, if there is one."""
         if self.race:
             self.race.close()
             self.race = None
@@ -279,13 +278,11 @@ class Runner:
                 self._messages.say(error)
 
     def scale_time(self, factor: float) -> None:
-        """Multiply the speed."""
         scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
         self._messages.say(f"Speed × {scale:.4g}")
 
     def toggle_pause(self) -> None:
-        """Pause or resume."""
         self.paused = not self.paused
 
     def single_step(self) -> None:
@@ -333,7 +330,6 @@ class Runner:
     # Drawing
 
     def draw(self, painter: Painter, options: ViewOptions) -> None:
-        """Draw the scene, or both scenes of a comparison."""
         if self.race:
             self.race.draw(painter, self.picture, self._camera, options, self._messages.now)
         else:

@@ -54,12 +54,10 @@ class Session:
 
     @property
     def frame(self) -> Frame:
-        """Return the last frame."""
         return self.engine.frame
 
     @property
     def settings(self) -> Settings:
-        """Return the present settings."""
         return self.engine.settings
 
     @property
@@ -86,18 +84,13 @@ class Session:
     # Display
 
     def draw(self, painter: Painter) -> None:
-        """Draw the scene, or both scenes of a comparison."""
         self.runner.draw(painter, self.view_options)
 
-    def cycle_tree(self) -> None:
-        """Choose the next way to draw the tree."""
-        self.view_options.tree = self.view_options.tree.next()
-        self.messages.say(f"Tree: {self.view_options.tree.label}")
-
-    def cycle_colours(self) -> None:
-        """Choose the next quantity that colours show."""
-        self.view_options.colour_by = self.view_options.colour_by.next()
-        self.messages.say(f"Colour by: {self.view_options.colour_by.label}")
+    def cycle(self, name: str) -> None:
+        """Choose the next value of one of the view options."""
+        value = getattr(self.view_options, name).next()
+        setattr(self.view_options, name, value)
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
 
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""
@@ -111,7 +104,6 @@ class Session:
 
     @property
     def explanation(self) -> Explanation | None:
-        """Return the explanation of the pair, if there is one."""
         return self.question.answer(self.frame, self.settings, self.messages.now)
 
     # Closing
@@ -129,7 +121,6 @@ class Session:
             self.quit()
 
     def quit(self) -> None:
-        """End the loop after this frame."""
         self.open = False
 
     def close(self) -> None:

@@ -74,7 +74,6 @@ class Window:
 
     @property
     def painter(self) -> Painter:
-        """Return the painter."""
         return self.screen.painter
 
     def run(self) -> None:
@@ -94,7 +93,6 @@ class Window:
             self.close()
 
     def close(self) -> None:
-        """Close the session and the window."""
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
@@ -119,7 +117,6 @@ class Window:
     # Events
 
     def take_events(self) -> None:
-        """Handle all pending events."""
         for event in pygame.event.get():
             self._handle(event)
 

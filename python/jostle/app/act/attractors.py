@@ -47,7 +47,6 @@ class Attractors:
         return nearest if gap <= reach else None
 
     def remove(self, attractor: Attractor) -> None:
-        """Remove an attractor."""
         self._set(tuple(other for other in self.placed if other is not attractor))
 
     def attracts(self, tag: int) -> bool:
@@ -62,7 +61,6 @@ class Attractors:
         self._set(rest + new)
 
     def stop(self) -> None:
-        """Remove all attractors."""
         self._set(())
 
     def adopt(self, frame: Frame) -> None:
@@ -116,7 +114,6 @@ class Gravity:
         return self._engine.effective_settings.gravity or (0.0, 0.0)
 
     def set(self, value: Point) -> None:
-        """Set both components."""
         self._change(lambda old: value)
 
     def set_downwards(self, strength: float) -> None:
@@ -134,11 +131,9 @@ class Gravity:
         self._change(scaled)
 
     def invert(self) -> None:
-        """Invert gravity."""
         self._change(lambda old: (-old[0], -old[1]))
 
     def zero(self) -> None:
-        """Set gravity to 0."""
         self.set((0.0, 0.0))
 
     def turn(self) -> None:

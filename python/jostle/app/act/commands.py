@@ -67,7 +67,6 @@ class Commands:
         self._edit(work)
 
     def delete(self, tags: Tags) -> None:
-        """Remove particles."""
         self._edit(lambda simulation: simulation.remove(tags))
 
     def stop(self, tags: Tags) -> None:
@@ -137,7 +136,6 @@ class Commands:
         self._edit(work)
 
     def clear_walls(self) -> None:
-        """Remove every wall that was drawn."""
 
         def work(simulation: Simulation) -> None:
             frame = simulation.frame()

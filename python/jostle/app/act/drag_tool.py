@@ -72,7 +72,6 @@ class DragTool:
 
     @property
     def point(self) -> Point:
-        """Return the cursor's position."""
         return self._path[-1][1]
 
     @property

@@ -43,7 +43,6 @@ class Drag:
 
     @property
     def length(self) -> float:
-        """Return the distance of its ends."""
         return math.dist(self.start, self.end)
 
     @property
@@ -53,7 +52,6 @@ class Drag:
 
     @property
     def box(self) -> Rect:
-        """Return the rectangle between its ends."""
         (x0, y0), (x1, y1) = self.start, self.end
         return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
 
@@ -87,7 +85,6 @@ class Interaction:
     # Cursor
 
     def at_cursor(self) -> Point:
-        """Return the world point under the cursor."""
         return self._camera.to_world(self.cursor)
 
     def under_cursor(self) -> int | None:
@@ -196,7 +193,6 @@ class Interaction:
     # Menu and Esc
 
     def open_menu(self) -> None:
-        """Open the menu at the cursor."""
         tag = self.under_cursor()
         self.menu = Menu(self.at_cursor(), tag, self._around(tag))
 

@@ -13,7 +13,6 @@ class Messages:
         self._message = "", 0.0  # and when it ends; replaced by threads, never changed
 
     def say(self, message: str | None) -> None:
-        """Show a message, if there is one."""
         if message:
             self._message = message, self.now + DURATION
 

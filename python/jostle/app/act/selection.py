@@ -55,12 +55,10 @@ class Selection:
         self.tags = np.union1d(self.tags, chosen) if add else chosen
 
     def toggle(self, tag: int) -> None:
-        """Select or deselect a particle."""
         one = np.array([tag], np.int64)
         self.tags = np.setxor1d(self.tags, one)
 
     def clear(self) -> None:
-        """Deselect all particles."""
         self.tags = NO_TAGS
 
     def around(self, tag: int) -> Tags:

@@ -68,12 +68,10 @@ class BackgroundRenderer:
         self._show(painter, camera)
 
     def wait(self) -> None:
-        """Wait for the frame in progress."""
         if self._job is not None:
             self._job.result()
 
     def close(self) -> None:
-        """End the thread."""
         self._worker.close()
         self._job = None
 

@@ -40,7 +40,6 @@ class Camera:
         self.home()
 
     def look_at(self, view: Rect) -> None:
-        """Show another part of the world."""
         self._view = view
         self.home()
 
@@ -106,7 +105,6 @@ class Camera:
 
     @property
     def at_home(self) -> bool:
-        """Whether the whole view is shown."""
         return self._at_home
 
     def aim(self, center: Point, scale: float) -> None:
@@ -188,6 +186,5 @@ class Camera:
         return min(max(scale, low), high)
 
     def rect_to_screen(self, rect: Rect) -> Rect:
-        """Return a world rectangle in pixels."""
         (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))
         return float(x0), float(y0), float(x1), float(y1)

@@ -55,7 +55,6 @@ class Colouring:
         return _with_fixed(self._by_motion(frame), frame)
 
     def _choose(self, frame: Frame) -> str:
-        """Return the automatic choice."""
         if frame.kinds is not None:
             return "kind"
         known = self._automatic

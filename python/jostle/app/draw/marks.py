@@ -234,18 +234,14 @@ def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     line = font(SMALL).get_linesize()
     columns = x, y, radii, frame.tags[drawn], speeds
     for at_x, at_y, radius, tag, speed in zip(*(c.tolist() for c in columns), strict=True):
-        texts = [f"{tag}", _speed(speed)] if radius >= SPEED_FROM else [f"{tag}"]
+        texts = [f"{tag}"]
+        if radius >= SPEED_FROM:
+            texts.append(f"{speed:,.0f}" if speed >= 10 else f"{speed:.1f}")
         top = at_y - line * len(texts) / 2
         for k, text in enumerate(texts):
             sheet = _shaded(text)
             painter.sheet(sheet, (at_x - sheet.get_width() / 2, top + k * line))
-    if len(drawn) < len(places):
-        return f"labels: {len(drawn):,} of {len(places):,} shown"
-    return None
-
-
-def _speed(value: float) -> str:
-    return f"{value:,.0f}" if value >= 10 else f"{value:.1f}"
+    return _left_out(len(drawn), len(places), "labels")
 
 
 _SHEETS: dict[str, pygame.Surface] = {}

@@ -170,7 +170,6 @@ class OpenGLPainter:
             raise moderngl.Error(error)
 
     def release(self) -> None:
-        """Release the memory of the card."""
         self.context.release()
 
     def _instanced(

@@ -50,10 +50,6 @@ class Picture:
         self._wall_discs = WallDiscs()
         self._extras = SceneOverlays()
 
-    def clear_trails(self) -> None:
-        """Clear the trails."""
-        self.trails.clear()
-
     @staticmethod
     def request(options: ViewOptions) -> FrameRequest:
         """Return what a frame must contain for the view options."""

@@ -76,7 +76,6 @@ class Screen:
         return True
 
     def show(self) -> None:
-        """Copy the canvas to the window."""
         self.painter.show()
         pygame.display.flip()
 
@@ -85,7 +84,6 @@ class Screen:
         self.painter = _open_software(self.size)
 
     def close(self) -> None:
-        """Close the window."""
         self.painter.release()
         pygame.display.quit()
 

@@ -66,7 +66,6 @@ class SoftwarePainter:
         self._canvas = pygame.Surface(self.size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
 
     def canvas(self) -> pygame.Surface:
-        """Return the surface itself."""
         return self._canvas
 
     def clip(self, rect: pygame.Rect | None) -> None:

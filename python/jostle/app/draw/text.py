@@ -73,7 +73,6 @@ def font(size: int) -> pygame.font.Font:
 
 @lru_cache(maxsize=512)
 def word(text: str, colour: Colour = TEXT, size: int = BODY) -> pygame.Surface:
-    """Return a rendered text."""
     return font(size).render(text, True, colour)
 
 

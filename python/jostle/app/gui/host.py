@@ -133,7 +133,6 @@ class Gui:
         self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
-        """Draw the last frame over the canvas again."""
         imgui.set_current_context(self._context)
         self.drawing.again()
 
@@ -198,7 +197,6 @@ class Gui:
         return imgui.get_frame_count() > 0 and imgui.is_popup_open("", _ANY_POPUP)
 
     def close(self) -> None:
-        """Release all resources."""
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
         if self._in_frame:

@@ -144,14 +144,14 @@ HANDLERS: dict[str, Command] = {
     "next scene": lambda s: s.runner.next_scene(),
     "method": lambda s: s.runner.switch_method(),
     "race": lambda s: s.runner.toggle_race(),
-    "tree": Session.cycle_tree,
+    "tree": lambda s: s.cycle("tree"),
     "contacts": _switch("contacts"),
     "forces": _switch("forces"),
     "velocities": _switch("velocities"),
     "trails": _switch("trails"),
-    "clear trails": lambda s: s.runner.picture.clear_trails(),
+    "clear trails": lambda s: s.runner.picture.trails.clear(),
     "labels": _switch("labels"),
-    "colours": Session.cycle_colours,
+    "colours": lambda s: s.cycle("colour_by"),
     "panels": lambda s: s.toggle("panels"),
     "home": lambda s: s.camera.home(),
     "record": lambda s: s.files.toggle_recording(),
@@ -163,7 +163,6 @@ HANDLERS: dict[str, Command] = {
 
 
 def command_of(key: int) -> str | None:
-    """Return the command of a key."""
     return _COMMANDS.get(key)
 
 

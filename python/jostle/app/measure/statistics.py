@@ -39,7 +39,6 @@ class Series:
         return self._count
 
     def add(self, *values: float) -> None:
-        """Append a row."""
         at = self._next % self.most
         self._rows[:, at] = self._rows[:, at + self.most] = values
         self._next, self._count = at + 1, min(self._count + 1, self.most)
@@ -79,21 +78,6 @@ class Reference:
     energies: Energies
     mass: float
     tags: Tags
-
-    @classmethod
-    def of(cls, frame: Frame, energies: Energies) -> Reference:
-        """Return it for a state."""
-        mass = float(frame.masses.sum(dtype=float))
-        return cls(frame.stats.time, energies, mass, frame.tags)
-
-    def has_particles_of(self, frame: Frame) -> bool:
-        """Whether a state has the same particles: none was added, removed or merged."""
-        return self.tags is frame.tags or np.array_equal(self.tags, frame.tags)
-
-    @property
-    def total(self) -> float:
-        """Return the energy."""
-        return self.energies.kinetic + self.energies.potential
 
 
 class Statistics:
@@ -136,7 +120,6 @@ class Statistics:
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """Return the names of the stages, in the order of work."""
         return self.times.names[2:]
 
     # Collecting
@@ -182,9 +165,10 @@ class Statistics:
         seen = self.sums["time"]
         if self.reference is not None and time < self.reference.time:
             self.reset_reference()
-        if self.reference is None or not self.reference.has_particles_of(frame):
+        if self.reference is None or not np.array_equal(self.reference.tags, frame.tags):
             self.changing = self.reference is not None
-            self.reference = Reference.of(frame, energies)
+            mass = float(frame.masses.sum(dtype=float))
+            self.reference = Reference(time, energies, mass, frame.tags)
             self.origin = self.origin or self.reference
             self._lowest = self._highest = energies.potential
         elif len(seen) and time == seen[-1] and energies.kinetic == self.sums["kinetic"][-1]:
@@ -193,10 +177,11 @@ class Statistics:
         self.changing = self.changing and time - self.reference.time < QUIET
         self._lowest = min(self._lowest, energies.potential)
         self._highest = max(self._highest, energies.potential)
-        total = energies.kinetic + energies.potential
+        scale = self.energy_scale
+        drift = (energies.total - self.reference.energies.total) / scale if scale > 0 else 0.0
         self.sums.add(
-            time, energies.kinetic, energies.potential, total, *energies.momentum,
-            100 * self._drift(total), frame.stats.pairs_tested, frame.stats.touching,
+            time, energies.kinetic, energies.potential, energies.total, *energies.momentum,
+            100 * drift, frame.stats.pairs_tested, frame.stats.touching,
         )  # fmt: skip
 
     # Drift
@@ -231,7 +216,3 @@ class Statistics:
         x, y = self.reference.energies.momentum
         change = self.sums["momentum_x"][-1] - x, self.sums["momentum_y"][-1] - y
         return math.hypot(*change) / most
-
-    def _drift(self, total: float) -> float:
-        scale = self.energy_scale
-        return (total - self.reference.total) / scale if self.reference and scale > 0 else 0.0

@@ -83,7 +83,6 @@ class Traces:
         self.top = float(power * _NICE[np.searchsorted(_NICE, highest / power - 1e-9)])
 
     def _average(self, table: Floats) -> None:
-        """Update the smoothed means."""
         if not table.shape[1]:
             return
         frame, *stages = table.mean(axis=1).tolist()

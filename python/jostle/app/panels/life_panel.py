@@ -28,7 +28,6 @@ ABOUT = (
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build the matrix and its buttons."""
     matrix = session.frame.matrix
     if matrix is None:
         return

@@ -51,7 +51,6 @@ Line = Item | Number | None  # None is a separator
 
 
 def lines_of(session: Session, menu: Menu) -> list[Line]:
-    """Return the items of a menu."""
     if menu.tag is None:
         return _of_background(session, menu.point)
     return _of_particles(session, menu.tag, menu.tags)
@@ -111,7 +110,6 @@ def is_over(menu: Menu, frame: Frame) -> bool:
 
 
 def title(menu: Menu, frame: Frame) -> str:
-    """Return the title of a menu."""
     if menu.tag is None:
         x, y = menu.point
         return f"at {x:,.0f}, {y:,.0f}"

@@ -21,7 +21,6 @@ PLAY = "\uf04b"
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build the row of buttons."""
     paused, can_go_back = session.runner.paused, session.runner.history.can_go_back
     for (name, icon), across in in_rows(ICONS.items(), len(ICONS)):
         held = name == "pause" and paused

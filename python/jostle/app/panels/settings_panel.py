@@ -123,7 +123,6 @@ def build_display(session: Session, gui: Gui) -> None:
 
 
 def build_world(session: Session, gui: Gui) -> None:
-    """Build the settings of the world."""
     now, interaction = session.engine.effective_settings, session.interaction
     _choice(session, gui, "container", CONTAINERS, kind_of(session.frame.container))
     _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce", "collisions")
@@ -136,7 +135,6 @@ def build_world(session: Session, gui: Gui) -> None:
 
 
 def build_time(session: Session, gui: Gui) -> None:
-    """Build the settings of time."""
     _lines(session, gui, *TIME)
 
 

@@ -80,7 +80,6 @@ def stack(at: Floats, stacked: Floats, colours: Sequence[Colour], least: float) 
 
 
 def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 1.5) -> None:
-    """Draw a line."""
     spec = implot.Spec()
     spec.line_color, spec.line_weight = vec(colour), weight
     implot.plot_line(f"##{name}", at, values, spec)

@@ -80,7 +80,6 @@ def part(title: str) -> Iterator[None]:
 
 @contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
-    """Set colours of the contents."""
     for name, colour in by_name.items():
         imgui.push_style_color(getattr(Col, name), colour)
     yield
@@ -93,14 +92,12 @@ def width() -> float:
 
 
 def label(text: str) -> None:
-    """Draw a label, and move to the column of the controls."""
     imgui.align_text_to_frame_padding()
     soft(text)
     imgui.same_line(LABEL)
 
 
 def soft(text: str) -> None:
-    """Draw text in the softer colour."""
     imgui.text_disabled(text)
 
 

@@ -60,7 +60,6 @@ REFUSALS = (ValueError, OverflowError, MemoryError)
 
 
 def message_of(error: BaseException) -> str:
-    """Return the message of an error."""
     return str(error) or "There is not enough memory for that."
 
 
@@ -180,7 +179,6 @@ class Engine:
 
     @property
     def busy(self) -> bool:
-        """Whether a job is in progress."""
         return self._job is not None and not self._job.done()
 
     def edit(

@@ -143,7 +143,6 @@ class AttractorForces:
         return tuple(found)
 
     def _bind(self, attractors: Attractors) -> None:
-        """Set the forces of the world."""
         forces = [
             jostle.Attractor(strength=attractor.strength, particle=attractor.tag)
             if attractor.point is None

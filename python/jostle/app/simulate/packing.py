@@ -76,12 +76,10 @@ def unseal(data: bytes) -> bytes:
 
 
 def blob(data: bytes) -> NDArray[np.uint8]:
-    """Return bytes as an array, to be packed."""
     return np.frombuffer(data, np.uint8)
 
 
 def is_of(kind: str, data: bytes) -> bool:
-    """Whether bytes begin like those of a kind."""
     return data.startswith(_first_line(kind))
 
 

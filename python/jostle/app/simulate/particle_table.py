@@ -58,7 +58,6 @@ class ParticleTable:
         return np.searchsorted(self.tags, tags).astype(np.int64)
 
     def find(self, tags: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        """Return the rows of the tags that exist, in order, and which exist."""
         return find(self.tags, tags)
 
     def usual_mass(self, world: jostle.World) -> float:

@@ -79,13 +79,11 @@ class SceneLoader:
             return message_of(error)
 
     def wait(self) -> None:
-        """Wait for the simulation in progress."""
         if self._job is not None:
             self._job.exception()
 
 
 def load(create: Create, request: FrameRequest) -> LoadedScene:
-    """Make a simulation and its first frame."""
     simulation = create()
     return LoadedScene(simulation, simulation.frame(request), simulation.save())
 

@@ -62,7 +62,6 @@ class WallSegments:
         self._world.wall_friction = frictions
 
     def shift(self, by: Floats) -> None:
-        """Move all walls."""
         if by.any():
             self._world.forces = shifted(self._world.forces, by)
             if len(self._world.walls):

@@ -101,7 +101,6 @@ def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None
 
 
 def _tree_boxes(world: jostle.World) -> TreeBoxes:
-    """Return the boxes of a tree over the present positions."""
     nodes = world.quadtree().nodes()
     levels, counts = nodes.depths.astype(np.intp), nodes.counts.astype(np.intp)
     return TreeBoxes(nodes.boxes, levels, counts, nodes.is_leaf)

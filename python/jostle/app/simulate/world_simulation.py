@@ -92,7 +92,6 @@ class WorldSimulation:
 
     @classmethod
     def of_scene(cls, settings: Settings) -> WorldSimulation:
-        """Return a scene of `jostle.scenes`."""
         scene, n, seed = settings.scene, settings.n, settings.seed
         view = jostle.scenes.view(scene, n)
         simulation = cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
@@ -165,12 +164,10 @@ class WorldSimulation:
         return None
 
     def _set_friction(self, friction: float) -> None:
-        """Set the coefficient of friction of all particles."""
         self.world.friction = friction
         self._columns.update(self.world)
 
     def _center(self) -> NDArray[np.float64]:
-        """Return the centre of the container."""
         return np.array(center_of(bounds(self.world.container) or self._initial.rect))
 
     def _fit_container(self) -> None:

@@ -64,7 +64,6 @@ class WorldState:
     emitters: Emitters | None
 
     def save(self) -> bytes:
-        """Return it in bytes."""
         facts = {
             "settings": asdict(self.settings),
             "view": self.view,

@@ -78,7 +78,6 @@ class Files:
             messages.say(export.result())
 
     def close(self) -> None:
-        """Complete all files."""
         if self.recording is not None:
             self.recording.close()
         self._exporter.close()
@@ -122,7 +121,7 @@ class Files:
 
         def then() -> None:
             scenes[0].aim(self._camera)
-            scenes[0].apply_view_options(self._view_options)
+            self._view_options.update(scenes[0].view_options)
             self._messages.say(f"Loaded {path.name}")
 
         self._runner.replace(read, f"Loading {path.name} …", then)
@@ -159,7 +158,6 @@ class Files:
             self.recording.stop()
 
     def record(self, path: Path | None = None) -> None:
-        """Begin a recording."""
         options = self.options
         size = options.size or self._camera.size
 
@@ -224,7 +222,6 @@ def _newest_first(folder: Path) -> list[Path]:
 
 
 def _summary(recording: Recording) -> str:
-    """Return a message about a finished recording."""
     if recording.error:
         return f"The video {recording.path.name} ended early: {recording.error}"
     seconds, repeated = recording.written / recording.rate, recording.repeated

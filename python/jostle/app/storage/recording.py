@@ -88,7 +88,6 @@ class Recording:
 
     @property
     def done(self) -> bool:
-        """Whether the file is closed."""
         return not self._thread.is_alive()
 
     @property

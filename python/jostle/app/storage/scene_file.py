@@ -50,11 +50,6 @@ class SavedScene:
         if not self.camera["at_home"]:
             camera.aim((x, y), scale)
 
-    def apply_view_options(self, options: ViewOptions) -> None:
-        """Set the view options of the file."""
-        for name in self.view_options.keys() - NOT_RESTORED:
-            setattr(options, name, self.view_options[name])
-
 
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
     """Return the contents of a scene file."""
@@ -87,7 +82,8 @@ def read_scene(path: Path) -> SavedScene:
             raise ValueError("the settings differ from those of its state")
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
-    return SavedScene(simulation, facts["camera"], facts["shown"])
+    shown = {name: value for name, value in facts["shown"].items() if name not in NOT_RESTORED}
+    return SavedScene(simulation, facts["camera"], shown)
 
 
 def _plain(value: object) -> object:

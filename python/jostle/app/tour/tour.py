@@ -37,7 +37,6 @@ class Visit:
 
 
 def names() -> list[str]:
-    """Return the names of all stops."""
     return [stop.name for stop in STOPS]
 
 
