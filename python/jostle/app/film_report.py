@@ -42,27 +42,23 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     table.add_column()
     table.add_column(justify="right")
     table.add_column(style="dim")
-    table.add_row("particles", f"{n:,}", "")
-    table.add_row("steps", f"{film.steps:,}", plural(film.frames, "frame"))
-    table.add_row(
-        "steps/s",
-        f"{1e3 / own:,.0f}",
-        f"alone; {film.steps / film.step_seconds:,.0f} while recording",
-    )
-    table.add_row(
-        "pairs tested",
-        f"{facts.pairs_tested:,}",
-        f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}",
-    )
-    table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
+    recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
+    part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
+    rows: list[Row] = [
+        ("particles", f"{n:,}", ""),
+        ("steps", f"{film.steps:,}", plural(film.frames, "frame")),
+        ("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}"),
+        ("pairs tested", f"{facts.pairs_tested:,}", part),
+        ("touching", f"{facts.touching:,}", "pairs, in the last step"),
+    ]
     if facts.asleep:
-        table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
-    table.add_section()
-    if every_pair == 0:
-        table.add_row("other methods", "–", "no pairs, so nothing to compare")
-        return table
-    for row in _comparison(simulation, state, settings):
-        table.add_row(*row)
+        rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
+    nothing: list[Row] = [("other methods", "–", "no pairs, so nothing to compare")]
+    others = _comparison(simulation, state, settings) if every_pair else nothing
+    for part_of_table in (rows, others):
+        table.add_section()
+        for row in part_of_table:
+            table.add_row(*row)
     return table
 
 

@@ -179,7 +179,7 @@ def make_film(
     changing, options = options is None, options or ViewOptions()
     camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
     stride = max(round(1 / FRAME_RATE / simulation.time_step), 1)
-    spent, frames = 0.0, 0
+    spent = 0.0
 
     def draw(step: int, now: float) -> None:
         if changing:
@@ -193,7 +193,10 @@ def make_film(
         readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    with Encoder(video, size, FRAME_RATE) as recorder, _progress(console) as progress:
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    bar = Progress(*columns, console=console)
+    with Encoder(video, size, FRAME_RATE) as recorder, bar as progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
@@ -205,17 +208,6 @@ def make_film(
             if step % stride == 0:
                 draw(step, step * simulation.time_step)
                 recorder.draw(painter.canvas())
-                frames += 1
     draw(steps, now=math.inf)  # the numbers of the last step, as in the table
     pygame.image.save(painter.canvas(), still)
-    return Film(video, still, steps, frames, spent)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:,}/{task.total:,} steps"),
-        TimeRemainingColumn(),
-        console=console,
-    )
+    return Film(video, still, steps, recorder.frames, spent)

@@ -76,25 +76,18 @@ def tour(
 
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
-    began, pictures = time.perf_counter(), 0
+    began = time.perf_counter()
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     session = window.session
     session.files.folder = out
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
-    with contextlib.ExitStack() as ending:
-        ending.callback(window.close)
-        recorder = ending.enter_context(Encoder(path, size, RATE)) if film else None
-
-        def add(canvas: pygame.Surface) -> None:
-            nonlocal pictures
-            pictures += 1
-            if recorder is not None:
-                recorder.draw(canvas)
-
-        user = ScriptedUser(window, add if film else None)
+    video = Encoder(path, size, RATE) if film else contextlib.nullcontext()
+    with contextlib.closing(window), video as recorder:
+        user = ScriptedUser(window, recorder.draw if recorder else None)
         stop.script(user)
         pygame.image.save(user.picture(), still)
+    pictures = recorder.frames if recorder else 0
     return Visit(stop, still, path if film else None, pictures, time.perf_counter() - began)
 
 
@@ -123,7 +116,8 @@ LONGEST_NAME = max(map(len, names()))
 def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
     """Run the tour, and print the results."""
     visits: list[Visit] = []
-    with _progress(console) as progress:
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+    with Progress(*columns, TimeElapsedColumn(), console=console) as progress:
         task = progress.add_task("", total=len(set(chosen) or names()))
 
         def say(name: str) -> None:
@@ -135,16 +129,6 @@ def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console
         say("")
     console.print(_table(visits))
     console.print(f"in {out}", highlight=False, soft_wrap=True)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        console=console,
-    )
 
 
 def _table(visits: Sequence[Visit]) -> Table:
