@@ -36,6 +36,10 @@ from jostle.app.simulate.simulation import Simulation
 from jostle.app.storage.encoder import Encoder
 from jostle.app.storage.paths import free_name
 
+SIZE = (1280, 720)
+FRAME_RATE = 30
+DEFAULT_SECONDS = 10
+# The panel of numbers, in pixels
 WIDTH = 248
 EDGE = 12  # pixels between the panel and the edge of the screen
 SPACE = WIDTH + 2 * EDGE  # margin of the scene
@@ -124,11 +128,6 @@ def _sheet(rows: list[_Row | None]) -> pygame.Surface:
             pygame.draw.rect(sheet, ACCENT, bar)
         y += row.height
     return sheet
-
-
-SIZE = (1280, 720)
-FRAME_RATE = 30
-DEFAULT_SECONDS = 10
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from jostle.app.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s
 CURSOR_STRENGTH = 8.0  # 1/s²: enough to lift a pile
+FALL_TIME = 1.5  # seconds in which a ball falls through the view after gravity is switched on
 
 
 class Attractors:
@@ -96,9 +97,6 @@ def _within_reach(point: Point) -> Point:
     """Return the nearest point within the limits of a world, which the camera may exceed."""
     x, y = (min(max(side, -FARTHEST), FARTHEST) for side in point)
     return x, y
-
-
-FALL_TIME = 1.5  # seconds in which a ball falls through the view after gravity is switched on
 
 
 class Gravity:

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike
 
 from jostle.app.simulate.simulation import Frame, Point, Rect, Tags
 
+NO_TAGS: Tags = np.empty(0, np.int64)
+
 
 def pick(frame: Frame, point: Point, reach: float) -> int | None:
     """Return the tag of the particle under a point, or of the nearest within `reach` of it."""
@@ -31,9 +33,6 @@ def inside(frame: Frame, rect: Rect) -> Tags:
     chosen = (x >= rect[0]) & (y >= rect[1]) & (x <= rect[2]) & (y <= rect[3])
     found: Tags = frame.tags[chosen]
     return found
-
-
-NO_TAGS: Tags = np.empty(0, np.int64)
 
 
 class Selection:

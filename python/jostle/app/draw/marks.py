@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import pygame
@@ -40,6 +41,18 @@ LONGEST_ARROW = 90.0
 HEAD = 0.32  # times the length of an arrow, at most
 LONGEST_HEAD = 7.0  # pixels
 RINGS = (5.0, 11.0, 18.0)  # pixels, around the point of an attractor
+# Force chains
+MOST_CHAINS = 8_000  # drawn: those with the largest impulses
+STRONG = 95  # percentile of the impulses at the last colour and the largest width
+FAINTEST = 0.06  # fraction of that, below which a contact is not drawn
+CHAIN_WIDTHS = 5  # number of line widths
+WIDEST_CHAIN = 0.7  # times the median radius
+MOST_PIXELS = 9.0
+# Labels
+SMALLEST_LABELLED = 7.0  # pixels of radius; smaller discs have no label
+SPEED_FROM = 20.0  # pixels of radius; larger discs show the speed, too
+MOST_LABELS = 200
+OUTLINE = (8, 10, 14)  # of the text
 
 Floats = NDArray[np.float64]
 
@@ -164,14 +177,6 @@ def _left_out(drawn: int, there: int, name: str) -> str | None:
     return f"{name}: {drawn:,} of {there:,} shown" if drawn < there else None
 
 
-MOST_CHAINS = 8_000  # drawn: those with the largest impulses
-STRONG = 95  # percentile of the impulses at the last colour and the largest width
-FAINTEST = 0.06  # fraction of that, below which a contact is not drawn
-CHAIN_WIDTHS = 5  # number of line widths
-WIDEST_CHAIN = 0.7  # times the median radius
-MOST_PIXELS = 9.0
-
-
 def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw contacts by the normal impulses of the last step; return a note if some are omitted."""
     touching = frame.contacts
@@ -213,12 +218,6 @@ def _chains(frame: Frame) -> tuple[Floats, Floats]:
     return lines, np.concatenate([touching.impulses, touching.wall_impulses]).astype(np.float64)
 
 
-SMALLEST_LABELLED = 7.0  # pixels of radius; smaller discs have no label
-SPEED_FROM = 20.0  # pixels of radius; larger discs show the speed, too
-MOST_LABELS = 200
-OUTLINE = (8, 10, 14)  # outline of the text
-
-
 def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw tag and speed at large discs; return a note if some are omitted."""
     seen = in_view(frame.positions, camera)
@@ -244,19 +243,12 @@ def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     return _left_out(len(drawn), len(places), "labels")
 
 
-_SHEETS: dict[str, pygame.Surface] = {}
-
-
+@lru_cache(maxsize=4_000)
 def _shaded(text: str) -> pygame.Surface:
-    """Return a text with a dark outline, cached."""
-    sheet = _SHEETS.get(text)
-    if sheet is None:
-        if len(_SHEETS) > 4_000:
-            _SHEETS.clear()
-        light, dark = word(text, TEXT, SMALL), word(text, OUTLINE, SMALL)
-        sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
-        for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
-            sheet.blit(dark, shift)
-        sheet.blit(light, (1, 1))
-        _SHEETS[text] = sheet
+    """Return a text with a dark outline."""
+    light, dark = word(text, TEXT, SMALL), word(text, OUTLINE, SMALL)
+    sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
+    for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
+        sheet.blit(dark, shift)
+    sheet.blit(light, (1, 1))
     return sheet

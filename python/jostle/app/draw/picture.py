@@ -67,51 +67,41 @@ class Picture:
     ) -> None:
         """Draw the part of the world in the camera's view, on the canvas or a part of it."""
         with self._in_use:
-            self._draw(painter, frame, camera, options, part)
-
-    def _draw(
-        self,
-        painter: Painter,
-        frame: Frame,
-        camera: Camera,
-        options: ViewOptions,
-        part: pygame.Rect | None,
-    ) -> None:
-        painter.clip(part)
-        cards: list[Card | None] = []
-        shades = self.colouring.shades(frame, options.colour_by)
-        if options.colour_by is not ColourBy.AUTO:
-            cards.append(self.colouring.legend)
-        draw_container(painter, frame.container, camera)
-        if options.tree is TreeView.FILLED:
-            _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
-        elif options.tree is TreeView.HEAT:
-            cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
-        if options.trails:
-            cards.append(self.trails.draw(painter, frame, shades, camera))
-        self._extras.draw_below(painter, frame, camera)
-        draw_springs(painter, frame, camera)
-        draw_discs(painter, frame, shades, camera)
-        draw_spins(painter, frame, camera)
-        self._wall_discs.draw(painter, frame, camera)
-        draw_walls(painter, frame.walls, camera)
-        if options.tree is TreeView.OUTLINE:
-            _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
-        draw_attractors(painter, frame, camera)
-        if options.forces:
-            cards.append(draw_force_chains(painter, frame, camera))
-        if options.contacts:
-            cards.append(draw_contacts(painter, frame, camera))
-        if options.velocities:
-            cards.append(draw_velocities(painter, frame, camera))
-        if options.labels:
-            cards.append(draw_labels(painter, frame, camera))
-        cards += self._extras.draw_above(painter, frame, camera)
-        painter.clip(None)
-        left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
-        if part is not None:
-            left, right = max(left, part.left + EDGE), min(right, part.right)
-        draw_cards(painter, [card for card in cards if card], left, right)
+            painter.clip(part)
+            cards: list[Card | None] = []
+            shades = self.colouring.shades(frame, options.colour_by)
+            if options.colour_by is not ColourBy.AUTO:
+                cards.append(self.colouring.legend)
+            draw_container(painter, frame.container, camera)
+            if options.tree is TreeView.FILLED:
+                _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
+            elif options.tree is TreeView.HEAT:
+                cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
+            if options.trails:
+                cards.append(self.trails.draw(painter, frame, shades, camera))
+            self._extras.draw_below(painter, frame, camera)
+            draw_springs(painter, frame, camera)
+            draw_discs(painter, frame, shades, camera)
+            draw_spins(painter, frame, camera)
+            self._wall_discs.draw(painter, frame, camera)
+            draw_walls(painter, frame.walls, camera)
+            if options.tree is TreeView.OUTLINE:
+                _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
+            draw_attractors(painter, frame, camera)
+            if options.forces:
+                cards.append(draw_force_chains(painter, frame, camera))
+            if options.contacts:
+                cards.append(draw_contacts(painter, frame, camera))
+            if options.velocities:
+                cards.append(draw_velocities(painter, frame, camera))
+            if options.labels:
+                cards.append(draw_labels(painter, frame, camera))
+            cards += self._extras.draw_above(painter, frame, camera)
+            painter.clip(None)
+            left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
+            if part is not None:
+                left, right = max(left, part.left + EDGE), min(right, part.right)
+            draw_cards(painter, [card for card in cards if card], left, right)
 
 
 def _draw_tree(

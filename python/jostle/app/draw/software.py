@@ -21,6 +21,7 @@ from jostle.app.draw.stamps import MAX_RADIUS as MAX_STAMP
 from jostle.app.draw.stamps import RIM_SHADE, RIM_WIDTH, Stamps
 
 LONGEST = 8192  # pixels
+CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 
 
 @lru_cache(maxsize=256)
@@ -46,9 +47,6 @@ def draw_axis_lines(
         piece = (0, 0, 1, length) if stands else (0, 0, length, 1)
         pieces.append((_strip((red, green, blue, alpha), stands), (x0, y0), piece))
     target.blits(pieces, doreturn=False)
-
-
-CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 
 
 class SoftwarePainter:

@@ -10,6 +10,17 @@ import pygame
 
 from jostle.app.draw.palette import PANEL, PANEL_EDGE, TEXT, Colour
 
+TITLE, BODY, SMALL = 20, 14, 12
+
+# Packages of the extra `[app]`, and the fonts in them, best first: text is alike on all machines.
+FONTS = (
+    ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
+    ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),
+)
+ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
+
+Place = tuple[int, int]
+
 
 def video_name(scene: str, method: str) -> str:
     """Return the name of a video: the scene, and the method if it is not the default."""
@@ -39,18 +50,6 @@ def share(part: int, whole: int) -> str:
     if whole == 0:
         return "–"
     return f"{100 * part / whole:.2g} %" if part < whole else f"{100 * part / whole:,.0f} %"
-
-
-TITLE, BODY, SMALL = 20, 14, 12
-
-# Packages of the extra `[app]`, and the fonts in them, best first: text is alike on all machines.
-FONTS = (
-    ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
-    ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),
-)
-ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
-
-Place = tuple[int, int]
 
 
 @lru_cache(maxsize=2)

@@ -111,10 +111,13 @@ class Gui:
         self._dismiss = False
         self._in_frame = False
 
-    def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
-        """Begin a frame, with the size of the canvas in points and its pixels per point."""
+    def _activate(self) -> None:
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
+
+    def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
+        """Begin a frame, with the size of the canvas in points and its pixels per point."""
+        self._activate()
         io = imgui.get_io()
         io.delta_time = max(elapsed, SHORTEST)
         io.display_size = imgui.ImVec2(*size)
@@ -133,7 +136,7 @@ class Gui:
         self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
-        imgui.set_current_context(self._context)
+        self._activate()
         self.drawing.again()
 
     def mark(self, name: str) -> None:
@@ -150,7 +153,7 @@ class Gui:
 
         A drag belongs to the part where it began. Both receive releases.
         """
-        imgui.set_current_context(self._context)
+        self._activate()
         io = imgui.get_io()
         if event.type == pygame.MOUSEMOTION:
             io.add_mouse_pos_event(*event.pos)
@@ -183,7 +186,7 @@ class Gui:
 
     def _windows(self) -> list[pygame.Rect]:
         """Return the rectangles of the visible windows that receive the mouse."""
-        imgui.set_current_context(self._context)
+        self._activate()
         return [
             _rect(window.rect().min, window.rect().max)
             for window in self._context.windows
@@ -193,12 +196,11 @@ class Gui:
     @property
     def modal(self) -> bool:
         """Whether a menu is open."""
-        imgui.set_current_context(self._context)
+        self._activate()
         return imgui.get_frame_count() > 0 and imgui.is_popup_open("", _ANY_POPUP)
 
     def close(self) -> None:
-        imgui.set_current_context(self._context)
-        implot.set_current_context(self._plots)
+        self._activate()
         if self._in_frame:
             imgui.end_frame()
         self.drawing.close()

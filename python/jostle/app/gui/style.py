@@ -23,6 +23,12 @@ COLUMN, STATISTICS = 290.0, 296.0  # points
 NARROW = 0.42  # largest fraction of the window's width for the column
 LEAST_COLUMN = 220.0  # in a narrower window there is no column
 STATISTICS_FROM = 1180.0  # in a narrower window the statistics are in the column
+FONT_SIZE, ICON_SIZE = 15.0, 13.0  # points
+FIELD: Colour = (30, 37, 47)  # frames of sliders and fields
+RAISED: Colour = (41, 51, 64)  # buttons, headers, hovered widgets
+PRESSED: Colour = (54, 70, 82)
+CHOSEN: Colour = blend(PANEL[:3], ACCENT, 0.34)  # of a widget that is on
+FILLED: Colour = blend(PANEL[:3], ACCENT, 0.7)  # of the filled part of a slider
 
 
 @dataclass(frozen=True)
@@ -49,15 +55,6 @@ def arrange(session: Session, width: float, height: float, scale: float) -> Layo
     statistics = widths.statistics if session.view_options.statistics else 0.0
     session.camera.set_margins(round(widths.column * scale), round(statistics * scale))
     return widths
-
-
-FONT_SIZE, ICON_SIZE = 15.0, 13.0  # points
-
-FIELD: Colour = (30, 37, 47)  # frames of sliders and fields
-RAISED: Colour = (41, 51, 64)  # buttons, headers, hovered widgets
-PRESSED: Colour = (54, 70, 82)
-CHOSEN: Colour = blend(PANEL[:3], ACCENT, 0.34)  # of a widget that is on
-FILLED: Colour = blend(PANEL[:3], ACCENT, 0.7)  # of the filled part of a slider
 
 
 def apply() -> None:

@@ -13,6 +13,14 @@ from jostle.app.simulate.simulation import Energies, Frame, Tags
 
 Floats = NDArray[np.float64]
 
+FRAMES = 1024  # rows of times: five seconds at 200 FPS
+SAMPLES = 1200  # rows of sums: two minutes
+EVERY = 0.1  # seconds between two sums, which take time for many particles
+STEPS_BETWEEN = 3  # steps between two sums at least
+QUIET = 1.0  # simulated seconds with the same particles before the change is meaningful
+SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "drift",
+        "pairs_tested", "touching")  # fmt: skip
+
 
 class Series:
     """A ring buffer with named columns.
@@ -58,16 +66,6 @@ class Series:
         """Return all columns, (names, rows), oldest first, as a view."""
         end = self._next if self._next >= self._count else self._next + self.most
         return self._rows[:, end - self._count : end]
-
-
-FRAMES = 1024  # rows of times: five seconds at 200 FPS
-SAMPLES = 1200  # rows of sums: two minutes
-EVERY = 0.1  # seconds between two sums, which take time for many particles
-STEPS_BETWEEN = 3  # steps between two sums at least
-QUIET = 1.0  # simulated seconds with the same particles before the change is meaningful
-
-SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "drift",
-        "pairs_tested", "touching")  # fmt: skip
 
 
 @dataclass(frozen=True)

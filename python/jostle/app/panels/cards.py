@@ -23,6 +23,8 @@ FLAGS = (
     | imgui.WindowFlags_.always_auto_resize | imgui.WindowFlags_.no_saved_settings
     | imgui.WindowFlags_.no_focus_on_appearing | imgui.WindowFlags_.no_move
 )  # fmt: skip
+LEFT_GROUPS = 3  # groups of keys in the left column of the help
+HELP_SIZE = 58.0, 40.0  # of the help with its margins, in sizes of the font
 
 
 def build(session: Session, gui: Gui) -> None:
@@ -96,16 +98,12 @@ def _recording(seconds: float) -> None:
     imgui.same_line(0.0, 2 * EDGE)
 
 
-LEFT_GROUPS = 3  # groups in the left column
-SIZE = 58.0, 40.0  # of the list with its margins, in sizes of the font
-
-
 def build_help(session: Session, gui: Gui) -> None:
     """Build the list, if it is wanted; smaller in a small window."""
     if not session.view_options.help:
         return
     width, height = imgui.get_io().display_size
-    size = min(FONT_SIZE, width / SIZE[0], height / SIZE[1])
+    size = min(FONT_SIZE, width / HELP_SIZE[0], height / HELP_SIZE[1])
     with card(gui, "help", (width / 2, height / 2), (0.5, 0.5), 2 * width):
         imgui.push_font(None, max(size, 1.0))
         imgui.push_style_var(imgui.StyleVar_.item_spacing, (0.5 * size, 0.3 * size))

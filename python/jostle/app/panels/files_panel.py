@@ -35,6 +35,13 @@ LINE, PADDING = 22.0, 5.0  # points
 BY_ARTICLE = (
     "The article's own rules. Balls overlap, piles never come to rest, and energy is not conserved."
 )
+SIZES: dict[str, Size | None] = {
+    "window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
+    "square": (1080, 1080),
+}  # fmt: skip
+CSV = "The present particles, and energy and momentum over time."
+GSD = "The last 30 s, ten frames per second, for OVITO and others."
+LENGTHS: dict[str, float | None] = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
 
 
 def build_scenes(session: Session, gui: Gui) -> None:
@@ -69,15 +76,6 @@ def _scene(session: Session, gui: Gui, name: str, *, present: bool) -> None:
     at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
     if clicked:
         session.runner.choose_scene(name)
-
-
-SIZES: dict[str, Size | None] = {
-    "window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
-    "square": (1080, 1080),
-}  # fmt: skip
-CSV = "The present particles, and energy and momentum over time."
-GSD = "The last 30 s, ten frames per second, for OVITO and others."
-LENGTHS: dict[str, float | None] = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
 
 
 def build(session: Session, gui: Gui) -> None:

@@ -18,6 +18,8 @@ ICONS = {
     "restart": "\uf2f9",
 }
 PLAY = "\uf04b"
+MEGABYTE = 2**20
+SHORTEST = 0.05  # seconds of history below which the slider is disabled
 
 
 def build(session: Session, gui: Gui) -> None:
@@ -29,10 +31,6 @@ def build(session: Session, gui: Gui) -> None:
             HANDLERS[name](session)
         if not reason:
             hint(f"{'Resume' if held else name.capitalize()}  ({key_of(name)})")
-
-
-MEGABYTE = 2**20
-SHORTEST = 0.05  # seconds; the slider is disabled below
 
 
 def build_rewind(session: Session, gui: Gui) -> None:

@@ -34,6 +34,41 @@ BARE = (
 )  # fmt: skip
 AXIS = implot.AxisFlags_.no_decorations
 SMALL = 12.0
+TAB = 34.0  # height of the folded panel
+UNSEEN = 0.5  # points; thinner layers are not drawn
+COLUMN_GAP = 18.0
+LONG = 1e5  # larger numbers have a power of ten
+# Whole points: at fractions of a pixel the width of a line varies.
+THICK, THIN = 3.0, 2.0
+TEXT_HEIGHT = 18.0  # points, of the text in a plot's corners
+MARGIN = 0.08  # of the range of a plot, free above and below
+LEAST_PLOT, MOST_PLOT = 56.0, 150.0
+RESETS = (
+    "The reference is reset when particles are added, removed or merged, and when gravity or the "
+    "container changes."
+)
+TEXT_LINES = 540.0  # points, of everything except the three plots
+
+# Stages in the order of work, from cool to warm; then drawing.
+STAGES: dict[str, Colour] = {
+    "bounds": (79, 109, 158),
+    "build": (85, 144, 168),
+    "pairs": (111, 176, 162),
+    "contacts": (167, 197, 140),
+    "resting": (198, 205, 130),
+    "events": (226, 198, 124),
+    "correction": (218, 172, 110),
+    "store": (150, 158, 172),
+    "forces": (131, 121, 210),
+    "frame": (111, 176, 162),
+    "draw": (224, 155, 106),
+    "panels": (201, 104, 106),
+}
+KINETIC: Colour = (226, 198, 124)
+POTENTIAL: Colour = (85, 144, 168)
+TOTAL: Colour = (220, 227, 236)
+ACROSS: Colour = (111, 176, 162)
+DOWN: Colour = (224, 155, 106)
 
 
 @contextmanager
@@ -83,43 +118,6 @@ def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 
     spec = implot.Spec()
     spec.line_color, spec.line_weight = vec(colour), weight
     implot.plot_line(f"##{name}", at, values, spec)
-
-
-TAB = 34.0  # height of the folded panel
-UNSEEN = 0.5  # points; thinner layers are not drawn
-COLUMN_GAP = 18.0
-LONG = 1e5  # larger numbers have a power of ten
-# Whole points: at fractions of a pixel the width of a line varies.
-THICK, THIN = 3.0, 2.0
-TEXT_HEIGHT = 18.0  # points, of the text in a plot's corners
-MARGIN = 0.08  # of the range of a plot, free above and below
-LEAST_PLOT, MOST_PLOT = 56.0, 150.0
-RESETS = (
-    "The reference is reset when particles are added, removed or merged, and when gravity or the "
-    "container changes."
-)
-TEXT_LINES = 540.0  # points, of everything except the three plots
-
-# Stages in the order of work, from cool to warm; then drawing.
-STAGES: dict[str, Colour] = {
-    "bounds": (79, 109, 158),
-    "build": (85, 144, 168),
-    "pairs": (111, 176, 162),
-    "contacts": (167, 197, 140),
-    "resting": (198, 205, 130),
-    "events": (226, 198, 124),
-    "correction": (218, 172, 110),
-    "store": (150, 158, 172),
-    "forces": (131, 121, 210),
-    "frame": (111, 176, 162),
-    "draw": (224, 155, 106),
-    "panels": (201, 104, 106),
-}
-KINETIC: Colour = (226, 198, 124)
-POTENTIAL: Colour = (85, 144, 168)
-TOTAL: Colour = (220, 227, 236)
-ACROSS: Colour = (111, 176, 162)
-DOWN: Colour = (224, 155, 106)
 
 
 def build(session: Session, gui: Gui) -> None:

@@ -20,6 +20,11 @@ from jostle.app.simulate.worker import Worker
 
 MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine
 BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
+SMOOTH = 0.2  # weight of a new measurement
+REFUSALS = (ValueError, OverflowError, MemoryError)
+
+Edit = Callable[[Simulation], object]
+Then = Callable[[], None]
 
 
 class FixedTimestep:
@@ -50,13 +55,6 @@ class FixedTimestep:
             self._accumulated -= self._time_step
             steps += 1
         return steps
-
-
-Edit = Callable[[Simulation], object]
-Then = Callable[[], None]
-
-SMOOTH = 0.2  # weight of a new measurement
-REFUSALS = (ValueError, OverflowError, MemoryError)
 
 
 def message_of(error: BaseException) -> str:

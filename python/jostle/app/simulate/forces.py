@@ -16,6 +16,7 @@ from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import Attractor
 
 Forces = tuple[Any, ...]
+Attractors = tuple[Attractor, ...]
 
 ARGUMENTS = ("ids", "walls", "center", "angular_velocity", "velocity", "period")  # of a motor
 
@@ -87,9 +88,6 @@ def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
 def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
     """Return a motor with some other arguments."""
     return jostle.Motor(**{name: getattr(motor, name) for name in ARGUMENTS} | changes)
-
-
-Attractors = tuple[Attractor, ...]
 
 
 class AttractorForces:

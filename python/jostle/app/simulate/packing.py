@@ -20,11 +20,15 @@ from jostle.app.simulate.simulation import Attractor, Tags
 from jostle.app.simulate.validation import FARTHEST, Many, fields_of, whole
 
 Array = NDArray[Any]
+Arrays = Mapping[str, Array]
 
 _FIRST = b"jostle "
 _VERSION = 1
 _TYPES = frozenset({"|u1", "|b1", "<u4", "<i8", "<f4", "<f8"})
 _LENGTH = 8  # bytes of the header's length, and of the checksum
+
+COUNT = whole(0, 2**62)  # of tags or steps
+ATTRACTORS = Many(fields_of(Attractor))
 
 
 def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -> bytes:
@@ -91,12 +95,6 @@ def _plain(values: ArrayLike) -> Array:
     """Return the array in little-endian order."""
     array = np.asarray(values)
     return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
-
-
-Arrays = Mapping[str, NDArray[Any]]
-
-COUNT = whole(0, 2**62)  # of tags or steps
-ATTRACTORS = Many(fields_of(Attractor))
 
 
 def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[np.float64]]:

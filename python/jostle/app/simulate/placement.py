@@ -13,6 +13,9 @@ from jostle.app.simulate.wall_segments import Ends, clear_of
 Floats = NDArray[np.floating]
 
 TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
+ROUNDS = 24
+ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
+NEAR = 1.02  # times the radius, as the least distance
 
 
 def in_disc(tries: Floats) -> Floats:
@@ -42,11 +45,6 @@ def directions(rng: np.random.Generator, count: int) -> Floats:
 def _squares(points: Floats) -> Floats:
     x, y = points[..., 0], points[..., 1]
     return x * x + y * y
-
-
-ROUNDS = 24
-ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
-NEAR = 1.02  # times the radius, as the least distance
 
 
 def free_positions(
