@@ -122,7 +122,6 @@ class Runner:
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
         self._begin_history(new.simulation, new.state)
-        self._interaction.attractors.adopt(self.engine.frame)
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
         self.statistics.sum_up(self.engine.frame)
@@ -312,7 +311,6 @@ class Runner:
 
         def then() -> None:
             self.picture = Picture()
-            self._interaction.attractors.adopt(self.engine.frame)
 
         self.engine.edit(restore, changes=False, then=then)
 

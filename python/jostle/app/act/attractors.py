@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.simulation import Attractor, Frame, Point, Simulation, Tags
+from jostle.app.simulate.simulation import Attractor, Point, Simulation, Tags
 from jostle.app.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s
@@ -18,24 +18,21 @@ FALL_TIME = 1.5  # seconds in which a ball falls through the view after gravity 
 
 
 class Attractors:
-    """The attractors that the user has placed."""
+    """The attractors of the user: the simulation has them, and this changes them."""
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
-        self.placed: tuple[Attractor, ...] = ()  # the permanent ones, in the order of placing
         self._cursor: Point | None = None
-        self._seen: tuple[Attractor, ...] = ()  # those of the last frame
 
-    def attract_to_cursor(self, point: Point | None) -> None:
-        """Attract all particles to a point until this is called with None."""
-        ended = point is None and self._cursor is not None
-        self._cursor = point and _within_reach(point)
-        if ended:
-            self._engine.edit(self.apply)
+    @property
+    def placed(self) -> tuple[Attractor, ...]:
+        """Return the permanent ones of the last frame, in the order of placing."""
+        return _permanent(self._engine.frame.attractors)
 
     def place(self, point: Point, strength: float = STRENGTH) -> None:
         """Add an attractor at a point."""
-        self._set((*self.placed, Attractor(strength, _within_reach(point))))
+        new = Attractor(strength, _within_reach(point))
+        self._change(lambda present: (*present, new))
 
     def near(self, point: Point, reach: float) -> Attractor | None:
         """Return the nearest attractor within `reach` of a point, or None."""
@@ -48,7 +45,7 @@ class Attractors:
         return nearest if gap <= reach else None
 
     def remove(self, attractor: Attractor) -> None:
-        self._set(tuple(other for other in self.placed if other is not attractor))
+        self._change(lambda present: tuple(other for other in present if other != attractor))
 
     def attracts(self, tag: int) -> bool:
         """Return whether a particle is an attractor."""
@@ -57,40 +54,35 @@ class Attractors:
     def set_attracting(self, tags: Tags, attracts: bool) -> None:
         """Make particles attractors, or end that."""
         chosen = set(tags.tolist())
-        rest = tuple(attractor for attractor in self.placed if attractor.tag not in chosen)
         new = tuple(Attractor(STRENGTH, tag=tag) for tag in sorted(chosen)) if attracts else ()
-        self._set(rest + new)
+        self._change(lambda present: (*(a for a in present if a.tag not in chosen), *new))
 
     def stop(self) -> None:
-        self._set(())
+        self._change(lambda present: ())
 
-    def adopt(self, frame: Frame) -> None:
-        """Take the attractors of a frame: a rewound state has its own."""
-        self.placed = tuple(attractor for attractor in frame.attractors if not attractor.passing)
-        self._seen = frame.attractors
+    def _change(self, change: Callable[[tuple[Attractor, ...]], tuple[Attractor, ...]]) -> None:
+        self._engine.edit(lambda simulation: simulation.attract(change(simulation.attractors)))
 
-    def follow(self, frame: Frame) -> None:
-        """Take the attractors of a frame if they have changed."""
-        if frame.attractors is not self._seen:
-            self.adopt(frame)
+    # The cursor
 
-    @property
-    def active(self) -> tuple[Attractor, ...]:
-        """Return the attractors that act now, with the cursor; any thread may call it."""
-        cursor = self._cursor
-        if cursor is None:
-            return self.placed
-        return *self.placed, Attractor(CURSOR_STRENGTH, cursor, passing=True)
+    def attract_to_cursor(self, point: Point | None) -> None:
+        """Attract all particles to a point until this is called with None."""
+        ended = point is None and self._cursor is not None
+        self._cursor = point and _within_reach(point)
+        if ended:
+            self._engine.edit(self.apply)
 
     def apply(self, simulation: Simulation) -> bool:
-        """Set the attractors of a simulation; return whether the cursor attracts."""
-        active = self.active
-        simulation.attract(active)
-        return any(attractor.passing for attractor in active)
+        """Let the cursor attract, or not; return whether it does. Any thread may call it."""
+        cursor, attractors = self._cursor, _permanent(simulation.attractors)
+        if cursor is not None:
+            attractors = *attractors, Attractor(CURSOR_STRENGTH, cursor, passing=True)
+        simulation.attract(attractors)
+        return cursor is not None
 
-    def _set(self, attractors: tuple[Attractor, ...]) -> None:
-        self.placed = attractors
-        self._engine.edit(self.apply)
+
+def _permanent(attractors: tuple[Attractor, ...]) -> tuple[Attractor, ...]:
+    return tuple(attractor for attractor in attractors if not attractor.passing)
 
 
 def _within_reach(point: Point) -> Point:

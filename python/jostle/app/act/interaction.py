@@ -231,7 +231,6 @@ class Interaction:
         """Update everything that refers to particles that no longer exist."""
         frame = self._engine.frame
         self.selection.follow(frame)
-        self.attractors.follow(frame)
         if self.drag_tool.held is not None and not len(frame.rows(self.drag_tool.held)):
             self.drag_tool.drop()
 

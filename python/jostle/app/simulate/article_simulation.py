@@ -94,7 +94,7 @@ class ArticleSimulation:
             )
             self.program = article_of(source.frame(), source.view, rules)
         self._take_size()
-        self._attractors: tuple[Attractor, ...] = ()
+        self.attractors: tuple[Attractor, ...] = ()
         self._frames = 0
         self._milliseconds = 0.0
         self._tags: Tags = np.arange(len(self), dtype=np.int64)
@@ -145,7 +145,7 @@ class ArticleSimulation:
             container=self.container,
             stats=self._stats(),
             tree=self._tree_boxes() if request.tree else None,
-            attractors=self._attractors,
+            attractors=self.attractors,
         )
         return replace(
             frame,
@@ -193,7 +193,7 @@ class ArticleSimulation:
         """Make one frame; return a description of an error, or an empty text."""
         failed = ""
         try:
-            for attractor in self._attractors:
+            for attractor in self.attractors:
                 self._attract_to(attractor)
             self.program.frame()
         except (ValueError, OverflowError) as error:  # from an infinite number
@@ -264,7 +264,7 @@ class ArticleSimulation:
         self.program.particles = [particle for particle, kept in particles if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
         left = {None, *self._tags.tolist()}
-        self._attractors = tuple(one for one in self._attractors if one.tag in left)
+        self.attractors = tuple(one for one in self.attractors if one.tag in left)
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set positions, velocities, densities; the article has no immovable particles."""
@@ -285,7 +285,7 @@ class ArticleSimulation:
         """Do nothing: there are none."""
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        self._attractors = attractors
+        self.attractors = attractors
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Move a particle towards the cursor, by the article's rule of the mouse."""
@@ -302,7 +302,7 @@ class ArticleSimulation:
             "counters": [program.tests, program.repeats, program.hits],
             "frames": self._frames,
             "next_tag": self._next_tag,
-            "pulls": [asdict(attractor) for attractor in self._attractors],
+            "pulls": [asdict(attractor) for attractor in self.attractors],
         }
         numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
         sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
@@ -330,7 +330,7 @@ class ArticleSimulation:
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self.program, self.settings = program, settings
         self._take_size()
-        self._attractors, self._frames = facts["pulls"], facts["frames"]
+        self.attractors, self._frames = facts["pulls"], facts["frames"]
         self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:

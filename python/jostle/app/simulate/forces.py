@@ -98,11 +98,10 @@ class AttractorForces:
     ) -> None:
         self._world, self._columns = world, columns
         self.own = own  # the number of forces of the world itself
-        self.attractors = attractors
-        self._heirs: dict[int, int] = {}  # of attracting particles that merged: their new tags
+        self.attractors = self._living(attractors)
 
     def place(self, attractors: Attractors) -> None:
-        """Replace them; if a particle has merged, the result of the merge attracts."""
+        """Replace them; those of particles that do not exist are left out."""
         attractors = self._living(attractors)
         if attractors != self.attractors:
             self._bind(attractors)
@@ -112,9 +111,11 @@ class AttractorForces:
         self._bind(self._living(self.attractors))
 
     def merge(self, renumbered: NDArray[np.int64]) -> None:
-        """Transfer them after a merge, from which each tag has a new one."""
-        for tag in (attractor.tag for attractor in self.attractors if attractor.tag is not None):
-            self._heirs[tag] = int(renumbered[tag])
+        """Give them the new tags of their particles after a merge."""
+        self.attractors = tuple(
+            one if one.tag is None else replace(one, tag=int(renumbered[one.tag]))
+            for one in self.attractors
+        )
         self.renew()
 
     @contextmanager
@@ -126,19 +127,10 @@ class AttractorForces:
         self._columns.update(self._world)
         self.renew()
 
-    def _exists(self, tag: int) -> bool:
-        return len(self._columns.find(tag)[0]) > 0
-
     def _living(self, attractors: Attractors) -> Attractors:
-        """Return those whose particle, or the result of its merge, exists."""
-        found = []
-        for attractor in attractors:
-            tag = attractor.tag
-            while tag is not None and not self._exists(tag) and tag in self._heirs:
-                tag = self._heirs[tag]
-            if tag is None or self._exists(tag):
-                found.append(attractor if tag == attractor.tag else replace(attractor, tag=tag))
-        return tuple(found)
+        tags = [one.tag for one in attractors if one.tag is not None]
+        living = {None, *self._columns.tags[self._columns.find(tags)[0]].tolist()}
+        return tuple(one for one in attractors if one.tag in living)
 
     def _bind(self, attractors: Attractors) -> None:
         forces = [

@@ -185,6 +185,10 @@ class Simulation(Protocol):
     time_step: float
     view: Rect
 
+    @property
+    def attractors(self) -> tuple[Attractor, ...]:
+        """The attractors of the user."""
+
     def __len__(self) -> int: ...
 
     @property

@@ -107,6 +107,10 @@ class WorldSimulation:
         return self.world.method
 
     @property
+    def attractors(self) -> tuple[Attractor, ...]:
+        return self._attractions.attractors
+
+    @property
     def adjustable(self) -> frozenset[str]:
         return ADJUSTABLE
 
@@ -118,10 +122,9 @@ class WorldSimulation:
         return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        own_walls, attractors = self._segments.own, self._attractions.attractors
-        begun_with = self._initial.n
+        own_walls, begun_with = self._segments.own, self._initial.n
         return frame_of(
-            self.world, self._columns, own_walls, request, attractors, self.scene, begun_with
+            self.world, self._columns, own_walls, request, self.attractors, self.scene, begun_with
         )
 
     # Changing
