@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 
 import pygame
@@ -28,8 +27,6 @@ HIDDEN_FRAME_RATE = 10  # frames per second while the window is minimised and no
 PANEL_INTERVAL = 0.03  # seconds between two builds of the panels without events
 LIVELY = 3  # frames after an event in which panels are built: ImGui reacts in the next one
 LONGEST_FRAME = 0.25  # seconds; longer if the machine was suspended, or the window was dragged
-
-Builder = Callable[[Session, Gui], None]
 
 
 class Window:
@@ -62,7 +59,9 @@ class Window:
     ) -> None:
         self.screen = Screen(size, renderer)
         self.session = Session(simulation, self.painter.size, synchronous=synchronous)
-        self.builders: list[Builder] = [panels.build]  # they build panels and menus, in order
+        self.builders: list[panels.Builder] = [
+            panels.build
+        ]  # they build panels and menus, in order
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
         self.background = BackgroundRenderer()  # draws the scene, slow frames on a worker thread

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, cast
 
 import pygame
 from imgui_bundle import imgui, implot
@@ -16,6 +16,10 @@ from jostle.app.gui.software import SoftwareGui
 if TYPE_CHECKING:  # it needs moderngl, which may be missing
     from jostle.app.draw.opengl import OpenGLPainter
 
+OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
+SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
+BUTTONS = {1: 0, 3: 1, 2: 2}  # pygame's left, right, middle
+_ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
 MODIFIERS = (
     (pygame.KMOD_CTRL, imgui.Key.mod_ctrl),
     (pygame.KMOD_SHIFT, imgui.Key.mod_shift),
@@ -40,30 +44,8 @@ KEYS: dict[int, imgui.Key] = {
 }
 
 
-OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
-SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
-BUTTONS = {1: 0, 3: 1, 2: 2}  # pygame's left, right, middle
-_ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
-
-
-class GuiDrawing(Protocol):
-    """Draws ImGui's output on the canvas."""
-
-    def begin(self) -> None:
-        """Prepare a frame."""
-
-    def draw(self, data: imgui.ImDrawData) -> None:
-        """Draw a frame over the canvas."""
-
-    def again(self) -> None:
-        """Draw the last frame again."""
-
-    def close(self) -> None:
-        """Release all resources."""
-
-
 class OpenGLGui:
-    """Draws with ImGui's own backend, which does not change the state of OpenGL."""
+    """As `SoftwareGui`, by ImGui's own backend, which does not change the state of OpenGL."""
 
     def __init__(self, painter: OpenGLPainter) -> None:
         self._painter = painter
@@ -237,7 +219,7 @@ class Gui:
         return down and (io.want_text_input or (io.want_capture_keyboard and self.modal))
 
 
-def _drawing_for(painter: Painter) -> GuiDrawing:
+def _drawing_for(painter: Painter) -> SoftwareGui | OpenGLGui:
     if painter.name == "opengl":
         return OpenGLGui(cast("OpenGLPainter", painter))
     return SoftwareGui(painter)
