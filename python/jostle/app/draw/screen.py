@@ -90,18 +90,16 @@ class Screen:
 
 def _open(size: Size, renderer: str) -> Painter:
     """Open a window and return the painter for it."""
-    if renderer == "software":
-        return _open_software(size)
-    try:
-        painter = _open_opengl(size)
-    except NoRendererError:
-        if renderer == "opengl":
-            raise
-        return _open_software(size)
-    if renderer == "auto" and painter.emulated:
-        painter.release()
-        return _open_software(size)
-    return painter
+    if renderer != "software":
+        try:
+            painter = _open_opengl(size)
+            if renderer == "opengl" or not painter.emulated:
+                return painter
+            painter.release()
+        except NoRendererError:
+            if renderer == "opengl":
+                raise
+    return _open_software(size)
 
 
 def _open_software(size: Size) -> Painter:

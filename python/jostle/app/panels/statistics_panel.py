@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import zip_longest
 
 import numpy as np
 from imgui_bundle import imgui, implot
@@ -64,11 +65,11 @@ STAGES: dict[str, Colour] = {
     "draw": (224, 155, 106),
     "panels": (201, 104, 106),
 }
-KINETIC: Colour = (226, 198, 124)
-POTENTIAL: Colour = (85, 144, 168)
 TOTAL: Colour = (220, 227, 236)
-ACROSS: Colour = (111, 176, 162)
-DOWN: Colour = (224, 155, 106)
+ENERGIES: dict[str, Colour] = {
+    "total": TOTAL, "kinetic": (226, 198, 124), "potential": (85, 144, 168)
+}  # fmt: skip
+MOMENTA: dict[str, Colour] = {"x": (111, 176, 162), "y": (224, 155, 106)}
 
 
 @contextmanager
@@ -178,25 +179,18 @@ def _times(session: Session, gui: Gui, height: float) -> None:
             stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
             line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
-    legend = [
-        *(
-            (stage, tint, traces.means.get(stage, 0.0))
-            for stage, tint in zip(stages, tints, strict=True)
-        ),
+    means = {stage: traces.means.get(stage, 0.0) for stage in stages}
+    entries = [
+        *zip(stages, tints, means.values(), strict=True),
         ("total", TOTAL, traces.frame_mean),
     ]
-    half = -(-len(legend) // 2)  # two columns
+    half = -(-len(entries) // 2)  # two columns
     across = (width() - COLUMN_GAP) / 2
-    for k in range(half):
-        _swatch(*_in_ms(legend[k]), across)
-        if half + k < len(legend):
-            imgui.same_line(0.0, COLUMN_GAP)
-            _swatch(*_in_ms(legend[half + k]), across)
-
-
-def _in_ms(entry: tuple[str, Colour, float]) -> tuple[str, Colour, str]:
-    name, tint, milliseconds = entry
-    return name, tint, f"{milliseconds:.2f}"
+    for pair in zip_longest(entries[:half], entries[half:]):
+        for k, (name, tint, milliseconds) in enumerate(filter(None, pair)):
+            if k:
+                imgui.same_line(0.0, COLUMN_GAP)
+            _swatch(name, tint, f"{milliseconds:.2f}", across)
 
 
 def _pairs(session: Session, gui: Gui, height: float) -> None:
@@ -206,19 +200,12 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
     row("tested, % of all pairs", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
     row("asleep", f"{facts.asleep:,}")
-    row("tree", _tree(facts.nodes, facts.depth))
-
-
-def _tree(nodes: int, depth: int) -> str:
-    if not nodes:
-        return "\u2013"
-    return f"{plural(nodes, 'node')}, {depth:,} deep"
+    tree = f"{plural(facts.nodes, 'node')}, {facts.depth:,} deep" if facts.nodes else "\u2013"
+    row("tree", tree)
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
-    time, *columns = session.traces.energies
-    names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
-    _lines(gui, "energy", height, time, names, tints, columns)
+    _lines(gui, "energy", height, session.traces.energies, ENERGIES)
     row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
@@ -234,8 +221,7 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
-    time, *columns = session.traces.momenta
-    _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
+    _lines(gui, "momentum", height, session.traces.momenta, MOMENTA)
     row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
     hint(
         "Change of momentum since the reference, relative to that of all particles moving one way: "
@@ -246,33 +232,25 @@ def _momentum(session: Session, gui: Gui, height: float) -> None:
     buttons(gui, Button("measure drift", "Reset reference", reset))
 
 
-def _lines(
-    gui: Gui,
-    name: str,
-    height: float,
-    time: Floats,
-    names: tuple[str, ...],
-    tints: tuple[Colour, ...],
-    columns: list[Floats],
-) -> None:
-    """Plot columns over simulated time, with a legend of their last values."""
+def _lines(gui: Gui, name: str, height: float, table: Floats, tints: dict[str, Colour]) -> None:
+    """Plot the columns after the simulated time, with a legend of their last values."""
+    time, values = table[0], table[1:]
     if not len(time):
         return
-    low = min(float(values.min()) for values in columns)
-    high = max(float(values.max()) for values in columns)
+    low, high = float(values.min()), float(values.max())
     margin = MARGIN * (high - low) or abs(high) or 1.0
     across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
     corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
-    above = (
-        (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
-    )  # no line crosses the text in the corners
+    # No line crosses the text in the corners.
+    above = (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
+    columns = list(zip(tints.items(), values, strict=True))
     with plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
         if seen:
-            for word, tint, values in zip(names, tints, columns, strict=True):
-                line(word, time, values, tint, THICK if word == "total" else THIN)
+            for (word, tint), column in columns:
+                line(word, time, column, tint, THICK if word == "total" else THIN)
     gui.mark(f"plot {name}")
-    for word, tint, values in zip(names, tints, columns, strict=True):
-        _swatch(word, tint, _sum(float(values[-1])))
+    for (word, tint), column in columns:
+        _swatch(word, tint, _sum(float(column[-1])))
 
 
 def change_text(session: Session, change: str) -> str:
