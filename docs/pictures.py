@@ -12,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 import imageio_ffmpeg
+import pygame
 from drawings import DRAWINGS
 from PIL import Image
 
@@ -20,10 +21,9 @@ from jostle.app.draw.camera import Camera
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.software import SoftwarePainter
 from jostle.app.draw.view_options import ViewOptions
-from jostle.app.gui.layout import COLUMN, STATISTICS
+from jostle.app.gui.style import COLUMN, STATISTICS
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import start
-from jostle.app.storage.video_writer import save_png
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -108,7 +108,7 @@ def draw_life(matrix: str, path: Path) -> None:
         simulation.step()
     painter = SoftwarePainter(size)
     Picture().draw(painter, simulation.frame(), Camera(size, simulation.view), ViewOptions())
-    save_png(painter.canvas(), path)
+    pygame.image.save(painter.canvas(), path)
 
 
 def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:

@@ -149,7 +149,7 @@ def test_nothing_is_lost_when_walls_change(kind: str, scene: str) -> None:
     assert simulation.adjust("container", kind) is None
     assert simulation.settings.container == kind and len(simulation) == count
     if kind != "none":
-        assert type(simulation.container).__name__.lower() == kind
+        assert type(simulation.world.container).__name__.lower() == kind
     assert is_inside(simulation)
     for _ in range(5):
         simulation.step()
@@ -159,10 +159,10 @@ def test_nothing_is_lost_when_walls_change(kind: str, scene: str) -> None:
 @pytest.mark.parametrize("size", [0.7, 1.0, 2.5])
 def test_the_world_grows_and_shrinks_about_its_middle(size: float) -> None:
     simulation = gas(100)
-    first, view = bounds(simulation.container), simulation.view
+    first, view = bounds(simulation.world.container), simulation.view
     simulation.adjust("world_size", 3.0)
     assert simulation.adjust("world_size", size) is None  # of the scene's own, not of the last
-    low_x, low_y, high_x, high_y = bounds(simulation.container)
+    low_x, low_y, high_x, high_y = bounds(simulation.world.container)
     assert high_x - low_x == pytest.approx(size * (first[2] - first[0]), rel=1e-5)
     assert (low_x + high_x, low_y + high_y) == pytest.approx(
         (first[0] + first[2], first[1] + first[3]), rel=1e-4
@@ -174,9 +174,9 @@ def test_the_world_grows_and_shrinks_about_its_middle(size: float) -> None:
 def test_a_scene_begins_in_the_world_of_its_settings() -> None:
     simulation = gas(100, world_size=2.0, container="circle")
     plain = gas(100)
-    assert isinstance(simulation.container, jostle.Circle)
+    assert isinstance(simulation.world.container, jostle.Circle)
     side = plain.view[2] - plain.view[0]
-    assert np.pi * simulation.container.radius**2 == pytest.approx(4 * side**2, rel=1e-4)
+    assert np.pi * simulation.world.container.radius**2 == pytest.approx(4 * side**2, rel=1e-4)
 
 
 def test_walls_are_the_same_after_going_back_to_a_state() -> None:
@@ -186,7 +186,7 @@ def test_walls_are_the_same_after_going_back_to_a_state() -> None:
     simulation.adjust("world_size", 0.8)
     simulation.load(state)
     simulation.adjust("world_size", 1.0)
-    assert bounds(simulation.container) == pytest.approx(bounds(gas(100).container))
+    assert bounds(simulation.world.container) == pytest.approx(bounds(gas(100).world.container))
 
 
 def test_the_camera_shows_the_world_that_has_grown() -> None:

@@ -56,7 +56,7 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
     config = read_config(EXAMPLE)
     assert (config.settings.scene, config.settings.n, config.size) == ("gas", 1500, (1280, 720))
     shown = ViewOptions(velocities=True)
-    config.apply_view_options(shown)
+    shown.update(config.view_options)
     assert (shown.tree, shown.colour_by) == (TreeView.OUTLINE, ColourBy.VELOCITY)
     assert not shown.velocities
     simulation = start(config.settings)

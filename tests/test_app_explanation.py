@@ -9,7 +9,7 @@ pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
 from jostle.app.act.explanation import Explanation, explain  # noqa: E402
-from jostle.app.act.explanation_view import draw_explanation  # noqa: E402
+from jostle.app.act.view import draw_explanation  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.session import Session  # noqa: E402

@@ -107,6 +107,23 @@ def forged(state: bytes, kind: str, **changes: object) -> bytes:
     return pack(kind, facts, columns)
 
 
+def test_attractors_of_older_files_stay_with_their_particles() -> None:
+    """In them tags are not the ids of the world."""
+    simulation = start(Settings("gas", 20))
+    simulation.attract((Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0))))
+    facts, columns = unpack("world", simulation.save())
+    facts["pulls"][0]["tag"], facts["next_tag"] = 57, 70
+    simulation.load(pack("world", facts, {**columns, "tags": columns["tags"] + 50}))
+    frame = simulation.frame()
+    assert frame.tags.tolist() == list(range(20))
+    assert frame.attractors == (Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0)))
+    simulation.attract(frame.attractors[:1])
+    simulation.step()
+    (force,) = simulation.world.forces
+    assert force.particle == 7
+    assert simulation.add([(9, 9)], [(0, 0)], 1.0).tolist() == [20]
+
+
 FORGED = {
     "too few tags": {"tags": np.arange(5)},
     "too few times": {"born": np.zeros(5)},

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jostle.app.simulate.fixed_timestep import MAX_STEPS, FixedTimestep
+from jostle.app.simulate.engine import MAX_STEPS, FixedTimestep
 
 STEP = 1 / 60
 

@@ -17,7 +17,7 @@ from jostle.app.draw.palette import GROUND  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
-from jostle.app.storage.video_writer import VideoWriter  # noqa: E402
+from jostle.app.storage.encoder import Encoder  # noqa: E402
 
 SIZE = (640, 360)
 
@@ -78,16 +78,16 @@ def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
     with (
         pytest.raises(KeyboardInterrupt),
-        VideoWriter(tmp_path / "film.mp4", SIZE) as recorder,
+        Encoder(tmp_path / "film.mp4", SIZE) as recorder,
     ):
         for _ in range(3):
-            recorder.add(canvas)
+            recorder.draw(canvas)
         raise KeyboardInterrupt
     assert len(frames_of(tmp_path / "film.mp4")) == 3
 
 
 def test_a_film_that_is_interrupted_before_its_first_frame_leaves_no_file(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt), VideoWriter(tmp_path / "film.mp4", SIZE):
+    with pytest.raises(KeyboardInterrupt), Encoder(tmp_path / "film.mp4", SIZE):
         raise KeyboardInterrupt
     assert not list(tmp_path.iterdir())
 

@@ -154,7 +154,7 @@ def test_what_changes_nothing_leaves_the_future_alone(tmp_path: Path) -> None:
     prints = run(session, 10)
     session.runner.rewind(5 * session.engine.time_step)
     session.interaction.press()  # on the ground, or on a particle that is let go where it was
-    session.interaction.tools.cancel()
+    session.interaction.cancel()
     session.interaction.drag_tool.drop()
     session.interaction.release(throw=not session.runner.paused)
     session.runner.adjust("time_scale", 0.5)

@@ -286,7 +286,7 @@ def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None
     simulation.step()
     (force,) = simulation.world.forces
     assert force.particle == 1 and simulation.frame().attractors == (Attractor(4.0, tag=1),)
-    simulation.attract((Attractor(4.0, tag=2),))  # from a caller with an older frame
+    simulation.attract((*simulation.attractors, Attractor(4.0, tag=2)))  # it exists no more
     assert simulation.frame().attractors == (Attractor(4.0, tag=1),)
     assert len(simulation.world.forces) == 1
     simulation.attract(())

@@ -12,7 +12,7 @@ pytest.importorskip("imgui_bundle")  # without it a right click says so, and the
 
 from app_interaction import RIGHT, Driver, article_with, post, tags, world_of  # noqa: E402
 
-from jostle.app.panels.menu_items import Item, Number, lines_of  # noqa: E402
+from jostle.app.panels.menus import Item, Number, is_over, lines_of, numbers, title  # noqa: E402
 
 TWO = [(200, 100), (400, 300)]
 BOTH = [world_of, article_with]
@@ -46,14 +46,14 @@ def test_the_menu_of_a_particle_tells_its_numbers_as_they_change(make) -> None:
     driver.session.runner.paused = True
     driver.click((400, 300), RIGHT)
     driver.session.engine.edit(lambda simulation: simulation.change([1], velocities=(30, 40)))
-    facts = dict(driver.session.interaction.menu.numbers(driver.session.frame))
+    facts = numbers(driver.session.interaction.menu, driver.session.frame)
     assert facts == {
         "speed": "50.0",
         "position": "400.0, 300.0",
         "mass": "100",
         "radius": "10",
     }
-    assert driver.session.interaction.menu.title(driver.session.frame) == "particle 1"
+    assert title(driver.session.interaction.menu, driver.session.frame) == "particle 1"
 
 
 @pytest.mark.parametrize("make", BOTH)
@@ -102,7 +102,9 @@ def test_the_menu_acts_on_the_whole_selection() -> None:
     driver = Driver(world_of([*TWO, (600, 400)]))
     driver.drag((150, 50), (450, 350))
     driver.click((400, 300), RIGHT)
-    assert driver.session.interaction.menu.title(driver.session.frame) == "particle 1 of 2 selected"
+    assert (
+        title(driver.session.interaction.menu, driver.session.frame) == "particle 1 of 2 selected"
+    )
     line_of(driver, "delete").command()
     assert tags(driver.session.frame.tags) == [2]
     choose(driver, "select", (600, 400))
@@ -137,8 +139,8 @@ def test_the_menu_ends_with_its_particle() -> None:
     driver = Driver(world_of(TWO))
     driver.click((400, 300), RIGHT)
     driver.session.engine.edit(lambda simulation: simulation.remove([1]))
-    assert driver.session.interaction.menu.is_over(driver.session.frame)
-    assert driver.session.interaction.menu.numbers(driver.session.frame) == []
+    assert is_over(driver.session.interaction.menu, driver.session.frame)
+    assert numbers(driver.session.interaction.menu, driver.session.frame) == {}
 
 
 def test_the_article_offers_no_immovable_particles_and_no_other_gravity() -> None:

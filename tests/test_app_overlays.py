@@ -16,12 +16,7 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app.draw import (  # noqa: E402
-    force_chains,
-    labels,
-    marks,
-    trails,
-)
+from jostle.app.draw import marks, trails  # noqa: E402
 from jostle.app.draw.base_layers import WallDiscs, draw_discs  # noqa: E402
 from jostle.app.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE  # noqa: E402
 from jostle.app.draw.picture import Picture  # noqa: E402
@@ -125,7 +120,7 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
     )
     frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
     notes = Notes()
-    assert force_chains.draw_force_chains(notes, frame, camera_of_pixels()) is None
+    assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
     lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
              for k in range(len(v[0]))]  # fmt: skip
     np.testing.assert_allclose(
@@ -142,12 +137,12 @@ def test_contacts_without_impulses_are_no_force_chains() -> None:
     for touching in (touching_of([], [], []), touching_of((0, 1), (1, 0), [0.0], [0.0]), None):
         frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching)
         notes = Notes()
-        assert force_chains.draw_force_chains(notes, frame, camera_of_pixels()) is None
+        assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
         assert len(notes.lines_drawn()) == 0
 
 
 def test_the_smallest_of_too_many_forces_are_left_out() -> None:
-    many = force_chains.MOST_LINES + 500
+    many = marks.MOST_CHAINS + 500
     rng = np.random.default_rng(0)
     frame = frame_of(
         rng.uniform(10, 230, (many + 1, 2)),
@@ -159,9 +154,9 @@ def test_the_smallest_of_too_many_forces_are_left_out() -> None:
         ),
     )
     notes = Notes()
-    said = force_chains.draw_force_chains(notes, frame, camera_of_pixels())
-    assert len(notes.lines_drawn()) == force_chains.MOST_LINES
-    assert said is not None and f"{force_chains.MOST_LINES:,} largest of" in said
+    said = marks.draw_force_chains(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == marks.MOST_CHAINS
+    assert said is not None and f"{marks.MOST_CHAINS:,} largest of" in said
 
 
 def test_sensors_are_rings_and_no_walls() -> None:
@@ -334,7 +329,7 @@ def test_going_back_in_time_begins_trails_anew() -> None:
 def test_labels_stand_on_discs_that_are_large_enough() -> None:
     notes = Notes()
     frame = frame_of([(60, 60), (150, 60), (240, 60)], [30.0, 8.0, 2.0])
-    assert labels.draw_labels(notes, frame, camera_of_pixels()) is None
+    assert marks.draw_labels(notes, frame, camera_of_pixels()) is None
     places = notes.sheets_drawn()
     assert len(places) == 3  # tag and speed on the large one, the tag on the other
     assert all(x < 160 for x, _ in places)
@@ -343,10 +338,10 @@ def test_labels_stand_on_discs_that_are_large_enough() -> None:
 def test_labels_say_when_they_are_too_small_or_too_many() -> None:
     notes = Notes()
     small = frame_of([(60, 60)], 1.0)
-    assert labels.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to see them"
+    assert marks.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to see them"
     many = frame_of(np.random.default_rng(3).uniform(10, 230, (300, 2)), 8.0)
-    assert labels.draw_labels(notes, many, camera_of_pixels()) == "labels: 200 of 300 shown"
-    assert len(notes.sheets_drawn()) == labels.MOST
+    assert marks.draw_labels(notes, many, camera_of_pixels()) == "labels: 200 of 300 shown"
+    assert len(notes.sheets_drawn()) == marks.MOST_LABELS
 
 
 def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:

@@ -22,9 +22,11 @@ from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.storage import encoder, recording  # noqa: E402
-from jostle.app.storage.encoder import Encoder, gif_palette  # noqa: E402
+from jostle.app.storage.encoder import (  # noqa: E402
+    Encoder,
+    gif_palette,
+)
 from jostle.app.storage.recording import MOST_QUEUED, Recording  # noqa: E402
-from jostle.app.storage.video_writer import VideoWriter  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 SIZE = (320, 180)
@@ -78,9 +80,9 @@ def finish(session: Session) -> Recording:
 @pytest.mark.parametrize("suffix", [".mp4", ".gif"])
 @pytest.mark.parametrize("size", [(64, 48), (65, 48), (64, 49), (65, 49), (3, 5)])
 def test_films_of_any_size(tmp_path: Path, suffix: str, size: tuple[int, int]) -> None:
-    with VideoWriter(tmp_path / f"film{suffix}", size) as film:
+    with Encoder(tmp_path / f"film{suffix}", size) as film:
         for shade in range(4):
-            film.add(canvas(size, DISCS[6 * shade]))
+            film.draw(canvas(size, DISCS[6 * shade]))
     pictures = frames_of(tmp_path / f"film{suffix}")
     assert len(pictures) == 4
     height, width = pictures[0].shape[:2]

@@ -10,8 +10,7 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.measure.series import Series
-from jostle.app.measure.statistics import EVERY, Statistics
+from jostle.app.measure.statistics import EVERY, Series, Statistics
 from jostle.app.measure.traces import Traces
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
@@ -366,7 +365,7 @@ def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
 
 def test_scenes_follow_each_other_in_a_circle() -> None:
     session = Session(start(Settings("article", 20, method="brute")), (640, 360), synchronous=True)
-    session.runner.previous_scene()
+    session.runner.next_scene(-1)
     assert session.engine.scene == jostle.scenes.names()[-1]
     session.runner.next_scene()
     assert session.engine.scene == "article"

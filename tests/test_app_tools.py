@@ -13,8 +13,8 @@ from app_interaction import FRAME, MIDDLE, RIGHT, Driver, article_with, post, ta
 
 import jostle  # noqa: E402
 from jostle.app.act.attractors import STRENGTH  # noqa: E402
-from jostle.app.act.interaction_view import draw_preview, draw_selection  # noqa: E402
-from jostle.app.act.tools import Tool  # noqa: E402
+from jostle.app.act.interaction import Tool  # noqa: E402
+from jostle.app.act.view import draw_preview, draw_selection  # noqa: E402
 from jostle.app.draw.base_layers import draw_walls  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.palette import STAGE  # noqa: E402
@@ -69,7 +69,7 @@ def test_the_rubber_band_and_the_rings_are_drawn() -> None:
     driver = Driver(world_of(FOUR))
     driver.down((50, 50))
     driver.point_at((250, 350))
-    preview = driver.session.interaction.tools.preview
+    preview = driver.session.interaction.preview
     assert preview.tool is Tool.POINTER and preview.end == pytest.approx((250, 350), abs=1)
     painter = SoftwarePainter(driver.session.camera.size)
     painter.fill((0, 0, 0))
@@ -77,7 +77,7 @@ def test_the_rubber_band_and_the_rings_are_drawn() -> None:
     edge = driver.pixel((50, 200))
     assert pygame.surfarray.array3d(painter.canvas())[edge[0], edge[1]].any()
     driver.up((250, 350))
-    assert driver.session.interaction.tools.preview is None
+    assert driver.session.interaction.preview is None
     painter.fill((0, 0, 0))
     session = driver.session
     draw_selection(painter, session.frame, session.interaction.selection, session.camera)
@@ -215,11 +215,11 @@ def test_a_click_removes_the_image_of_a_wall_on_a_torus() -> None:
 def test_the_cursor_shows_which_tool_is_in_drag_tool() -> None:
     driver = Driver(world_of(FOUR))
     driver.point_at((300, 300))
-    assert driver.session.interaction.tools.preview is None
+    assert driver.session.interaction.preview is None
     driver.key(pygame.K_2)
-    assert driver.session.interaction.tools.preview.tool is Tool.WALL
+    assert driver.session.interaction.preview.tool is Tool.WALL
     driver.point_at((320, 300))
-    assert driver.session.interaction.tools.preview.start == pytest.approx((320, 300), abs=1)
+    assert driver.session.interaction.preview.start == pytest.approx((320, 300), abs=1)
 
 
 def test_the_article_has_no_walls_to_draw_and_says_so() -> None:
@@ -237,15 +237,12 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     driver.down((400, 50))
     driver.point_at((400, 400))
     driver.key(pygame.K_ESCAPE)
-    assert (
-        driver.session.interaction.tools.preview.start
-        == driver.session.interaction.tools.preview.end
-    )
+    assert driver.session.interaction.preview.start == driver.session.interaction.preview.end
     driver.up((400, 400))
     assert len(driver.session.frame) == 4
     driver.key(pygame.K_ESCAPE)
     assert (
-        driver.session.interaction.tools.tool is Tool.POINTER
+        driver.session.interaction.tool is Tool.POINTER
         and len(driver.session.interaction.selection) == 1
     )
     driver.key(pygame.K_ESCAPE)

@@ -9,7 +9,7 @@ pytest.importorskip("pygame")
 
 import jostle
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.rng import TRIES, directions, in_disc
+from jostle.app.simulate.placement import TRIES, directions, in_disc
 
 STEP = 1 / 60
 N = 300

@@ -102,6 +102,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     pytest.importorskip("imgui_bundle")
     from jostle.app import window as windows
     from jostle.app.panels import settings_panel
+    from jostle.app.simulate.engine import Hooks
     from jostle.app.simulate.settings import Settings
     from jostle.app.simulate.start import start
     from jostle.app.window import Window
@@ -126,9 +127,9 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     elif moment == "build":
         monkeypatch.setattr(settings_panel, "slider", pressing(settings_panel.slider))
     elif moment == "step":
-        window.session.engine.before.append(pressing(lambda simulation: None))
+        window.session.engine.hooks = Hooks(before=pressing(lambda simulation: None))
     else:
-        monkeypatch.setattr(windows, "draw_interaction", pressing(windows.draw_interaction))
+        monkeypatch.setattr(windows, "draw_selection", pressing(windows.draw_selection))
     with pytest.raises(KeyboardInterrupt), interrupt.raised():
         window.run()
     assert len(closed) == 1

@@ -38,6 +38,7 @@ from pygame.sprite import (  # noqa: E402
 
 import jostle.pygame as ours  # noqa: E402
 from jostle._core import Quadtree, sprite_pairs  # noqa: E402
+from jostle.pygame import collisions, groups, kills  # noqa: E402
 from jostle.sprites import Near, Radii  # noqa: E402
 
 theirs = pygame.sprite
@@ -188,8 +189,9 @@ def test_pygame_has_nothing_to_do(rule: str, kind: str, monkeypatch: pytest.Monk
         collided = BUILT_IN[rule]
         want = named(theirs.groupcollide(scene.a, scene.b, False, False, collided))
         with monkeypatch.context() as patch:
-            patch.setattr(ours, "_their_groupcollide", None)
-            patch.setattr(ours, "_their_spritecollide", against_no_sprite)
+            for module in (collisions, kills):
+                patch.setattr(module, "their_groupcollide", None)
+                patch.setattr(module, "their_spritecollide", against_no_sprite)
             assert named(ours.groupcollide(scene.a, scene.b, False, False, collided)) == want
             ours.groupcollide(scene.a, scene.b, False, True, collided)
 
@@ -807,7 +809,7 @@ def test_a_group_is_asked_about_the_present() -> None:
 
 def test_a_tree_is_built_only_if_a_rect_has_changed(monkeypatch: pytest.MonkeyPatch) -> None:
     built = []
-    monkeypatch.setattr(ours, "Quadtree", lambda *x, **y: built.append(x) or Quadtree(*x, **y))
+    monkeypatch.setattr(groups, "Quadtree", lambda *x, **y: built.append(x) or Quadtree(*x, **y))
     group = ours.Group(one_place(3))
     group.nearest((0, 0))
     group.raycast((0, 0), (1, 0))
@@ -931,7 +933,7 @@ def test_pairs_become_lists_in_parts_so_that_ctrl_c_is_handled(monkeypatch) -> N
     many = 70_000
     pairs = np.tile(np.array([(0, 1)], np.uint32), (many, 1)).view(Pairs)
     near = Near(pairs, np.zeros(many, np.bool_).view(Pairs), lambda a, b: True, Radii())
-    monkeypatch.setattr(ours, "_near", lambda *arguments: near)
+    monkeypatch.setattr(collisions, "find_near", lambda *arguments: near)
     assert ours.selfcollide("ab", collide_rect) == [("a", "b")] * many
     assert [(row, len(list(triples))) for row, triples in near.by_left()] == [(0, many)]
     assert max(lengths) < many

@@ -166,8 +166,7 @@ def tour(
 ) -> None:
     """Make pictures and short videos of the simulator, without a display."""
     _check_extra("imgui_bundle")
-    from jostle.app.tour.progress import show_tour
-    from jostle.app.tour.tour import names
+    from jostle.app.tour.tour import names, show_tour
 
     for name in only or []:
         if name not in names():
@@ -349,7 +348,7 @@ def _show(settings: Settings, steps: int | None, renderer: str, config: Config) 
         _refuse(f"--renderer is 'opengl', but {error}")
     except pygame.error as error:
         return str(error)
-    config.apply_view_options(window.session.view_options)
+    window.session.view_options.update(config.view_options)
     with interrupt.raised():
         window.run()
     return None
@@ -361,10 +360,7 @@ def _film(settings: Settings, steps: int | None, out: Path, config: Config) -> N
     from jostle.app.film_report import film_report
     from jostle.app.headless import SIZE, default_steps, make_film
 
-    options = ViewOptions() if config.view_options else None
-    if options is not None:
-        config.apply_view_options(options)
-
+    options = ViewOptions(**config.view_options) if config.view_options else None
     simulation = _start(settings, config)
     try:
         with interrupt.raised():

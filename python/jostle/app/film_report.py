@@ -11,7 +11,7 @@ from typing import Literal
 from rich.table import Table
 
 import jostle
-from jostle.app.draw.formatting import pairs_of, share
+from jostle.app.draw.text import pairs_of, plural, share
 from jostle.app.headless import Film
 from jostle.app.simulate.article_simulation import article_of
 from jostle.app.simulate.settings import METHODS, Settings
@@ -42,29 +42,23 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     table.add_column()
     table.add_column(justify="right")
     table.add_column(style="dim")
-    table.add_row("particles", f"{n:,}", "")
-    table.add_row(
-        "steps", f"{film.steps:,}", f"{film.frames:,} frame{'s' if film.frames != 1 else ''}"
-    )
-    table.add_row(
-        "steps/s",
-        f"{1e3 / own:,.0f}",
-        f"alone; {film.steps / film.step_seconds:,.0f} while recording",
-    )
-    table.add_row(
-        "pairs tested",
-        f"{facts.pairs_tested:,}",
-        f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}",
-    )
-    table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
+    recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
+    part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
+    rows: list[Row] = [
+        ("particles", f"{n:,}", ""),
+        ("steps", f"{film.steps:,}", plural(film.frames, "frame")),
+        ("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}"),
+        ("pairs tested", f"{facts.pairs_tested:,}", part),
+        ("touching", f"{facts.touching:,}", "pairs, in the last step"),
+    ]
     if facts.asleep:
-        table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
-    table.add_section()
-    if every_pair == 0:
-        table.add_row("other methods", "–", "no pairs, so nothing to compare")
-        return table
-    for row in _comparison(simulation, state, settings):
-        table.add_row(*row)
+        rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
+    nothing: list[Row] = [("other methods", "–", "no pairs, so nothing to compare")]
+    others = _comparison(simulation, state, settings) if every_pair else nothing
+    for part_of_table in (rows, others):
+        table.add_section()
+        for row in part_of_table:
+            table.add_row(*row)
     return table
 
 

@@ -1,4 +1,4 @@
-"""The run without a window: a video of the scene, and a picture of its last frame."""
+"""The run without a window: a video of the scene with its numbers, and a picture of its end."""
 
 from __future__ import annotations
 
@@ -7,24 +7,127 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import pygame
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from jostle import interrupt
 from jostle.app.draw.camera import Camera, Size
-from jostle.app.draw.formatting import video_name
+from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 from jostle.app.draw.picture import Picture
-from jostle.app.draw.readout import SPACE, Readout
 from jostle.app.draw.software import SoftwarePainter
+from jostle.app.draw.text import (
+    BODY,
+    SMALL,
+    TITLE,
+    font,
+    pairs_of,
+    panel,
+    scientific,
+    share,
+    video_name,
+    write,
+)
 from jostle.app.draw.view_options import TreeView, ViewOptions
 from jostle.app.simulate.engine import Engine
+from jostle.app.simulate.settings import METHODS
 from jostle.app.simulate.simulation import Simulation
+from jostle.app.storage.encoder import Encoder
 from jostle.app.storage.paths import free_name
-from jostle.app.storage.video_writer import VideoWriter, save_png
 
 SIZE = (1280, 720)
 FRAME_RATE = 30
 DEFAULT_SECONDS = 10
+# The panel of numbers, in pixels
+WIDTH = 248
+EDGE = 12  # pixels between the panel and the edge of the screen
+SPACE = WIDTH + 2 * EDGE  # margin of the scene
+PAD = 14
+RULE = 11  # pixels, the height of a line between two parts
+BAR = 44  # length of the longest bar of a stage
+SMOOTH = 0.1  # weight of a new measurement
+EVERY = 0.2  # seconds between updates
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A line of the panel: a name at the left, a value at the right, and a bar before it."""
+
+    name: str
+    value: str = ""
+    size: int = BODY
+    colour: Colour = TEXT_SOFT
+    value_colour: Colour = TEXT
+    bar: float | None = None  # its length, from 0 to 1
+
+    @property
+    def height(self) -> int:
+        return font(self.size).get_linesize() + 3
+
+
+class Readout:
+    """Collects measurements every frame, and redraws its panel a few times per second."""
+
+    def __init__(self) -> None:
+        self._times: dict[str, float] = {}
+        self._sheet: pygame.Surface | None = None
+        self._due = 0.0
+
+    def measure(self, **milliseconds: float) -> None:
+        """Add one measurement for each named stage."""
+        for stage, value in milliseconds.items():
+            shown = self._times.get(stage, value)
+            self._times[stage] = shown + SMOOTH * (value - shown)
+
+    def draw(self, painter: Painter, engine: Engine, rate: float | None, now: float) -> None:
+        """Draw the panel; `rate` is the number of steps per second."""
+        if self._sheet is None or now >= self._due:
+            self._sheet = _sheet(self._rows(engine, rate))
+            self._due = now + EVERY
+        painter.sheet(self._sheet, (EDGE, EDGE))
+
+    def _rows(self, engine: Engine, rate: float | None) -> list[_Row | None]:
+        """Return the lines; None is a rule between two parts."""
+        facts, n = engine.frame.stats, len(engine.frame)
+        every_pair = pairs_of(n)
+        longest = max(self._times.values(), default=0.0) or 1.0
+        # Drawing is last, in the order of work.
+        stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
+        return [
+            _Row(engine.scene, size=TITLE, colour=TEXT),
+            _Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
+            None,
+            _Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
+            None,
+            _Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
+            *(_Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
+            None,
+            _Row("pairs tested", f"{facts.pairs_tested:,}"),
+            _Row("of n(n−1)/2", f"{every_pair:,}"),
+            _Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
+            _Row("touching", f"{facts.touching:,}"),
+            _Row("asleep", f"{facts.asleep:,}"),
+            _Row("kinetic energy", scientific(facts.kinetic_energy)),
+        ]
+
+
+def _sheet(rows: list[_Row | None]) -> pygame.Surface:
+    """Return the lines on a panel, from top to bottom."""
+    sheet = panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
+    y, right = PAD, WIDTH - PAD
+    for row in rows:
+        if row is None:
+            pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
+            y += RULE
+            continue
+        write(sheet, (PAD, y), row.name, row.colour, row.size)
+        write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
+        if row.bar is not None:
+            bar = right - 62 - BAR, y + row.height // 2 - 3, max(round(BAR * row.bar), 1), 4
+            pygame.draw.rect(sheet, ACCENT, bar)
+        y += row.height
+    return sheet
 
 
 @dataclass(frozen=True)
@@ -75,7 +178,7 @@ def make_film(
     changing, options = options is None, options or ViewOptions()
     camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
     stride = max(round(1 / FRAME_RATE / simulation.time_step), 1)
-    spent, frames = 0.0, 0
+    spent = 0.0
 
     def draw(step: int, now: float) -> None:
         if changing:
@@ -89,7 +192,10 @@ def make_film(
         readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    with VideoWriter(video, size, FRAME_RATE) as recorder, _progress(console) as progress:
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    bar = Progress(*columns, console=console)
+    with Encoder(video, size, FRAME_RATE) as recorder, bar as progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
@@ -100,18 +206,7 @@ def make_film(
                 progress.advance(task)
             if step % stride == 0:
                 draw(step, step * simulation.time_step)
-                recorder.add(painter.canvas())
-                frames += 1
+                recorder.draw(painter.canvas())
     draw(steps, now=math.inf)  # the numbers of the last step, as in the table
-    save_png(painter.canvas(), still)
-    return Film(video, still, steps, frames, spent)
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:,}/{task.total:,} steps"),
-        TimeRemainingColumn(),
-        console=console,
-    )
+    pygame.image.save(painter.canvas(), still)
+    return Film(video, still, steps, recorder.frames, spent)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import pygame
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.formatting import scientific
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT
 from jostle.app.draw.picture import Picture
-from jostle.app.draw.text import BODY, SMALL, font, panel, write
+from jostle.app.draw.text import BODY, SMALL, font, panel, scientific, write
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import METHODS, MOST_RUNNING
@@ -20,7 +19,6 @@ from jostle.app.simulate.start import start
 
 # Largest numbers of particles; with more a step takes longer than a second.
 MOST = {"brute": MOST_RUNNING["brute"], "article-quadtree": 8_000, "article-brute": 1_500}
-SMOOTH = 0.2  # weight of a new measurement
 EVERY = 0.2  # seconds between updates of the numbers
 PAD, EDGE, WIDEST = 12, 12, 420  # pixels
 
@@ -37,31 +35,19 @@ def refusal(left: str, right: str, n: int) -> str | None:
     return None
 
 
+@dataclass(frozen=True)
 class Contestant:
     """One of the two engines, with its steps since the start."""
 
-    def __init__(self, engine: Engine) -> None:
-        self.engine = engine
-        self._first = self.engine.steps
-        self._seen = 0
-        self.milliseconds = 0.0
+    engine: Engine
+    first: int  # steps before the start
 
     @property
     def steps(self) -> int:
-        """Return the number of steps since the start."""
-        return self.engine.steps - self._first
-
-    def measure(self) -> None:
-        """Update the smoothed time of a step, after a new one."""
-        steps, new = self.steps, self.engine.last_seconds * 1e3
-        if steps > self._seen:
-            share = SMOOTH if self._seen else 1.0
-            self.milliseconds += share * (new - self.milliseconds)
-            self._seen = steps
+        return self.engine.steps - self.first
 
     @property
     def stats(self) -> StepStats:
-        """Return the numbers of the last step."""
         return self.engine.frame.stats
 
 
@@ -82,7 +68,7 @@ class Race:
         self.method = method
         settings = replace(left.settings, method=method)
         self.engine = Engine(start(settings), synchronous=left.synchronous)
-        self.contestants = Contestant(left), Contestant(self.engine)
+        self.contestants = Contestant(left, left.steps), Contestant(self.engine, 0)
         self._picture = Picture()
         self._sheets: list[pygame.Surface] = []
         self._due = 0.0
@@ -94,11 +80,8 @@ class Race:
         steps = self.engine.advance(elapsed)
         if changed and not steps:
             self.engine.refresh()
-        for contestant in self.contestants:
-            contestant.measure()
 
     def close(self) -> None:
-        """End the second engine."""
         self.engine.abandon()
 
     # Drawing
@@ -142,7 +125,7 @@ def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surfa
         write(sheet, (width - PAD, PAD), "ahead", ACCENT, BODY, flush_right=True)
     numbers = [
         ("steps", f"{contestant.steps:,}"),
-        ("ms per step", f"{contestant.milliseconds:,.2f}"),
+        ("ms per step", f"{contestant.engine.step_seconds * 1e3:,.2f}"),
         ("simulated", f"{contestant.stats.time:.1f} s"),
         ("kinetic", scientific(contestant.stats.kinetic_energy)),
     ]

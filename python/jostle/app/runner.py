@@ -17,13 +17,12 @@ from jostle.app.draw.view_options import ViewOptions
 from jostle.app.measure.statistics import Statistics
 from jostle.app.race import Race, refusal
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.engine import Engine, Then
+from jostle.app.simulate.engine import Engine, Hooks, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
 from jostle.app.simulate.simulation import FrameRequest, Simulation
-from jostle.app.simulate.start import start
-from jostle.app.simulate.switch_rules import switch_rules
+from jostle.app.simulate.start import start, switch_rules
 from jostle.app.simulate.validation import check
 
 # Settings whose change does work on the particles, or shifts the zero of their energy.
@@ -32,29 +31,16 @@ SLOWEST, FASTEST = 1 / 32, 8.0  # times real time
 
 
 class Runner:
-    """Runs a simulation, and replaces it by others.
-
-    Attributes
-    ----------
-    loader
-        Makes new simulations.
-    history, statistics, picture
-        Of the present simulation; another one has its own.
-    race
-        The comparison with another method, or None.
-    paused
-        Whether the simulation is paused.
-    """
+    """Runs a simulation, and replaces it by others."""
 
     def __init__(
         self, engine: Engine, camera: Camera, interaction: Interaction, messages: Messages
     ) -> None:
         self.engine = engine
         self._camera, self._interaction, self._messages = camera, interaction, messages
-        self.loader = SceneLoader(synchronous=engine.synchronous)
-        self.picture = Picture()
-        self.race: Race | None = None
-        self.statistics = Statistics()
+        self.loader = SceneLoader(synchronous=engine.synchronous)  # makes new simulations
+        self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
+        self.race: Race | None = None  # the comparison with another method
         self.paused = False
         self._begin_history(engine.simulation)
 
@@ -74,18 +60,26 @@ class Runner:
                 then()
 
         message = f"Preparing {expected(settings):,} particles …"
-        self._load(partial(start, settings), message, begun, settings)
+        self.replace(partial(start, settings), message, begun, settings)
 
-    def restart(self) -> None:
-        """Return to the initial state, with the present settings."""
-        self.begin(self._next_settings)
-
-    def replace(self, create: Create, message: str, then: Then | None = None) -> None:
+    def replace(
+        self,
+        create: Create,
+        message: str,
+        then: Then | None = None,
+        settings: Settings | None = None,
+    ) -> None:
         """Replace the simulation, if the new one can be made, and call `then`.
 
         It is made on a worker thread; meanwhile the present one and `message` are shown.
         """
-        self._load(create, message, then)
+        self.loader.start(create, self._first_request, message, settings, then)
+        if self.engine.synchronous:
+            self._take_loaded()
+
+    def restart(self) -> None:
+        """Return to the initial state, with the present settings."""
+        self.begin(self._next_settings)
 
     def choose_scene(self, name: str) -> None:
         """Begin another scene with its own settings; method, threads and speed are kept."""
@@ -102,10 +96,6 @@ class Runner:
         at = names.index(scene) if scene in names else -max(by, 0)
         self.choose_scene(names[(at + by) % len(names)])
 
-    def previous_scene(self) -> None:
-        """Begin the previous scene of the list; the last before the first."""
-        self.next_scene(-1)
-
     @property
     def _next_settings(self) -> Settings:
         """Return the settings of the simulation that is being made, or of the present one."""
@@ -115,13 +105,6 @@ class Runner:
     def _first_request(self) -> FrameRequest:
         """Return the request for a first frame, which is the reference of the energy."""
         return replace(self.engine.request, energies=True)
-
-    def _load(
-        self, create: Create, message: str, then: Then | None, settings: Settings | None = None
-    ) -> None:
-        self.loader.start(create, self._first_request, message, settings, then)
-        if self.engine.synchronous:
-            self._take_loaded()
 
     def _take_loaded(self) -> None:
         """Continue with a new simulation, if there is one."""
@@ -139,7 +122,6 @@ class Runner:
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
         self._begin_history(new.simulation, new.state)
-        self._interaction.attractors.adopt(self.engine.frame)
         self.picture = Picture()  # the worker thread may still use the previous one
         self.statistics.restart()
         self.statistics.sum_up(self.engine.frame)
@@ -243,7 +225,6 @@ class Runner:
             self._camera.divide(2)
 
     def end_race(self) -> None:
-        """End the comparison, if there is one."""
         if self.race:
             self.race.close()
             self.race = None
@@ -284,13 +265,8 @@ class Runner:
         self._show_errors()
         self._camera.follow(engine.view)
         self._interaction.follow()
-        statistics.follow(
-            self.engine.frame,
-            now,
-            elapsed,
-            running=not self.paused,
-            step_seconds=engine.step_seconds,
-        )
+        running, step_seconds = not self.paused, engine.whole_seconds
+        statistics.follow(engine.frame, now, elapsed, running=running, step_seconds=step_seconds)
         return steps
 
     def _show_errors(self) -> None:
@@ -301,13 +277,11 @@ class Runner:
                 self._messages.say(error)
 
     def scale_time(self, factor: float) -> None:
-        """Multiply the speed."""
         scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
         self._messages.say(f"Speed × {scale:.4g}")
 
     def toggle_pause(self) -> None:
-        """Pause or resume."""
         self.paused = not self.paused
 
     def single_step(self) -> None:
@@ -337,7 +311,6 @@ class Runner:
 
         def then() -> None:
             self.picture = Picture()
-            self._interaction.attractors.adopt(self.engine.frame)
 
         self.engine.edit(restore, changes=False, then=then)
 
@@ -350,13 +323,11 @@ class Runner:
             if self._interaction.before_step(simulation):
                 history.touch()
 
-        engine = self.engine
-        engine.before, engine.after, engine.touched = [before], [history.after], [history.touch]
+        self.engine.hooks = Hooks(before, history.after, history.touch)
 
     # Drawing
 
     def draw(self, painter: Painter, options: ViewOptions) -> None:
-        """Draw the scene, or both scenes of a comparison."""
         if self.race:
             self.race.draw(painter, self.picture, self._camera, options, self._messages.now)
         else:

@@ -21,9 +21,6 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Simulation
 from jostle.app.storage.files import Files
 
-EXPLANATION_INTERVAL = 1.0  # seconds between two explanations in scenes of
-MANY = 50_000  # particles and more
-
 
 class Session:
     """One run of the program, composed of parts.
@@ -39,44 +36,28 @@ class Session:
     synchronous
         Whether steps, edits and new scenes are computed by the calling thread, for tests and
         videos; otherwise they are computed on worker threads, and the last finished frame is shown.
-
-    Attributes
-    ----------
-    engine
-        Steps the simulation.
-    camera, view_options
-        The visible part of the world; what is drawn.
-    messages, interaction, runner, files
-        Message and time; mouse and commands; scenes, settings and time; files and recordings.
-    traces, question
-        The plots of the statistics; the pair whose contact is explained.
-    open
-        False if the window is to be closed.
     """
 
     def __init__(
         self, simulation: Simulation, size: Size, left: int = 0, *, synchronous: bool = False
     ) -> None:
-        self.engine = Engine(simulation, synchronous=synchronous)
+        self.engine = Engine(simulation, synchronous=synchronous)  # steps the simulation
         self.camera = Camera(size, simulation.view, left=left)
         self.view_options = ViewOptions(tree=TreeView.OUTLINE)
-        self.messages = Messages()
+        self.messages = Messages()  # and the time of the session
         self.interaction = Interaction(self.engine, self.camera, self.messages)
         self.runner = Runner(self.engine, self.camera, self.interaction, self.messages)
         self.files = Files(self.runner, self.camera, self.view_options, self.messages)
-        self.traces = Traces(self.runner.statistics)
-        self.question = PairQuestion()
-        self.open = True
-        self._explained_frame, self._explanation_due = self.frame, 0.0
+        self.traces = Traces(self.runner.statistics)  # the plots of the statistics
+        self.question = PairQuestion()  # the pair whose contact is explained
+        self.open = True  # false if the window is to be closed
 
     @property
     def frame(self) -> Frame:
-        """Return the last frame."""
         return self.engine.frame
 
     @property
     def settings(self) -> Settings:
-        """Return the present settings."""
         return self.engine.settings
 
     @property
@@ -103,18 +84,13 @@ class Session:
     # Display
 
     def draw(self, painter: Painter) -> None:
-        """Draw the scene, or both scenes of a comparison."""
         self.runner.draw(painter, self.view_options)
 
-    def cycle_tree(self) -> None:
-        """Choose the next way to draw the tree."""
-        self.view_options.tree = self.view_options.tree.next()
-        self.messages.say(f"Tree: {self.view_options.tree.label}")
-
-    def cycle_colours(self) -> None:
-        """Choose the next quantity that colours show."""
-        self.view_options.colour_by = self.view_options.colour_by.next()
-        self.messages.say(f"Colour by: {self.view_options.colour_by.label}")
+    def cycle(self, name: str) -> None:
+        """Choose the next value of one of the view options."""
+        value = getattr(self.view_options, name).next()
+        setattr(self.view_options, name, value)
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
 
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""
@@ -128,11 +104,7 @@ class Session:
 
     @property
     def explanation(self) -> Explanation | None:
-        """Return the explanation for the last frame, or an earlier one of very many particles."""
-        now = self.messages.now
-        if len(self.frame) < MANY or now >= self._explanation_due:
-            self._explained_frame, self._explanation_due = self.frame, now + EXPLANATION_INTERVAL
-        return self.question.answer(self._explained_frame, self.settings)
+        return self.question.answer(self.frame, self.settings, self.messages.now)
 
     # Closing
 
@@ -149,7 +121,6 @@ class Session:
             self.quit()
 
     def quit(self) -> None:
-        """End the loop after this frame."""
         self.open = False
 
     def close(self) -> None:

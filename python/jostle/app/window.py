@@ -4,22 +4,20 @@ from __future__ import annotations
 
 import copy
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 
 import pygame
 
 from jostle import interrupt
 from jostle.app import panels
-from jostle.app.act.explanation_view import draw_explanation
-from jostle.app.act.interaction_view import draw_interaction
+from jostle.app.act.view import draw_explanation, draw_preview, draw_selection
 from jostle.app.draw.background_render import BackgroundRenderer
 from jostle.app.draw.camera import Camera, Size
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.screen import FAILURES, Screen
 from jostle.app.gui.host import Gui
 from jostle.app.gui.input import Input
-from jostle.app.gui.layout import arrange
+from jostle.app.gui.style import arrange
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Simulation
 
@@ -29,8 +27,6 @@ HIDDEN_FRAME_RATE = 10  # frames per second while the window is minimised and no
 PANEL_INTERVAL = 0.03  # seconds between two builds of the panels without events
 LIVELY = 3  # frames after an event in which panels are built: ImGui reacts in the next one
 LONGEST_FRAME = 0.25  # seconds; longer if the machine was suspended, or the window was dragged
-
-Builder = Callable[[Session, Gui], None]
 
 
 class Window:
@@ -50,13 +46,6 @@ class Window:
         One of `settings.RENDERERS`.
     synchronous
         As in `Session`.
-
-    Attributes
-    ----------
-    builders
-        Functions that build panels and menus, in this order.
-    background
-        Draws the scene, slow frames on a worker thread.
     """
 
     def __init__(
@@ -70,10 +59,12 @@ class Window:
     ) -> None:
         self.screen = Screen(size, renderer)
         self.session = Session(simulation, self.painter.size, synchronous=synchronous)
-        self.builders: list[Builder] = [panels.build]
+        self.builders: list[panels.Builder] = [
+            panels.build
+        ]  # they build panels and menus, in order
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
-        self.background = BackgroundRenderer()
+        self.background = BackgroundRenderer()  # draws the scene, slow frames on a worker thread
         self.session.engine.last_step = self._last_step = steps
         self.input = Input(self.session)
         self._seen = True
@@ -82,7 +73,6 @@ class Window:
 
     @property
     def painter(self) -> Painter:
-        """Return the painter."""
         return self.screen.painter
 
     def run(self) -> None:
@@ -102,7 +92,6 @@ class Window:
             self.close()
 
     def close(self) -> None:
-        """Close the session and the window."""
         with ExitStack() as closing:  # after an exception, the rest is closed, too
             closing.callback(self.screen.close)
             closing.callback(self.gui.close)
@@ -127,7 +116,6 @@ class Window:
     # Events
 
     def take_events(self) -> None:
-        """Handle all pending events."""
         for event in pygame.event.get():
             self._handle(event)
 
@@ -188,11 +176,8 @@ class Window:
         if session.runner.race:  # with few particles
             session.draw(self.painter)
             return
-        frame, options, picture = (
-            session.frame,
-            copy.copy(session.view_options),
-            session.runner.picture,
-        )
+        frame, options = session.frame, copy.copy(session.view_options)
+        picture = session.runner.picture
 
         def draw(painter: Painter, camera: Camera) -> None:
             picture.draw(painter, frame, camera, options)
@@ -201,13 +186,12 @@ class Window:
 
     def _draw_overlays(self) -> None:
         """Draw the selection, the current drag, and the shapes of an explanation."""
-        session, interaction = self.session, self.session.interaction
-        draw_interaction(
-            *(self.painter, session.frame, interaction.selection, interaction.tools.preview),
-            session.camera,
-        )
+        session, interaction, camera = self.session, self.session.interaction, self.session.camera
+        draw_selection(self.painter, session.frame, interaction.selection, camera)
+        if interaction.preview is not None:
+            draw_preview(self.painter, interaction.preview, camera)
         if session.explanation is not None:
-            draw_explanation(self.painter, session.explanation, session.camera)
+            draw_explanation(self.painter, session.explanation, camera)
 
     def _draw_panels(self, elapsed: float) -> None:
         """Draw panels and menus; without events they are not built in every frame."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.containers import bounds, diagonal, wall_images
-from jostle.app.simulate.engine import REFUSALS, Edit, Engine, message_of
+from jostle.app.simulate.engine import REFUSALS, Engine, message_of
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
@@ -24,19 +24,13 @@ PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no oth
 
 
 class Commands:
-    """Commands on particles and walls; an error becomes a message.
-
-    Attributes
-    ----------
-    kind
-        The kind of new particles, where forces depend on it.
-    """
+    """Commands on particles and walls; an error becomes a message."""
 
     def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
         self._engine = engine
         self._say = say
         self._rng = np.random.default_rng()
-        self.kind = 0
+        self.kind = 0  # the kind of new particles, where forces depend on it
 
     # Some particles
 
@@ -73,7 +67,6 @@ class Commands:
         self._edit(work)
 
     def delete(self, tags: Tags) -> None:
-        """Remove particles."""
         self._edit(lambda simulation: simulation.remove(tags))
 
     def stop(self, tags: Tags) -> None:
@@ -91,35 +84,31 @@ class Commands:
 
     def scramble(self) -> None:
         """Move every particle to a random position inside the container."""
-
-        def work(simulation: Simulation) -> None:
-            frame = simulation.frame()
-            tags = frame.tags[frame.movable]
-            simulation.change(tags, positions=self._places(frame, simulation.view))
-
-        self._edit(work)
+        self._scatter(lambda count, view: {})
 
     def dance(self) -> None:
         """Give every particle a random position, velocity and density, and so a random colour."""
+        self._scatter(self._party)
+
+    def _party(self, count: int, view: Rect) -> dict[str, NDArray[np.float64]]:
+        angle = self._rng.uniform(0, 2 * math.pi, count)
+        speed = self._rng.uniform(0, PARTY_SPEED * diagonal(view), count)
+        return {
+            "velocities": np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1),
+            "densities": np.rint(self._rng.uniform(*DENSITIES, count)),
+        }
+
+    def _scatter(self, more: Callable[[int, Rect], dict[str, NDArray[np.float64]]]) -> None:
+        """Move every movable particle, and change other columns by their number and the view."""
 
         def work(simulation: Simulation) -> None:
-            frame = simulation.frame()
-            tags = frame.tags[frame.movable]
-            n = len(tags)
-            angle = self._rng.uniform(0, 2 * math.pi, n)
-            speed = self._rng.uniform(0, PARTY_SPEED * diagonal(simulation.view), n)
-            simulation.change(
-                tags,
-                positions=self._places(frame, simulation.view),
-                velocities=np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1),
-                densities=np.rint(self._rng.uniform(*DENSITIES, n)),
-            )
+            frame, view = simulation.frame(), simulation.view
+            radii = frame.radii[frame.movable]
+            places = scatter(self._rng, frame.container, view, radii)
+            columns = more(len(radii), view)
+            simulation.change(frame.tags[frame.movable], positions=places, **columns)
 
         self._edit(work)
-
-    def _places(self, frame: Frame, view: Rect) -> NDArray[np.float64]:
-        """Return random positions for the movable particles, inside the container and the view."""
-        return scatter(self._rng, frame.container, view, frame.radii[frame.movable])
 
     # Walls
 
@@ -149,7 +138,6 @@ class Commands:
         self._edit(work)
 
     def clear_walls(self) -> None:
-        """Remove every wall that was drawn."""
 
         def work(simulation: Simulation) -> None:
             frame = simulation.frame()
@@ -159,19 +147,15 @@ class Commands:
             self._edit(work)
 
     def _edit(self, work: Callable[[Simulation], object]) -> None:
-        self._engine.edit(_or_say(work, self._say))
+        """Edit the simulation; an error becomes a message."""
 
+        def edit(simulation: Simulation) -> None:
+            try:
+                work(simulation)
+            except REFUSALS as error:
+                self._say(message_of(error))
 
-def _or_say(work: Callable[[Simulation], object], say: Callable[[str | None], None]) -> Edit:
-    """Return an edit that shows an error as a message."""
-
-    def edit(simulation: Simulation) -> None:
-        try:
-            work(simulation)
-        except REFUSALS as error:
-            say(message_of(error))
-
-    return edit
+        self._engine.edit(edit)
 
 
 def usual(frame: Frame) -> tuple[float, float]:

@@ -37,16 +37,11 @@ class DragTool:
     """The cursor's position and velocity, and the tag of the held particle.
 
     Only the UI thread uses it; the worker thread reads `state`.
-
-    Attributes
-    ----------
-    state
-        The present drag; None if no particle is held.
     """
 
     def __init__(self) -> None:
         self.held: int | None = None
-        self.state: DragState | None = None
+        self.state: DragState | None = None  # the present drag; None if no particle is held
         self._path: deque[tuple[float, Point]] = deque([(0.0, (0.0, 0.0))])
 
     def grab(self, tag: int | None, point: Point, now: float) -> None:
@@ -77,7 +72,6 @@ class DragTool:
 
     @property
     def point(self) -> Point:
-        """Return the cursor's position."""
         return self._path[-1][1]
 
     @property

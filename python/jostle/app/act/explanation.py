@@ -12,11 +12,14 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
+from jostle.app.draw.text import plural
 from jostle.app.simulate.containers import minimum_image
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, Rect, TreeBoxes
 
 AXES = ("x", "y")
+INTERVAL = 1.0  # seconds between two explanations in scenes of
+MANY = 50_000  # particles and more
 TREE_NOW = "In a tree over the present positions"
 
 
@@ -154,11 +157,8 @@ def _article_leaves(
     if len(common) == 0:
         return leaves, False, [f"{count}, none in common: the pair is not tested."]
     times = "once" if len(common) == 1 else f"{len(common)} times"
-    return (
-        leaves,
-        True,
-        [f"{count}, {len(common)} in common: the pair is tested {times} per frame."],
-    )
+    said = f"{count}, {len(common)} in common: the pair is tested {times} per frame."
+    return leaves, True, [said]
 
 
 def _home(tree: TreeBoxes, point: NDArray[np.floating]) -> int:
@@ -181,8 +181,7 @@ def _leaf(frame: Frame, tree: TreeBoxes, index: int) -> Leaf:
 
 
 def _describe(leaf: Leaf) -> str:
-    levels = f"{leaf.level} level{'s' if leaf.level != 1 else ''} below the root"
-    return f"{levels} with {leaf.count:,} particle{'s' if leaf.count != 1 else ''}"
+    return f"{plural(leaf.level, 'level')} below the root with {plural(leaf.count, 'particle')}"
 
 
 # Boxes
@@ -210,17 +209,13 @@ def _rect(corners: NDArray[np.floating] | list[float]) -> Rect:
 
 
 class PairQuestion:
-    """The pair whose contact is explained, until it is cleared.
-
-    Attributes
-    ----------
-    pair
-        Its tags, or None.
-    """
+    """The pair whose contact is explained, until it is cleared."""
 
     def __init__(self) -> None:
-        self.pair: tuple[int, int] | None = None
-        self._answered: tuple[Frame, Explanation | None] | None = None
+        self.pair: tuple[int, int] | None = None  # its tags
+        self._frame: Frame | None = None  # the frame that is explained, and its explanation
+        self._answer: Explanation | None = None
+        self._due = 0.0
 
     def ask(self, tags: NDArray[np.int64]) -> str | None:
         """Set the pair, or clear it; return a message if not exactly two are selected."""
@@ -229,15 +224,20 @@ class PairQuestion:
             return None
         if len(tags) != 2:
             return f"Select two particles; {len(tags)} are selected."
-        self.pair, self._answered = (int(tags[0]), int(tags[1])), None
+        self.pair, self._frame = (int(tags[0]), int(tags[1])), None
         return None
 
-    def answer(self, frame: Frame, settings: Settings) -> Explanation | None:
-        """Return the explanation for a frame; None without a pair, or if one does not exist."""
+    def answer(self, frame: Frame, settings: Settings, now: float) -> Explanation | None:
+        """Return the explanation for a frame, or for an earlier one of very many particles.
+
+        None without a pair, or if one of it does not exist.
+        """
         if self.pair is None:
             return None
-        if self._answered is None or self._answered[0] is not frame:
-            self._answered = frame, explain(frame, *self.pair, settings)
-            if self._answered[1] is None:
+        late = len(frame) < MANY or now >= self._due
+        if self._frame is None or (frame is not self._frame and late):
+            self._frame, self._due = frame, now + INTERVAL
+            self._answer = explain(frame, *self.pair, settings)
+            if self._answer is None:
                 self.pair = None
-        return self._answered[1]
+        return self._answer

@@ -1,56 +1,90 @@
-"""All mouse actions in the scene."""
+"""All mouse actions in the scene: the tools of the left button, and the context menu."""
 
 from __future__ import annotations
 
-from jostle.app.act.attractors import Attractors
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+from jostle.app.act.attractors import STRENGTH, Attractors, Gravity
 from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
-from jostle.app.act.gravity import Gravity
-from jostle.app.act.menu import Menu
 from jostle.app.act.messages import Messages
-from jostle.app.act.picking import pick, pick_first
-from jostle.app.act.selection import NO_TAGS, Selection
-from jostle.app.act.tools import Tool, Tools
+from jostle.app.act.selection import NO_TAGS, Selection, inside, pick, pick_first
 from jostle.app.draw.camera import Camera
+from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.simulation import Point, Simulation, Tags
+from jostle.app.simulate.simulation import Point, Rect, Simulation, Tags
 
 CLICK = 4.0  # pixels; a shorter drag is a click
 REACH = 4.0  # pixels around the cursor within which a particle is picked
+STRETCH = 0.1  # diagonals of the view: a drag of this length gives the default strength
+LEAST, MOST = 0.1, 10.0  # times the default strength of an attractor
+
+
+class Tool(Enum):
+    """The tool of the left mouse button."""
+
+    POINTER = "pointer"
+    WALL = "wall"
+    ATTRACTOR = "attractor"
+
+
+@dataclass
+class Drag:
+    """A drag of the left button, in world units."""
+
+    tool: Tool
+    start: Point
+    end: Point
+    tag: int | None = None  # the particle under the cursor
+    slack: float = 0.0  # a shorter drag is a click
+    add: bool = False  # to the selection
+
+    @property
+    def length(self) -> float:
+        return math.dist(self.start, self.end)
+
+    @property
+    def is_click(self) -> bool:
+        """Whether it is too short for a drag."""
+        return self.length <= self.slack
+
+    @property
+    def box(self) -> Rect:
+        (x0, y0), (x1, y1) = self.start, self.end
+        return min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+
+
+@dataclass
+class Menu:
+    """The open context menu: of a particle, or of the background."""
+
+    point: Point
+    tag: int | None
+    tags: Tags  # the particle, or the selection that contains it
+    shown: bool = False  # whether it has been drawn
 
 
 class Interaction:
-    """The cursor, and the tools and commands that act at it.
-
-    Attributes
-    ----------
-    cursor
-        In pixels.
-    drag_tool, tools, selection
-        The held particle; the tools of the left button; the selected particles.
-    commands, attractors, gravity
-        Commands on particles and walls, attractors of the user, changes of gravity.
-    menu
-        The open context menu, or None.
-    """
+    """The cursor, and the tools and commands that act at it."""
 
     def __init__(self, engine: Engine, camera: Camera, messages: Messages) -> None:
         self._engine, self._camera, self._messages = engine, camera, messages
-        self.cursor: Point = (camera.size[0] / 2, camera.size[1] / 2)
+        self.cursor: Point = (camera.size[0] / 2, camera.size[1] / 2)  # in pixels
+        self.tool = Tool.POINTER
         self.drag_tool = DragTool()
         self.selection = Selection()
         self.attractors = Attractors(engine)
         self.commands = Commands(engine, messages.say)
         self.gravity = Gravity(engine, messages.say)
-        self.tools = Tools(
-            engine, self.drag_tool, self.selection, self.commands, self.attractors, messages.say
-        )
         self.menu: Menu | None = None
+        self._drag: Drag | None = None
+        self._moved = False  # whether the mouse has moved over the scene
 
     # Cursor
 
     def at_cursor(self) -> Point:
-        """Return the world point under the cursor."""
         return self._camera.to_world(self.cursor)
 
     def under_cursor(self) -> int | None:
@@ -61,45 +95,111 @@ class Interaction:
 
     def targets(self) -> Tags:
         """Return the selection, or else the particle under the cursor."""
-        if len(self.selection):
-            return self.selection.tags
-        tag = self.under_cursor()
+        return self.selection.tags if len(self.selection) else self._around(self.under_cursor())
+
+    def _around(self, tag: int | None) -> Tags:
         return NO_TAGS if tag is None else self.selection.around(tag)
 
-    # Buttons
+    # Left button
+
+    def choose(self, tool: Tool) -> None:
+        """Choose a tool; the current drag is cancelled."""
+        self.cancel()
+        self.tool = tool
+        self._messages.say(f"Tool: {tool.value}")
 
     def press(self, *, add: bool = False) -> None:
         """Begin to use the tool at the cursor; `add` extends the selection."""
-        slack = CLICK / self._camera.scale
-        now = self._messages.now
-        self.tools.press(self.at_cursor(), now, self.under_cursor(), slack, add=add)
+        point, tag = self.at_cursor(), self.under_cursor()
+        self._drag = Drag(self.tool, point, point, tag, CLICK / self._camera.scale, add)
+        if self.tool is Tool.POINTER:
+            frame = self._engine.frame
+            free = tag is not None and bool(frame.movable[frame.rows(tag)].all())
+            self.drag_tool.grab(tag if free else None, point, self._messages.now)
 
     def drag_on(self) -> None:
         """Continue with the tool to the cursor."""
-        self.tools.move(self.at_cursor())
+        self._moved = True
+        if self._drag is not None:
+            self._drag.end = self.at_cursor()
 
     def release(self, *, throw: bool = True) -> None:
         """End the use of the tool; `throw` gives a held particle the velocity of the cursor."""
         self.track_cursor()
-        self.tools.release(self.at_cursor())
+        self.drag_on()
+        drag, self._drag = self._drag, None
+        if drag is not None:
+            self._apply(drag)
         thrown = self.drag_tool.release()
         if thrown is not None and throw:
             self._engine.edit(thrown.throw)
 
-    def open_menu(self) -> None:
-        """Open the menu at the cursor."""
-        tag = self.under_cursor()
-        tags = None if tag is None else self.selection.around(tag)
-        self.menu = Menu(self.at_cursor(), tag, tags)
-
     def cancel(self) -> bool:
         """Cancel the current drag; return whether there was one."""
-        return self.tools.cancel()
+        under_way, self._drag = self._drag is not None, None
+        self.drag_tool.drop()
+        return under_way
+
+    @property
+    def preview(self) -> Drag | None:
+        """Return the current drag, or that of a click, if it is to be drawn."""
+        if self._drag is None:
+            point = self.at_cursor()
+            shown = self._moved and self.tool is not Tool.POINTER
+            return Drag(self.tool, point, point) if shown else None
+        if self._drag.tool is Tool.POINTER and (self._drag.tag is not None or self._drag.is_click):
+            return None  # the particle itself is visible
+        return self._drag
+
+    def _apply(self, drag: Drag) -> None:
+        if drag.tool is Tool.POINTER:
+            self._select(drag)
+        elif drag.tool is Tool.WALL:
+            self._wall(drag)
+        else:
+            self._place(drag)
+
+    def _select(self, drag: Drag) -> None:
+        """Select the clicked particle, or those in a box; a click on the background deselects."""
+        selection = self.selection
+        if not drag.is_click:
+            if drag.tag is None:
+                selection.take(inside(self._engine.frame, drag.box), add=drag.add)
+        elif drag.tag is None:
+            if not drag.add:
+                selection.clear()
+        elif drag.add:
+            selection.toggle(drag.tag)
+        else:
+            selection.take([drag.tag])
+
+    def _wall(self, drag: Drag) -> None:
+        """Add a wall; a click on one removes it."""
+        if drag.is_click:
+            self.commands.erase_wall(drag.start, 2 * drag.slack)
+        else:
+            self.commands.wall(drag.start, drag.end)
+
+    def _place(self, drag: Drag) -> None:
+        """Place an attractor, as strong as the drag is long; a click on one removes it."""
+        if not drag.is_click:
+            share = drag.length / (STRETCH * diagonal(self._engine.view))
+            self.attractors.place(drag.start, STRENGTH * min(max(share, LEAST), MOST))
+        elif (there := self.attractors.near(drag.start, 2 * drag.slack)) is not None:
+            self.attractors.remove(there)
+        else:
+            self.attractors.place(drag.start)
+
+    # Menu and Esc
+
+    def open_menu(self) -> None:
+        tag = self.under_cursor()
+        self.menu = Menu(self.at_cursor(), tag, self._around(tag))
 
     def dismiss(self) -> bool:
         """Choose the pointer, or else clear the selection; return whether anything changed."""
-        if self.tools.tool is not Tool.POINTER:
-            self.tools.choose(Tool.POINTER)
+        if self.tool is not Tool.POINTER:
+            self.choose(Tool.POINTER)
         elif len(self.selection):
             self.selection.clear()
         else:
@@ -117,7 +217,7 @@ class Interaction:
 
         The worker thread calls it. What it reads is immutable, and each is read once.
         """
-        drag, attracting = self.drag_tool.state, self.attractors.update(simulation)
+        drag, attracting = self.drag_tool.state, self.attractors.apply(simulation)
         if drag is not None:
             drag.drag(simulation)
         return drag is not None or attracting
@@ -131,7 +231,6 @@ class Interaction:
         """Update everything that refers to particles that no longer exist."""
         frame = self._engine.frame
         self.selection.follow(frame)
-        self.attractors.follow(frame)
         if self.drag_tool.held is not None and not len(frame.rows(self.drag_tool.held)):
             self.drag_tool.drop()
 

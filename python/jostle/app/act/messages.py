@@ -6,20 +6,13 @@ DURATION = 3.0  # seconds that a message is shown
 
 
 class Messages:
-    """Shows one message at a time.
-
-    Attributes
-    ----------
-    now
-        Seconds since the session began.
-    """
+    """Shows one message at a time."""
 
     def __init__(self) -> None:
-        self.now = 0.0
+        self.now = 0.0  # seconds since the session began
         self._message = "", 0.0  # and when it ends; replaced by threads, never changed
 
     def say(self, message: str | None) -> None:
-        """Show a message, if there is one."""
         if message:
             self._message = message, self.now + DURATION
 

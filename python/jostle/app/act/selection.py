@@ -1,26 +1,45 @@
-"""The selected particles, by their tags."""
+"""The particles under the cursor or in a box, and the selected ones, by their tags."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jostle.app.simulate.simulation import Frame, Tags
+from jostle.app.simulate.simulation import Frame, Point, Rect, Tags
 
 NO_TAGS: Tags = np.empty(0, np.int64)
 
 
-class Selection:
-    """A set of tags. Tags of particles that no longer exist are removed.
+def pick(frame: Frame, point: Point, reach: float) -> int | None:
+    """Return the tag of the particle under a point, or of the nearest within `reach` of it."""
+    if len(frame) == 0:
+        return None
+    away = frame.positions.astype(np.float64) - np.array(point)
+    gaps = np.hypot(away[:, 0], away[:, 1]) - frame.radii
+    nearest = int(np.argmin(gaps))
+    return int(frame.tags[nearest]) if gaps[nearest] <= reach else None
 
-    Attributes
-    ----------
-    tags
-        (k,) ascending.
-    """
+
+def pick_first(frame: Frame, point: Point) -> int | None:
+    """Return the tag of the first particle in list order under a point: the article's rule."""
+    away = frame.positions.astype(np.float64) - np.array(point)
+    under = np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) <= frame.radii)
+    return int(frame.tags[under[0]]) if len(under) else None
+
+
+def inside(frame: Frame, rect: Rect) -> Tags:
+    """Return the tags of the particles whose centres lie in a box, in ascending order."""
+    x, y = frame.positions[:, 0], frame.positions[:, 1]
+    chosen = (x >= rect[0]) & (y >= rect[1]) & (x <= rect[2]) & (y <= rect[3])
+    found: Tags = frame.tags[chosen]
+    return found
+
+
+class Selection:
+    """A set of tags. Tags of particles that no longer exist are removed."""
 
     def __init__(self) -> None:
-        self.tags: Tags = NO_TAGS
+        self.tags: Tags = NO_TAGS  # (k,) ascending
         self._seen: Tags = NO_TAGS  # the tags of the last frame
 
     def __len__(self) -> int:
@@ -35,12 +54,10 @@ class Selection:
         self.tags = np.union1d(self.tags, chosen) if add else chosen
 
     def toggle(self, tag: int) -> None:
-        """Select or deselect a particle."""
         one = np.array([tag], np.int64)
         self.tags = np.setxor1d(self.tags, one)
 
     def clear(self) -> None:
-        """Deselect all particles."""
         self.tags = NO_TAGS
 
     def around(self, tag: int) -> Tags:

@@ -4,22 +4,20 @@
 palette, camera         every colour; world to screen and back, pan and zoom
 painter                 the interface of the painters
 stamps, points          discs drawn by the processor: cached pictures; discs of a pixel or two
-axis_lines              lines along the axes with alpha, drawn by the processor
 software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
 screen                  the choice of the painter, and its window
-formatting, text        names and numbers as text; text as pictures
+text                    names and numbers as text; text as pictures
 legend                  cards that explain colours
 subsampling             the choice of a few of many objects to draw
 view_options            the switches of the display
 colouring               the colour of each particle
 base_layers             background, walls and discs
 tree_overlay            the boxes of the tree
-force_chains            forces between particles as lines
-marks, trails, labels   contacts, velocities, springs, attractors; past positions; text at discs
+marks                   contacts, forces, velocities, rotation, labels; springs and attractors
+trails                  past positions
 scene_overlays          what single scenes show beside their particles
 picture                 all layers in their order, for the window and for films
 background_render       rendering of slow frames on a worker thread
-readout                 the panel of numbers of a video
 ======================= ========================================================================
 """

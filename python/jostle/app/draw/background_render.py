@@ -34,11 +34,9 @@ class BackgroundRenderer:
     def __init__(self) -> None:
         self._seconds = 0.0  # of the last frame
         self._count = 0
-        self._pause, self._rest = (
-            PAUSE,
-            0,
-        )  # frames on the worker before the UI thread is tried again
-        self._worker: Worker | None = None
+        self._pause = PAUSE  # frames on the worker before the UI thread is tried again
+        self._rest = 0  # of them, those to come
+        self._worker = Worker("jostle-draw")
         self._job: Future[None] | None = None
         self._free, self._done = SoftwarePainter((1, 1)), SoftwarePainter((1, 1))
         self._shown_camera: Camera | None = None  # of the finished frame
@@ -70,19 +68,14 @@ class BackgroundRenderer:
         self._show(painter, camera)
 
     def wait(self) -> None:
-        """Wait for the frame in progress."""
         if self._job is not None:
             self._job.result()
 
     def close(self) -> None:
-        """End the thread."""
-        if self._worker is not None:
-            self._worker.close()
-            self._worker = self._job = None
+        self._worker.close()
+        self._job = None
 
     def _start(self, painter: Painter, camera: Camera, draw: Draw) -> None:
-        if self._worker is None:
-            self._worker = Worker("jostle-draw")
         if self._free.size != painter.size:
             self._free.resize(painter.size)
         canvas, self._job_camera = self._free, copy.copy(camera)

@@ -49,7 +49,6 @@ def draw_container(painter: Painter, container: Container, camera: Camera) -> No
 
 
 def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera) -> None:
-    """Draw the particles."""
     x, y = camera.to_screen(frame.positions)
     radii = frame.radii.astype(np.float64) * camera.scale
     if frame.sensors is None:

@@ -30,23 +30,16 @@ class Camera:
         The part of the world to show, as min_x, min_y, max_x, max_y.
     left, right
         Pixels at the edges that the panels cover.
-
-    Attributes
-    ----------
-    columns
-        Number of equal columns between the panels. The view is shown in the first; `column`
-        gives the others.
     """
 
     def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:
         self.size = size
         self.left, self.right = left, right
-        self.columns = 1
+        self.columns = 1  # equal ones between the panels; the first shows the view
         self._view = view
         self.home()
 
     def look_at(self, view: Rect) -> None:
-        """Show another part of the world."""
         self._view = view
         self.home()
 
@@ -112,7 +105,6 @@ class Camera:
 
     @property
     def at_home(self) -> bool:
-        """Whether the whole view is shown."""
         return self._at_home
 
     def aim(self, center: Point, scale: float) -> None:
@@ -194,6 +186,5 @@ class Camera:
         return min(max(scale, low), high)
 
     def rect_to_screen(self, rect: Rect) -> Rect:
-        """Return a world rectangle in pixels."""
         (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))
         return float(x0), float(y0), float(x1), float(y1)

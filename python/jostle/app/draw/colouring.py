@@ -27,18 +27,11 @@ Values = NDArray[np.floating]
 
 
 class Colouring:
-    """Shades for one scene; make a new one when the scene starts again.
-
-    Attributes
-    ----------
-    shows
-        Name of the quantity.
-    range
-        The values at both ends of the ramp; None for random colours and kinds.
-    """
+    """Shades for one scene; make a new one when the scene starts again."""
 
     def __init__(self) -> None:
-        self.shows = "speed"
+        self.shows = "speed"  # name of the quantity
+        # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
         self._reference = 0.0
         self._columns: tuple[Values, Values, str] | None = None  # from which `_kept` was made
@@ -51,18 +44,16 @@ class Colouring:
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in ("density", "radius", "mass"):
-            return self._by_column(frame)
-        self._columns = None
-        if shows == "kind":
-            self.range = None
-            return _with_fixed(_by_kind(frame), frame)
-        if shows == "random":
-            self.range = None
-            return _with_fixed(_buckets(hashed(frame.tags)), frame)
-        return _with_fixed(self._by_motion(frame), frame)
+            shades = self._by_column(frame)
+        elif shows in ("kind", "random"):
+            self._columns = self.range = None
+            shades = _by_kind(frame) if shows == "kind" else _buckets(hashed(frame.tags))
+        else:
+            self._columns = None
+            shades = self._by_motion(frame)
+        return np.where(frame.movable, shades, np.uint8(FIXED_SHADE))
 
     def _choose(self, frame: Frame) -> str:
-        """Return the automatic choice."""
         if frame.kinds is not None:
             return "kind"
         known = self._automatic
@@ -100,7 +91,7 @@ class Colouring:
                 "density": frame.densities, "radius": frame.radii, "mass": frame.masses
             }[self.shows]  # fmt: skip
             self._kept = _buckets(self._unit(values, frame.movable))
-        return _with_fixed(self._kept, frame)
+        return self._kept
 
     def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
         """Scale to 0..1, logarithmically if the values span decades."""
@@ -153,7 +144,3 @@ def _by_kind(frame: Frame) -> Shades:
     kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
     shades: Shades = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
     return shades
-
-
-def _with_fixed(shades: Shades, frame: Frame) -> Shades:
-    return np.where(frame.movable, shades, np.uint8(FIXED_SHADE))

@@ -1,10 +1,12 @@
-"""Marks over the discs: contacts, velocities, rotation; and springs and attractors."""
+"""Marks over the discs: contacts, forces, velocities, rotation, labels; springs and attractors."""
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
+import pygame
 from numpy.typing import NDArray
 
 from jostle.app.draw.camera import Camera
@@ -12,14 +14,17 @@ from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import (
     ARROW,
     ATTRACTOR,
+    CHAIN_STOPS,
     CONTACT_STOPS,
     SPRING,
     STAGE,
+    TEXT,
     blend,
     interpolated,
     repeated,
 )
 from jostle.app.draw.subsampling import in_view, subset
+from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.containers import crosses
 from jostle.app.simulate.simulation import Frame, Point
 
@@ -36,6 +41,18 @@ LONGEST_ARROW = 90.0
 HEAD = 0.32  # times the length of an arrow, at most
 LONGEST_HEAD = 7.0  # pixels
 RINGS = (5.0, 11.0, 18.0)  # pixels, around the point of an attractor
+# Force chains
+MOST_CHAINS = 8_000  # drawn: those with the largest impulses
+STRONG = 95  # percentile of the impulses at the last colour and the largest width
+FAINTEST = 0.06  # fraction of that, below which a contact is not drawn
+CHAIN_WIDTHS = 5  # number of line widths
+WIDEST_CHAIN = 0.7  # times the median radius
+MOST_PIXELS = 9.0
+# Labels
+SMALLEST_LABELLED = 7.0  # pixels of radius; smaller discs have no label
+SPEED_FROM = 20.0  # pixels of radius; larger discs show the speed, too
+MOST_LABELS = 200
+OUTLINE = (8, 10, 14)  # of the text
 
 Floats = NDArray[np.float64]
 
@@ -158,3 +175,80 @@ def _with_heads(tails: Floats, arrows: Floats) -> Floats:
 
 def _left_out(drawn: int, there: int, name: str) -> str | None:
     return f"{name}: {drawn:,} of {there:,} shown" if drawn < there else None
+
+
+def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | None:
+    """Draw contacts by the normal impulses of the last step; return a note if some are omitted."""
+    touching = frame.contacts
+    if touching is None:
+        return None
+    ends, impulses = _chains(frame)
+    if len(impulses) == 0 or impulses.max() <= 0:
+        return None
+    share = np.clip(impulses / np.percentile(impulses[impulses > 0], STRONG), 0, 1)
+    lines = camera.lines_to_screen(ends[:, :2], ends[:, 2:])
+    rows = np.flatnonzero(camera.sees(lines) & (share >= FAINTEST))
+    # The strongest are drawn last, over the others.
+    rows = rows[np.argsort(share[rows], kind="stable")]
+    drawn = rows[-MOST_CHAINS:]
+    lines, share = lines[drawn], share[drawn]
+    widest = min(WIDEST_CHAIN * float(np.median(frame.radii)) * camera.scale, MOST_PIXELS)
+    step = np.minimum((share * CHAIN_WIDTHS).astype(np.intp), CHAIN_WIDTHS - 1)
+    for k in range(CHAIN_WIDTHS):
+        some = step == k
+        thick = 1.0 + max(widest - 1.0, 0.0) * k / (CHAIN_WIDTHS - 1)
+        painter.lines(lines[some], interpolated(CHAIN_STOPS, share[some]), thick)
+    left = len(rows) - len(drawn)
+    return f"forces: the {len(drawn):,} largest of {len(rows):,} shown" if left else None
+
+
+def _chains(frame: Frame) -> tuple[Floats, Floats]:
+    """Return lines from centre to centre or to a wall, (m, 4) in world units, and impulses."""
+    touching = frame.contacts
+    assert touching is not None
+    radii = frame.radii.astype(np.float64)
+    i, j = touching.pairs[:, 0], touching.pairs[:, 1]
+    starts = frame.positions[i].astype(np.float64)
+    reach = (radii[i] + radii[j] - touching.depths)[:, None]
+    between = np.column_stack([starts, starts + touching.normals * reach])
+    at = touching.at_walls
+    centers = frame.positions[at].astype(np.float64)
+    foot = centers - touching.wall_normals * radii[at][:, None]
+    lines = np.concatenate([between, np.column_stack([centers, foot])])
+    return lines, np.concatenate([touching.impulses, touching.wall_impulses]).astype(np.float64)
+
+
+def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
+    """Draw tag and speed at large discs; return a note if some are omitted."""
+    seen = in_view(frame.positions, camera)
+    seen = seen[frame.movable[seen]]
+    sizes = frame.radii[seen].astype(np.float64) * camera.scale
+    places = seen[sizes >= SMALLEST_LABELLED]
+    if len(seen) and not len(places):
+        return "labels: zoom in to see them"
+    drawn = places[subset(frame.tags[places], MOST_LABELS)]
+    x, y = camera.to_screen(frame.positions[drawn])
+    radii = frame.radii[drawn] * camera.scale
+    speeds = np.hypot(frame.velocities[drawn, 0], frame.velocities[drawn, 1])
+    line = font(SMALL).get_linesize()
+    columns = x, y, radii, frame.tags[drawn], speeds
+    for at_x, at_y, radius, tag, speed in zip(*(c.tolist() for c in columns), strict=True):
+        texts = [f"{tag}"]
+        if radius >= SPEED_FROM:
+            texts.append(f"{speed:,.0f}" if speed >= 10 else f"{speed:.1f}")
+        top = at_y - line * len(texts) / 2
+        for k, text in enumerate(texts):
+            sheet = _shaded(text)
+            painter.sheet(sheet, (at_x - sheet.get_width() / 2, top + k * line))
+    return _left_out(len(drawn), len(places), "labels")
+
+
+@lru_cache(maxsize=4_000)
+def _shaded(text: str) -> pygame.Surface:
+    """Return a text with a dark outline."""
+    light, dark = word(text, TEXT, SMALL), word(text, OUTLINE, SMALL)
+    sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
+    for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
+        sheet.blit(dark, shift)
+    sheet.blit(light, (1, 1))
+    return sheet

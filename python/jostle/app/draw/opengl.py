@@ -35,22 +35,14 @@ class OpenGLPainter:
         Of the canvas in pixels.
     context
         Of OpenGL 3.3 or later, present in this thread.
-
-    Attributes
-    ----------
-    renderer
-        Its name.
-    emulated
-        Whether OpenGL runs in software.
-    target
-        The framebuffer of the canvas.
     """
 
     name = "opengl"
 
     def __init__(self, size: Size, context: moderngl.Context) -> None:
         self.context = context
-        self.renderer: str = context.info["GL_RENDERER"]
+        self.renderer: str = context.info["GL_RENDERER"]  # its name
+        # Whether OpenGL runs in software.
         self.emulated = any(name in self.renderer.lower() for name in _EMULATORS)
         self._corners = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], "f4"))
         self._buffer = context.buffer(reserve=2**16, dynamic=True)
@@ -61,11 +53,10 @@ class OpenGLPainter:
         self._circle, self._sheet = self._single(shaders.CIRCLE), self._single(shaders.SHEET)
         _set(self._disc, ramp=[tuple(c / 255 for c in colour) for colour in DISCS])
         self._picture = context.texture((1, 1), 4)
-        self.target = context.framebuffer([self._picture])
+        self.target = context.framebuffer([self._picture])  # the framebuffer of the canvas
         self.resize(size)
 
     def resize(self, size: Size) -> None:
-        """Set the size in pixels."""
         self.size = max(size[0], 1), max(size[1], 1)
         self.target.release()
         self._picture.release()
@@ -87,7 +78,6 @@ class OpenGLPainter:
         return surface
 
     def clip(self, rect: pygame.Rect | None) -> None:
-        """Restrict drawing to a rectangle."""
         if rect is None:
             self._clip = None
             return
@@ -95,14 +85,12 @@ class OpenGLPainter:
         self._clip = inside.x, self.size[1] - inside.bottom, inside.width, inside.height
 
     def fill(self, colour: Colour) -> None:
-        """Fill the canvas, or the clip, with a colour."""
         red, green, blue = (channel / 255 for channel in colour)
         part = self._clip or (0, 0, *self.size)  # without it, the last clip of a draw call is used
         if min(part[2:]) > 0:
             self.target.clear(red, green, blue, 1.0, viewport=part)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        """Draw the visible discs, large ones first."""
         (width, height), reach = self.size, radii + 1
         seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
         rows = np.empty(int(np.count_nonzero(seen)), _DISC)
@@ -122,14 +110,12 @@ class OpenGLPainter:
     def circle(
         self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
     ) -> None:
-        """Draw one circle: filled, or a ring of a width."""
         if radius > 0:
             shade = tuple(channel / 255 for channel in colour)
             _set(self._circle, disc=(*center, radius), width=max(width, 0.0), colour=shade)
             self._draw(self._circle)
 
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
-        """Draw rectangles on whole pixels; filled ones leave a gap of one pixel."""
         if len(corners) == 0:
             return
         width, height = self.size
@@ -146,7 +132,6 @@ class OpenGLPainter:
         self._draw(self._box, rows.ravel())
 
     def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw antialiased lines."""
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
@@ -157,7 +142,6 @@ class OpenGLPainter:
         self._draw(self._line, rows)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
-        """Blend a surface over the canvas."""
         size = surface.get_size()
         if 0 in size:
             return
@@ -174,7 +158,6 @@ class OpenGLPainter:
         self._draw(self._sheet)
 
     def show(self) -> None:
-        """Copy the canvas to the window, which has its size."""
         screen = self.context.screen
         screen.viewport = (0, 0, *self.size)
         screen.use()
@@ -187,7 +170,6 @@ class OpenGLPainter:
             raise moderngl.Error(error)
 
     def release(self) -> None:
-        """Release the memory of the card."""
         self.context.release()
 
     def _instanced(

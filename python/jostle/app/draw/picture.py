@@ -17,12 +17,12 @@ from jostle.app.draw.base_layers import (
 )
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.force_chains import draw_force_chains
-from jostle.app.draw.labels import draw_labels
 from jostle.app.draw.legend import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.marks import (
     draw_attractors,
     draw_contacts,
+    draw_force_chains,
+    draw_labels,
     draw_spins,
     draw_springs,
     draw_velocities,
@@ -41,25 +41,14 @@ class Picture:
     """Draws frames, and keeps what one frame needs of those before it.
 
     Each run has its own. Two threads may use it, one after the other.
-
-    Attributes
-    ----------
-    colouring
-        The colour of each particle.
-    trails
-        The past positions of particles.
     """
 
     def __init__(self) -> None:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
-        self.colouring = Colouring()
-        self.trails = Trails()
+        self.colouring = Colouring()  # the colour of each particle
+        self.trails = Trails()  # the past positions of particles
         self._wall_discs = WallDiscs()
         self._extras = SceneOverlays()
-
-    def clear_trails(self) -> None:
-        """Clear the trails."""
-        self.trails.clear()
 
     @staticmethod
     def request(options: ViewOptions) -> FrameRequest:
@@ -78,51 +67,41 @@ class Picture:
     ) -> None:
         """Draw the part of the world in the camera's view, on the canvas or a part of it."""
         with self._in_use:
-            self._draw(painter, frame, camera, options, part)
-
-    def _draw(
-        self,
-        painter: Painter,
-        frame: Frame,
-        camera: Camera,
-        options: ViewOptions,
-        part: pygame.Rect | None,
-    ) -> None:
-        painter.clip(part)
-        cards: list[Card | None] = []
-        shades = self.colouring.shades(frame, options.colour_by)
-        if options.colour_by is not ColourBy.AUTO:
-            cards.append(self.colouring.legend)
-        draw_container(painter, frame.container, camera)
-        if options.tree is TreeView.FILLED:
-            _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
-        elif options.tree is TreeView.HEAT:
-            cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
-        if options.trails:
-            cards.append(self.trails.draw(painter, frame, shades, camera))
-        self._extras.draw_below(painter, frame, camera)
-        draw_springs(painter, frame, camera)
-        draw_discs(painter, frame, shades, camera)
-        draw_spins(painter, frame, camera)
-        self._wall_discs.draw(painter, frame, camera)
-        draw_walls(painter, frame.walls, frame.container, camera)
-        if options.tree is TreeView.OUTLINE:
-            _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
-        draw_attractors(painter, frame, camera)
-        if options.forces:
-            cards.append(draw_force_chains(painter, frame, camera))
-        if options.contacts:
-            cards.append(draw_contacts(painter, frame, camera))
-        if options.velocities:
-            cards.append(draw_velocities(painter, frame, camera))
-        if options.labels:
-            cards.append(draw_labels(painter, frame, camera))
-        cards += self._extras.draw_above(painter, frame, camera)
-        painter.clip(None)
-        left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
-        if part is not None:
-            left, right = max(left, part.left + EDGE), min(right, part.right)
-        draw_cards(painter, [card for card in cards if card], left, right)
+            painter.clip(part)
+            cards: list[Card | None] = []
+            shades = self.colouring.shades(frame, options.colour_by)
+            if options.colour_by is not ColourBy.AUTO:
+                cards.append(self.colouring.legend)
+            draw_container(painter, frame.container, camera)
+            if options.tree is TreeView.FILLED:
+                _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
+            elif options.tree is TreeView.HEAT:
+                cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
+            if options.trails:
+                cards.append(self.trails.draw(painter, frame, shades, camera))
+            self._extras.draw_below(painter, frame, camera)
+            draw_springs(painter, frame, camera)
+            draw_discs(painter, frame, shades, camera)
+            draw_spins(painter, frame, camera)
+            self._wall_discs.draw(painter, frame, camera)
+            draw_walls(painter, frame.walls, frame.container, camera)
+            if options.tree is TreeView.OUTLINE:
+                _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
+            draw_attractors(painter, frame, camera)
+            if options.forces:
+                cards.append(draw_force_chains(painter, frame, camera))
+            if options.contacts:
+                cards.append(draw_contacts(painter, frame, camera))
+            if options.velocities:
+                cards.append(draw_velocities(painter, frame, camera))
+            if options.labels:
+                cards.append(draw_labels(painter, frame, camera))
+            cards += self._extras.draw_above(painter, frame, camera)
+            painter.clip(None)
+            left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
+            if part is not None:
+                left, right = max(left, part.left + EDGE), min(right, part.right)
+            draw_cards(painter, [card for card in cards if card], left, right)
 
 
 def _draw_tree(

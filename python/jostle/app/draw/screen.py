@@ -76,7 +76,6 @@ class Screen:
         return True
 
     def show(self) -> None:
-        """Copy the canvas to the window."""
         self.painter.show()
         pygame.display.flip()
 
@@ -85,25 +84,22 @@ class Screen:
         self.painter = _open_software(self.size)
 
     def close(self) -> None:
-        """Close the window."""
         self.painter.release()
         pygame.display.quit()
 
 
 def _open(size: Size, renderer: str) -> Painter:
     """Open a window and return the painter for it."""
-    if renderer == "software":
-        return _open_software(size)
-    try:
-        painter = _open_opengl(size)
-    except NoRendererError:
-        if renderer == "opengl":
-            raise
-        return _open_software(size)
-    if renderer == "auto" and painter.emulated:
-        painter.release()
-        return _open_software(size)
-    return painter
+    if renderer != "software":
+        try:
+            painter = _open_opengl(size)
+            if renderer == "opengl" or not painter.emulated:
+                return painter
+            painter.release()
+        except NoRendererError:
+            if renderer == "opengl":
+                raise
+    return _open_software(size)
 
 
 def _open_software(size: Size) -> Painter:

@@ -1,23 +1,52 @@
 """The painter without a graphics card.
 
-Discs are circles, stamps or points, depending on their radius in pixels.
+Discs are circles, stamps or points, depending on their radius in pixels. pygame draws no
+translucent lines, but blits many translucent surfaces fast. So lines along the axes are parts of
+one long strip for each colour.
 """
 
 from __future__ import annotations
+
+from functools import lru_cache
 
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
 from jostle.app.draw import points
-from jostle.app.draw.axis_lines import draw_axis_lines
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Colours, Floats, Shades
 from jostle.app.draw.palette import DISCS, STAGE, Colour, blend
 from jostle.app.draw.stamps import MAX_RADIUS as MAX_STAMP
 from jostle.app.draw.stamps import RIM_SHADE, RIM_WIDTH, Stamps
 
+LONGEST = 8192  # pixels
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
+
+
+@lru_cache(maxsize=256)
+def _strip(colour: tuple[int, int, int, int], upright: bool) -> pygame.Surface:
+    strip = pygame.Surface((1, LONGEST) if upright else (LONGEST, 1), pygame.SRCALPHA, 32)
+    strip.fill(colour)
+    return strip
+
+
+def draw_axis_lines(
+    target: pygame.Surface, ends: NDArray[np.floating], colours: NDArray[np.uint8]
+) -> None:
+    """Draw lines of one pixel along the axes: (k, 4) as x0, y0, x1, y1, and (k, 4) colours."""
+    width, height = target.get_size()
+    first, last = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
+    low = np.floor(np.clip(first, -2, [width + 2, height + 2])).astype(np.intp)
+    high = np.floor(np.clip(last, -2, [width + 2, height + 2])).astype(np.intp)
+    upright = ends[:, 0] == ends[:, 2]
+    columns = low.tolist(), high.tolist(), upright.tolist(), colours.tolist()
+    pieces = []
+    for (x0, y0), (x1, y1), stands, (red, green, blue, alpha) in zip(*columns, strict=True):
+        length = min(max(x1 - x0, y1 - y0) + 1, LONGEST)
+        piece = (0, 0, 1, length) if stands else (0, 0, length, 1)
+        pieces.append((_strip((red, green, blue, alpha), stands), (x0, y0), piece))
+    target.blits(pieces, doreturn=False)
 
 
 class SoftwarePainter:
@@ -30,25 +59,20 @@ class SoftwarePainter:
         self.resize(size)
 
     def resize(self, size: Size) -> None:
-        """Set the size in pixels."""
         self.size = max(size[0], 1), max(size[1], 1)
         # The same byte order, and so the same bytes, on every machine; fast for blits.
         self._canvas = pygame.Surface(self.size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
 
     def canvas(self) -> pygame.Surface:
-        """Return the surface itself."""
         return self._canvas
 
     def clip(self, rect: pygame.Rect | None) -> None:
-        """Restrict drawing to a rectangle."""
         self._canvas.set_clip(rect)
 
     def fill(self, colour: Colour) -> None:
-        """Fill the canvas, or the clip, with a colour."""
         self._canvas.fill(colour)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        """Draw the visible discs, large ones first."""
         (width, height), reach = self.size, radii + 1
         seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
         if not seen.all():
@@ -64,14 +88,12 @@ class SoftwarePainter:
     def circle(
         self, center: tuple[float, float], radius: float, colour: Colour, width: float = 0.0
     ) -> None:
-        """Draw one circle: filled, or a ring of a width."""
         if width <= 0:
             _draw_circle(self._canvas, center, radius, colour)
         elif 0 < radius <= CIRCLE_LIMIT:
             pygame.draw.aacircle(self._canvas, colour, center, radius, max(round(width), 1))
 
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
-        """Draw rectangles on whole pixels; filled ones leave a gap of one pixel."""
         if len(corners) == 0:
             return
         whole = np.floor(_near(corners, self.size)).astype(np.intp).tolist()
@@ -96,11 +118,9 @@ class SoftwarePainter:
             pygame.draw.aaline(self._canvas, colour, (x0, y0), (x1, y1), thick)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
-        """Blend a surface over the canvas."""
         self._canvas.blit(surface, (round(place[0]), round(place[1])))
 
     def show(self) -> None:
-        """Copy the canvas to the window."""
         window = pygame.display.get_surface()
         if window is not None:
             window.blit(self._canvas, (0, 0))

@@ -31,13 +31,7 @@ def _places_of(radius: float) -> int:
 
 
 class Stamps:
-    """The cache, filled on demand.
-
-    Attributes
-    ----------
-    bytes
-        Memory of all stamps.
-    """
+    """The cache, filled on demand."""
 
     def __init__(self) -> None:
         radii = np.arange(_BUCKETS) / STEPS
@@ -50,7 +44,7 @@ class Stamps:
         self._table = np.full(_BUCKETS * _SHADES * _CELLS, not_yet, object)
         self._have = np.zeros(len(self._table), np.bool_)
         self._masks: dict[tuple[int, int], pygame.Surface] = {}
-        self.bytes = 0
+        self.bytes = 0  # memory of all stamps
 
     def blit(
         self,

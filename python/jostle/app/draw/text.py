@@ -1,4 +1,4 @@
-"""Text: one font in three sizes, and a cache of rendered texts."""
+"""Names and numbers as text; text as pictures: one font in three sizes, and a cache."""
 
 from __future__ import annotations
 
@@ -22,6 +22,36 @@ ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
 Place = tuple[int, int]
 
 
+def video_name(scene: str, method: str) -> str:
+    """Return the name of a video: the scene, and the method if it is not the default."""
+    method = method.replace("article-", "2015-")  # the year of the article and its two programs
+    return scene if method == "quadtree" else f"{scene}-{method}"
+
+
+def pairs_of(n: int) -> int:
+    """Return n(n-1)/2, the tests of plain brute force."""
+    return n * (n - 1) // 2
+
+
+def plural(count: int, noun: str) -> str:
+    """Return a number of things."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+
+
+def scientific(value: float) -> str:
+    """Return four digits, and a power of ten if the number is large."""
+    value += 0.0  # no negative zero
+    mantissa, _, power = f"{value:.3e}".partition("e")
+    return f"{value:,.1f}" if abs(value) < 1e5 else f"{mantissa} e{int(power)}"
+
+
+def share(part: int, whole: int) -> str:
+    """Return a ratio in per cent, with two significant digits."""
+    if whole == 0:
+        return "–"
+    return f"{100 * part / whole:.2g} %" if part < whole else f"{100 * part / whole:,.0f} %"
+
+
 @lru_cache(maxsize=2)
 def font_file(fonts: tuple[tuple[str, str], ...] = FONTS) -> str | None:
     """Return the path of the first font that exists; None if no package has one."""
@@ -42,7 +72,6 @@ def font(size: int) -> pygame.font.Font:
 
 @lru_cache(maxsize=512)
 def word(text: str, colour: Colour = TEXT, size: int = BODY) -> pygame.Surface:
-    """Return a rendered text."""
     return font(size).render(text, True, colour)
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jostle.app.simulate.settings import TRUTH
 from jostle.app.simulate.validation import Rule, one_of
@@ -68,6 +68,11 @@ class ViewOptions:
     panels: bool = True
     statistics: bool = True
     help: bool = False
+
+    def update(self, values: Mapping[str, Any]) -> None:
+        """Set options by name."""
+        for name, value in values.items():
+            setattr(self, name, value)
 
 
 def option_rules(spell: Callable[[Enum], str]) -> dict[str, Rule]:

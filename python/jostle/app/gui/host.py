@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+import string
+from typing import TYPE_CHECKING, cast
 
 import pygame
 from imgui_bundle import imgui, implot
@@ -10,29 +11,58 @@ from imgui_bundle import imgui, implot
 from jostle.app.draw.camera import Size
 from jostle.app.draw.painter import Painter
 from jostle.app.gui import style as gui_style
-from jostle.app.gui.keys import KEYS, MODIFIERS
 from jostle.app.gui.software import SoftwareGui
+
+if TYPE_CHECKING:  # it needs moderngl, which may be missing
+    from jostle.app.draw.opengl import OpenGLPainter
 
 OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
 SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
 BUTTONS = {1: 0, 3: 1, 2: 2}  # pygame's left, right, middle
 _ANY_POPUP = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
+MODIFIERS = (
+    (pygame.KMOD_CTRL, imgui.Key.mod_ctrl),
+    (pygame.KMOD_SHIFT, imgui.Key.mod_shift),
+    (pygame.KMOD_ALT, imgui.Key.mod_alt),
+    (pygame.KMOD_META, imgui.Key.mod_super),
+)
+
+# Pairs of names, pygame's and ImGui's, that text fields and menus need.
+_SAME = ("TAB", "HOME", "END", "INSERT", "DELETE", "BACKSPACE", "SPACE", "ESCAPE")
+_MODIFIER_KEYS = {"CTRL": "ctrl", "SHIFT": "shift", "ALT": "alt", "META": "super"}
+_NAMES = {
+    **{name: name.lower() for name in _SAME},
+    **{name: f"{name.lower()}_arrow" for name in ("LEFT", "RIGHT", "UP", "DOWN")},
+    **{"PAGEUP": "page_up", "PAGEDOWN": "page_down", "RETURN": "enter", "KP_ENTER": "keypad_enter"},
+    **{f"L{ours}": f"left_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
+    **{f"R{ours}": f"right_{theirs}" for ours, theirs in _MODIFIER_KEYS.items()},
+    **{letter: letter for letter in string.ascii_lowercase},
+    **{digit: f"_{digit}" for digit in string.digits},
+}
+KEYS: dict[int, imgui.Key] = {
+    getattr(pygame, f"K_{ours}"): getattr(imgui.Key, theirs) for ours, theirs in _NAMES.items()
+}
 
 
-class GuiDrawing(Protocol):
-    """Draws ImGui's output on the canvas."""
+class OpenGLGui:
+    """As `SoftwareGui`, by ImGui's own backend, which does not change the state of OpenGL."""
+
+    def __init__(self, painter: OpenGLPainter) -> None:
+        self._painter = painter
+        imgui.backends.opengl3_init("#version 330")
 
     def begin(self) -> None:
-        """Prepare a frame."""
+        imgui.backends.opengl3_new_frame()
 
     def draw(self, data: imgui.ImDrawData) -> None:
-        """Draw a frame over the canvas."""
+        self._painter.target.use()
+        imgui.backends.opengl3_render_draw_data(data)
 
     def again(self) -> None:
-        """Draw the last frame again."""
+        self.draw(imgui.get_draw_data())
 
     def close(self) -> None:
-        """Release all resources."""
+        imgui.backends.opengl3_shutdown()
 
 
 class Gui:
@@ -45,13 +75,6 @@ class Gui:
     ----------
     painter
         Its canvas is below the panels.
-
-    Attributes
-    ----------
-    drawing
-        Draws ImGui's output on that canvas.
-    marks
-        Rectangles of the widgets and windows named by `mark` and `mark_window`, in points.
     """
 
     def __init__(self, painter: Painter) -> None:
@@ -62,17 +85,21 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        self.drawing = _drawing_for(painter)
+        self.drawing = _drawing_for(painter)  # draws ImGui's output on that canvas
+        # Rectangles, in points, of the widgets and windows named by `mark` and `mark_window`.
         self.marks: dict[str, pygame.Rect] = {}
         self._owned: set[int] = set()  # buttons pressed in a panel
         self._scene: set[int] = set()  # buttons pressed in the scene
         self._dismiss = False
         self._in_frame = False
 
-    def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
-        """Begin a frame, with the size of the canvas in points and its pixels per point."""
+    def _activate(self) -> None:
         imgui.set_current_context(self._context)
         implot.set_current_context(self._plots)
+
+    def begin(self, elapsed: float, size: Size, scale: float = 1.0) -> None:
+        """Begin a frame, with the size of the canvas in points and its pixels per point."""
+        self._activate()
         io = imgui.get_io()
         io.delta_time = max(elapsed, SHORTEST)
         io.display_size = imgui.ImVec2(*size)
@@ -91,8 +118,7 @@ class Gui:
         self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
-        """Draw the last frame over the canvas again."""
-        imgui.set_current_context(self._context)
+        self._activate()
         self.drawing.again()
 
     def mark(self, name: str) -> None:
@@ -109,7 +135,7 @@ class Gui:
 
         A drag belongs to the part where it began. Both receive releases.
         """
-        imgui.set_current_context(self._context)
+        self._activate()
         io = imgui.get_io()
         if event.type == pygame.MOUSEMOTION:
             io.add_mouse_pos_event(*event.pos)
@@ -142,7 +168,7 @@ class Gui:
 
     def _windows(self) -> list[pygame.Rect]:
         """Return the rectangles of the visible windows that receive the mouse."""
-        imgui.set_current_context(self._context)
+        self._activate()
         return [
             _rect(window.rect().min, window.rect().max)
             for window in self._context.windows
@@ -152,13 +178,11 @@ class Gui:
     @property
     def modal(self) -> bool:
         """Whether a menu is open."""
-        imgui.set_current_context(self._context)
+        self._activate()
         return imgui.get_frame_count() > 0 and imgui.is_popup_open("", _ANY_POPUP)
 
     def close(self) -> None:
-        """Release all resources."""
-        imgui.set_current_context(self._context)
-        implot.set_current_context(self._plots)
+        self._activate()
         if self._in_frame:
             imgui.end_frame()
         self.drawing.close()
@@ -195,13 +219,9 @@ class Gui:
         return down and (io.want_text_input or (io.want_capture_keyboard and self.modal))
 
 
-def _drawing_for(painter: Painter) -> GuiDrawing:
+def _drawing_for(painter: Painter) -> SoftwareGui | OpenGLGui:
     if painter.name == "opengl":
-        from jostle.app.draw.opengl import OpenGLPainter
-        from jostle.app.gui.opengl import OpenGLGui
-
-        assert isinstance(painter, OpenGLPainter)
-        return OpenGLGui(painter)
+        return OpenGLGui(cast("OpenGLPainter", painter))
     return SoftwareGui(painter)
 
 

@@ -92,7 +92,9 @@ class Input:
         session = self._session
         session.interaction.cursor = event.pos
         if event.button == LEFT:
-            session.interaction.press(add=bool(_modifiers(event) & pygame.KMOD_SHIFT))
+            session.interaction.press(
+                add=bool(getattr(event, "mod", pygame.key.get_mods()) & pygame.KMOD_SHIFT)
+            )
         elif event.button in (MIDDLE, RIGHT):
             self._panning[event.button] = event.pos
             self._moved = False
@@ -106,9 +108,3 @@ class Input:
             moved, self._moved = self._moved, bool(self._panning) and self._moved
             if event.button == RIGHT and not moved:
                 session.interaction.open_menu()
-
-
-def _modifiers(event: pygame.event.Event) -> int:
-    """Return the modifier keys of the event, or the present ones."""
-    modifiers: int = event.mod if hasattr(event, "mod") else pygame.key.get_mods()
-    return modifiers

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import pygame
 
-from jostle.app.act.tools import Tool
+from jostle.app.act.interaction import Tool
 from jostle.app.session import Session
 
 GRAVITY_STEP = 1.5
@@ -117,7 +117,7 @@ def _switch(name: str) -> Command:
 
 
 def _choose(tool: Tool) -> Command:
-    return lambda session: session.interaction.tools.choose(tool)
+    return lambda session: session.interaction.choose(tool)
 
 
 HANDLERS: dict[str, Command] = {
@@ -140,18 +140,18 @@ HANDLERS: dict[str, Command] = {
     "slower": lambda s: s.runner.scale_time(1 / TIME_STEP),
     "faster": lambda s: s.runner.scale_time(TIME_STEP),
     "restart": lambda s: s.runner.restart(),
-    "previous scene": lambda s: s.runner.previous_scene(),
+    "previous scene": lambda s: s.runner.next_scene(-1),
     "next scene": lambda s: s.runner.next_scene(),
     "method": lambda s: s.runner.switch_method(),
     "race": lambda s: s.runner.toggle_race(),
-    "tree": Session.cycle_tree,
+    "tree": lambda s: s.cycle("tree"),
     "contacts": _switch("contacts"),
     "forces": _switch("forces"),
     "velocities": _switch("velocities"),
     "trails": _switch("trails"),
-    "clear trails": lambda s: s.runner.picture.clear_trails(),
+    "clear trails": lambda s: s.runner.picture.trails.clear(),
     "labels": _switch("labels"),
-    "colours": Session.cycle_colours,
+    "colours": lambda s: s.cycle("colour_by"),
     "panels": lambda s: s.toggle("panels"),
     "home": lambda s: s.camera.home(),
     "record": lambda s: s.files.toggle_recording(),
@@ -163,7 +163,6 @@ HANDLERS: dict[str, Command] = {
 
 
 def command_of(key: int) -> str | None:
-    """Return the command of a key."""
     return _COMMANDS.get(key)
 
 

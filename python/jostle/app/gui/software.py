@@ -46,14 +46,13 @@ class SoftwareGui:
     def draw(self, data: imgui.ImDrawData) -> None:
         """Draw a frame over the canvas; unchanged draw lists come from the cache."""
         self.update_font_atlas(data)
-        canvas = self._painter.canvas()
-        kept: dict[bytes, _Sheet] = {}
-        for commands in data.cmd_lists:
-            key = _key(commands, data)
-            sheet = self._sheets.get(key) or self._paint(commands, data, canvas.get_rect())
-            kept[key] = sheet
-            canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
-        self._sheets = kept
+        screen = self._painter.canvas().get_rect()
+        keys = {_key(commands, data): commands for commands in data.cmd_lists}
+        self._sheets = {
+            key: self._sheets.get(key) or self._paint(commands, data, screen)
+            for key, commands in keys.items()
+        }
+        self.again()
 
     def again(self) -> None:
         """Draw the last frame again."""
@@ -62,7 +61,6 @@ class SoftwareGui:
             canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
 
     def close(self) -> None:
-        """Mark ImGui's textures as destroyed."""
         for texture in imgui.get_platform_io().textures:
             texture.set_tex_id(0)
             texture.set_status(imgui.ImTextureStatus.destroyed)
@@ -70,20 +68,18 @@ class SoftwareGui:
 
     def update_font_atlas(self, data: imgui.ImDrawData) -> None:
         """Copy the font atlases that ImGui has made or changed."""
+        states = imgui.ImTextureStatus
         for texture in data.textures:
-            if texture.status in (
-                imgui.ImTextureStatus.want_create,
-                imgui.ImTextureStatus.want_updates,
-            ):
-                if texture.status == imgui.ImTextureStatus.want_create:
+            if texture.status in (states.want_create, states.want_updates):
+                if texture.status == states.want_create:
                     texture.set_tex_id(texture.unique_id + 1)
                     self._sheets.clear()
                 pixels = texture.get_pixels_array().reshape(texture.height, texture.width, -1)
                 self._shapes.set_font_atlas(texture.get_tex_id(), pixels[:, :, -1].copy())
-                texture.set_status(imgui.ImTextureStatus.ok)
-            elif texture.status == imgui.ImTextureStatus.want_destroy:
+                texture.set_status(states.ok)
+            elif texture.status == states.want_destroy:
                 texture.set_tex_id(0)
-                texture.set_status(imgui.ImTextureStatus.destroyed)
+                texture.set_status(states.destroyed)
 
     def _paint(
         self, commands: imgui.ImDrawList, data: imgui.ImDrawData, screen: pygame.Rect

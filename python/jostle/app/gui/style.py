@@ -1,7 +1,8 @@
-"""The style of the panels: colours, spacing and font."""
+"""The style of the panels: widths, colours, spacing and font."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 from imgui_bundle import imgui, implot
@@ -16,14 +17,44 @@ from jostle.app.draw.palette import (
     blend,
 )
 from jostle.app.draw.text import FONTS, ICONS, font_file
+from jostle.app.session import Session
 
+COLUMN, STATISTICS = 290.0, 296.0  # points
+NARROW = 0.42  # largest fraction of the window's width for the column
+LEAST_COLUMN = 220.0  # in a narrower window there is no column
+STATISTICS_FROM = 1180.0  # in a narrower window the statistics are in the column
 FONT_SIZE, ICON_SIZE = 15.0, 13.0  # points
-
 FIELD: Colour = (30, 37, 47)  # frames of sliders and fields
 RAISED: Colour = (41, 51, 64)  # buttons, headers, hovered widgets
 PRESSED: Colour = (54, 70, 82)
 CHOSEN: Colour = blend(PANEL[:3], ACCENT, 0.34)  # of a widget that is on
 FILLED: Colour = blend(PANEL[:3], ACCENT, 0.7)  # of the filled part of a slider
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Widths of the panels in points, 0 if hidden, and the size of the window."""
+
+    column: float
+    statistics: float
+    width: float
+    height: float
+
+
+def layout(session: Session, width: float, height: float) -> Layout:
+    """Return the layout of a window of a size in points."""
+    column = min(COLUMN, NARROW * width)
+    if column < LEAST_COLUMN or not session.view_options.panels:
+        return Layout(0.0, 0.0, width, height)
+    return Layout(column, STATISTICS if width >= STATISTICS_FROM else 0.0, width, height)
+
+
+def arrange(session: Session, width: float, height: float, scale: float) -> Layout:
+    """Set the camera's margins to the panels; `scale` is pixels per point."""
+    widths = layout(session, width, height)
+    statistics = widths.statistics if session.view_options.statistics else 0.0
+    session.camera.set_margins(round(widths.column * scale), round(statistics * scale))
+    return widths
 
 
 def apply() -> None:

@@ -3,21 +3,69 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from jostle.app.measure.series import Floats, Series
 from jostle.app.simulate.simulation import Energies, Frame, Tags
+
+Floats = NDArray[np.float64]
 
 FRAMES = 1024  # rows of times: five seconds at 200 FPS
 SAMPLES = 1200  # rows of sums: two minutes
 EVERY = 0.1  # seconds between two sums, which take time for many particles
 STEPS_BETWEEN = 3  # steps between two sums at least
 QUIET = 1.0  # simulated seconds with the same particles before the change is meaningful
-
 SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "drift",
         "pairs_tested", "touching")  # fmt: skip
+
+
+class Series:
+    """A ring buffer with named columns.
+
+    Every row is written twice, half the buffer apart, so the rows in order are always contiguous,
+    and a plot gets a view instead of a copy.
+
+    Parameters
+    ----------
+    names
+        Of the columns.
+    most
+        Number of rows.
+    """
+
+    def __init__(self, names: Sequence[str], most: int) -> None:
+        self.names = tuple(names)
+        self.most = most
+        self._rows = np.zeros((len(self.names), 2 * most))
+        self._columns = {name: k for k, name in enumerate(self.names)}
+        self._next, self._count = 0, 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, *values: float) -> None:
+        at = self._next % self.most
+        self._rows[:, at] = self._rows[:, at + self.most] = values
+        self._next, self._count = at + 1, min(self._count + 1, self.most)
+
+    def drop(self, rows: int) -> None:
+        """Remove the newest rows."""
+        rows = min(rows, self._count)
+        self._next, self._count = (self._next - rows) % self.most, self._count - rows
+
+    def __getitem__(self, name: str) -> Floats:
+        """Return a column, oldest first, as a view that the next row may change."""
+        column: Floats = self.table[self._columns[name]]
+        return column
+
+    @property
+    def table(self) -> Floats:
+        """Return all columns, (names, rows), oldest first, as a view."""
+        end = self._next if self._next >= self._count else self._next + self.most
+        return self._rows[:, end - self._count : end]
 
 
 @dataclass(frozen=True)
@@ -29,52 +77,21 @@ class Reference:
     mass: float
     tags: Tags
 
-    @classmethod
-    def of(cls, frame: Frame, energies: Energies) -> Reference:
-        """Return it for a state."""
-        mass = float(frame.masses.sum(dtype=float))
-        return cls(frame.stats.time, energies, mass, frame.tags)
-
-    def has_particles_of(self, frame: Frame) -> bool:
-        """Whether a state has the same particles: none was added, removed or merged."""
-        return self.tags is frame.tags or np.array_equal(self.tags, frame.tags)
-
-    @property
-    def total(self) -> float:
-        """Return the energy."""
-        return self.energies.kinetic + self.energies.potential
-
 
 class Statistics:
-    """Collects measurements of every frame, and sums of a few states per second.
-
-    Attributes
-    ----------
-    times
-        A row per frame, in milliseconds except the time `now` in seconds: `frame` is the time
-        between two frames; then the stages of the last step, `draw` and `panels`.
-    sums
-        A row for each summed state, over the simulated `time`.
-    origin
-        The first comparable state: the rules have not changed since.
-    reference
-        The state that the change refers to: the particles have been the same since. Adding,
-        removing and merging particles changes the energy.
-    changing
-        Whether particles were added, removed or merged just before, so the change is not shown.
-    runs
-        Time and change of energy of earlier runs, by name.
-    """
+    """Collects measurements of every frame, and sums of a few states per second."""
 
     def __init__(self) -> None:
-        self.runs: dict[str, tuple[Floats, Floats]] = {}
+        self.runs: dict[str, tuple[Floats, Floats]] = {}  # by name: times, changes of energy
         self._drawing = {"draw": 0.0, "panels": 0.0}
         self.restart()
 
     def restart(self) -> None:
         """Discard the data of a run."""
+        # A row per frame, in milliseconds except the time `now` in seconds: `frame` is the time
+        # between two frames; then the stages of the last step, `draw` and `panels`.
         self.times = Series(("now", "frame", *self._drawing), FRAMES)
-        self.sums = Series(SUMS, SAMPLES)
+        self.sums = Series(SUMS, SAMPLES)  # a row for each summed state
         self.reset_reference()
         self._due = 0.0
 
@@ -93,14 +110,14 @@ class Statistics:
 
     def reset_reference(self) -> None:
         """Use the next state as the reference."""
-        self.origin: Reference | None = None
+        self.origin: Reference | None = None  # the first state with the present rules
+        # The first state with these particles: adding, removing and merging changes the energy.
         self.reference: Reference | None = None
-        self.changing = False
+        self.changing = False  # whether the particles changed just before: no drift is shown
         self._lowest = self._highest = 0.0
 
     @property
     def stages(self) -> tuple[str, ...]:
-        """Return the names of the stages, in the order of work."""
         return self.times.names[2:]
 
     # Collecting
@@ -146,9 +163,10 @@ class Statistics:
         seen = self.sums["time"]
         if self.reference is not None and time < self.reference.time:
             self.reset_reference()
-        if self.reference is None or not self.reference.has_particles_of(frame):
+        if self.reference is None or not np.array_equal(self.reference.tags, frame.tags):
             self.changing = self.reference is not None
-            self.reference = Reference.of(frame, energies)
+            mass = float(frame.masses.sum(dtype=float))
+            self.reference = Reference(time, energies, mass, frame.tags)
             self.origin = self.origin or self.reference
             self._lowest = self._highest = energies.potential
         elif len(seen) and time == seen[-1] and energies.kinetic == self.sums["kinetic"][-1]:
@@ -157,10 +175,11 @@ class Statistics:
         self.changing = self.changing and time - self.reference.time < QUIET
         self._lowest = min(self._lowest, energies.potential)
         self._highest = max(self._highest, energies.potential)
-        total = energies.kinetic + energies.potential
+        scale = self.energy_scale
+        drift = (energies.total - self.reference.energies.total) / scale if scale > 0 else 0.0
         self.sums.add(
-            time, energies.kinetic, energies.potential, total, *energies.momentum,
-            100 * self._drift(total), frame.stats.pairs_tested, frame.stats.touching,
+            time, energies.kinetic, energies.potential, energies.total, *energies.momentum,
+            100 * drift, frame.stats.pairs_tested, frame.stats.touching,
         )  # fmt: skip
 
     # Drift
@@ -195,7 +214,3 @@ class Statistics:
         x, y = self.reference.energies.momentum
         change = self.sums["momentum_x"][-1] - x, self.sums["momentum_y"][-1] - y
         return math.hypot(*change) / most
-
-    def _drift(self, total: float) -> float:
-        scale = self.energy_scale
-        return (total - self.reference.total) / scale if self.reference and scale > 0 else 0.0

@@ -28,28 +28,7 @@ MOMENTA = ("time", "momentum_x", "momentum_y")
 
 
 class Traces:
-    """The present data of the plots.
-
-    Attributes
-    ----------
-    ages
-        Seconds before now of each bin, ascending to 0.
-    stacked
-        (stages + 1, bins): the cumulative times of the stages, from zeros on.
-    frames
-        The time between two frames, per bin.
-    means, frame_mean
-        Of each stage and of the time between two frames, in milliseconds.
-    top
-        Upper end of the axis of milliseconds: 1, 2 or 5 times a power of ten.
-    count, stats
-        The number of particles, and the numbers of the last step.
-    energies, momenta
-        The columns `ENERGIES` and `MOMENTA` of the sums since the last change of the rules. The
-        potential energy is 0 at their beginning: its own zero is arbitrary.
-    energy_drift, momentum_drift, measured, changing
-        As in `Statistics`.
-    """
+    """The present data of the plots."""
 
     def __init__(self, statistics: Statistics) -> None:
         self._statistics = statistics
@@ -57,12 +36,13 @@ class Traces:
         self._parts = (self._renew_times, self._renew_stats, self._renew_energies,
                        self._renew_momenta)  # fmt: skip
         self._done = [-np.inf] * len(self._parts)
-        self.ages = np.linspace(-SPAN, 0.0, BINS)
-        self.frames = np.zeros(BINS)
-        self.means: dict[str, float] = {}
-        self.frame_mean, self.top = 0.0, 20.0
-        self.count, self.stats = 0, StepStats()
-        self.energy_drift = self.momentum_drift = self.measured = 0.0
+        self.ages = np.linspace(-SPAN, 0.0, BINS)  # seconds before now of each bin, ascending to 0
+        self.frames = np.zeros(BINS)  # the time between two frames, per bin
+        self.means: dict[str, float] = {}  # milliseconds of each stage
+        self.frame_mean = 0.0  # milliseconds between two frames
+        self.top = 20.0  # upper end of the axis of milliseconds: 1, 2 or 5 times a power of ten
+        self.count, self.stats = 0, StepStats()  # particles, and the numbers of the last step
+        self.energy_drift = self.momentum_drift = self.measured = 0.0  # as in `Statistics`
         self.changing = False
         self._forget()
 
@@ -79,8 +59,10 @@ class Traces:
 
     def _forget(self) -> None:
         self._stages = self._statistics.stages
+        # (stages + 1, bins): the cumulative times of the stages, from zeros on.
         self.stacked = np.zeros((len(self._stages) + 1, BINS))
         self.means = {}
+        # Sums since the last change of the rules; the potential energy is 0 at their beginning.
         self.energies = np.zeros((len(ENERGIES), 0))
         self.momenta = np.zeros((len(MOMENTA), 0))
         self._done = [-np.inf] * len(self._parts)
@@ -101,7 +83,6 @@ class Traces:
         self.top = float(power * _NICE[np.searchsorted(_NICE, highest / power - 1e-9)])
 
     def _average(self, table: Floats) -> None:
-        """Update the smoothed means."""
         if not table.shape[1]:
             return
         frame, *stages = table.mean(axis=1).tolist()

@@ -1,25 +1,20 @@
 """The panels of the settings and the statistics.
 
-Each file builds one panel, or one section of the column at the left, with calls of ImGui. They read
-a session and call its methods; every widget is named by `gui.mark`, so that a test can find it.
-Only this package and `gui` import ImGui. In reading order:
+Each file builds one panel, or sections of the column at the left, with calls of ImGui. They read a
+session and call its methods; every widget is named by `gui.mark`, so that a test can find it. Only
+this package and `gui` import ImGui. In reading order:
 
-========================= ======================================================================
-widgets, sliders          labels, numbers, buttons and lists; sliders
-plots                     lines and stacked bars over time
-playback_panel            pause, step, restart, previous and next scene
-scenes_panel              the list of scenes
-life_panel                the matrix of particle life
-method_panel              quadtree or brute force, exact physics or the article's program
-settings_panel            the sliders of the settings
-display_panel             what is drawn beside the particles
-rewind_panel              a slider over the last 30 s
-files_panel               scenes, videos and tables in files
-statistics_panel          times, pairs, energy, momentum
-column                    the sections at the left
-cards, help_window        messages and explanations over the scene; the list of mouse and keys
-menu_items, menus         the items of the context menus; the menus
-========================= ======================================================================
+======================= ========================================================================
+widgets, sliders        labels, numbers, buttons and lists; sliders
+playback_panel          pause, step, restart, previous and next scene; a slider over the last 30 s
+life_panel              the matrix of particle life
+settings_panel          method, sliders of the settings, what is drawn beside the particles
+files_panel             the list of scenes; videos and tables in files
+statistics_panel        times, pairs, energy, momentum, with their plots
+column                  the sections at the left
+cards                   messages and explanations over the scene; the list of mouse and keys
+menus                   the context menus and their items
+======================= ========================================================================
 """
 
 from __future__ import annotations
@@ -29,14 +24,14 @@ from collections.abc import Callable
 from imgui_bundle import imgui
 
 from jostle.app.gui.host import Gui
-from jostle.app.gui.layout import arrange
-from jostle.app.panels import cards, column, help_window, menus, statistics_panel
+from jostle.app.gui.style import arrange
+from jostle.app.panels import cards, column, menus, statistics_panel
 from jostle.app.session import Session
 
 Builder = Callable[[Session, Gui], None]
 
 PANELS: list[Builder] = [column.build, statistics_panel.build]
-OVERLAYS: list[Builder] = [cards.build, help_window.build, menus.build]
+OVERLAYS: list[Builder] = [cards.build, cards.build_help, menus.build]
 
 
 def build(session: Session, gui: Gui) -> None:

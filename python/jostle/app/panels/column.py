@@ -8,16 +8,11 @@ from imgui_bundle import imgui
 
 from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.gui.host import Gui
-from jostle.app.gui.layout import layout
-from jostle.app.gui.style import vec
+from jostle.app.gui.style import layout, vec
 from jostle.app.panels import (
-    display_panel,
     files_panel,
     life_panel,
-    method_panel,
     playback_panel,
-    rewind_panel,
-    scenes_panel,
     settings_panel,
     statistics_panel,
 )
@@ -28,14 +23,14 @@ from jostle.app.simulate.settings import METHODS
 TITLE = 21.0
 LIFE = "Particle life"
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
-    ("Scenes", scenes_panel.build),
+    ("Scenes", files_panel.build_scenes),
     (LIFE, life_panel.build),
-    ("Method", method_panel.build),
+    ("Method", settings_panel.build_method),
     ("Particles and tree", settings_panel.build_tree),
-    ("Display", display_panel.build),
+    ("Display", settings_panel.build_display),
     ("World", settings_panel.build_world),
     ("Time", settings_panel.build_time),
-    ("Rewind", rewind_panel.build),
+    ("Rewind", playback_panel.build_rewind),
     ("Two particles", files_panel.build_why),
     ("Files", files_panel.build),
 ]

@@ -1,4 +1,4 @@
-"""The files panel: save, load, record, export."""
+"""The list of scenes; and files: save, load, record, export."""
 
 from __future__ import annotations
 
@@ -6,35 +6,86 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
+import jostle
+from jostle.app.draw.camera import Size
+from jostle.app.draw.palette import ACCENT
 from jostle.app.gui.host import Gui
-from jostle.app.gui.style import FILLED, vec
+from jostle.app.gui.style import CHOSEN, FILLED, vec
 from jostle.app.panels.widgets import (
     BUTTON,
+    Button,
+    at_right,
+    buttons,
     choice,
     colours,
     combo,
-    hint,
     in_rows,
     label,
+    select,
     soft,
     width,
+    wrapped,
 )
 from jostle.app.session import Session
 from jostle.app.storage.encoder import FORMATS
 from jostle.app.storage.recording import Recording
 
-SIZES = {"window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
-         "square": (1080, 1080)}  # fmt: skip
-LENGTHS = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
+ROWS = 6  # visible
+LINE, PADDING = 22.0, 5.0  # points
+BY_ARTICLE = (
+    "The article's own rules. Balls overlap, piles never come to rest, and energy is not conserved."
+)
+SIZES: dict[str, Size | None] = {
+    "window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
+    "square": (1080, 1080),
+}  # fmt: skip
+CSV = "The present particles, and energy and momentum over time."
+GSD = "The last 30 s, ten frames per second, for OVITO and others."
+LENGTHS: dict[str, float | None] = {"until stopped": None, "5 s": 5.0, "10 s": 10.0, "30 s": 30.0}
+
+
+def build_scenes(session: Session, gui: Gui) -> None:
+    """Build the list and the description."""
+    names, present = jostle.scenes.names(), session.engine.scene
+    with colours(child_bg=vec((255, 255, 255), 0.025)):
+        imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, PADDING))
+        imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
+        imgui.begin_child(
+            "scenes", (0.0, LINE * min(ROWS, len(names)) + PADDING),
+            imgui.ChildFlags_.always_use_window_padding,
+        )  # fmt: skip
+        if imgui.is_window_appearing() and present in names:
+            imgui.set_scroll_y(LINE * (names.index(present) - ROWS // 2))  # whole rows
+        for name in names:
+            _scene(session, gui, name, present=name == present)
+        imgui.end_child()
+        imgui.pop_style_var(2)
+    if session.settings.by_article:
+        wrapped(BY_ARTICLE)
+    elif present in names:
+        wrapped(jostle.scenes.describe(present))
+
+
+def _scene(session: Session, gui: Gui, name: str, *, present: bool) -> None:
+    with colours(
+        header=vec(CHOSEN), header_hovered=vec(CHOSEN if present else ACCENT, 1 if present else 0.2)
+    ):
+        flags = imgui.SelectableFlags_.allow_overlap
+        clicked, _ = imgui.selectable(f"{name}##scene", present, flags, (0.0, LINE - 3.0))
+    gui.mark(f"scene {name}")
+    at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
+    if clicked:
+        session.runner.choose_scene(name)
 
 
 def build(session: Session, gui: Gui) -> None:
     """Build the buttons, the options of a video, and its progress."""
     files = session.files
-    commands = {"save": files.save, "screenshot": files.screenshot}
-    for (name, command), across in in_rows(commands.items(), 2):
-        if choice(gui, name, name, across, chosen=False):
-            command()
+    buttons(
+        gui,
+        Button("save", "save", files.save),
+        Button("screenshot", "screenshot", files.screenshot),
+    )
     saved = {str(path): path.stem for path in files.scenes()}
     none = "" if saved else f"There is no saved scene in {files.folder}."
     picked = combo(gui, "load", saved, "choose a scene" if saved else "none yet", reason=none)
@@ -42,14 +93,11 @@ def build(session: Session, gui: Gui) -> None:
         files.load(Path(picked))
     _film(session, gui)
     label("export")
-    exports = (
-        ("CSV", files.export_csv, "The present particles, and energy and momentum over time."),
-        ("GSD", files.export_gsd, "The last 30 s, ten frames per second, for OVITO and others."),
+    buttons(
+        gui,
+        Button("export CSV", "CSV", files.export_csv, CSV),
+        Button("export GSD", "GSD", files.export_gsd, GSD),
     )
-    for (name, export, contents), across in in_rows(exports, 2):
-        if choice(gui, f"export {name}", name, across, chosen=False):
-            export()
-        hint(contents)
 
 
 def build_why(session: Session, gui: Gui) -> None:
@@ -68,14 +116,8 @@ def _film(session: Session, gui: Gui) -> None:
         name, chosen = suffix.lstrip(".").upper(), options.suffix == suffix
         if choice(gui, f"film {name}", name, across, chosen=chosen, reason=busy):
             options.suffix = suffix
-    size = next((name for name, size in SIZES.items() if size == options.size), str(options.size))
-    picked = combo(gui, "size", {name: name for name in SIZES}, size, reason=busy)
-    if picked is not None:
-        options.size = SIZES[picked]
-    length = next((name for name, long in LENGTHS.items() if long == options.seconds), "")
-    picked = combo(gui, "length", {name: name for name in LENGTHS}, length, reason=busy)
-    if picked is not None:
-        options.seconds = LENGTHS[picked]
+    options.size = select(gui, "size", SIZES, options.size, reason=busy)
+    options.seconds = select(gui, "length", LENGTHS, options.seconds, reason=busy)
     ending = recording is not None and recording.stopped
     words = "record" if recording is None else "finishing" if ending else "stop"
     reason = "The end of the video is being written." if ending else ""

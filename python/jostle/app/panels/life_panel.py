@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from imgui_bundle import imgui
@@ -12,7 +12,7 @@ from jostle import life
 from jostle.app.draw.palette import KINDS, TEXT
 from jostle.app.gui.host import Gui
 from jostle.app.gui.style import RAISED, rgba
-from jostle.app.panels.widgets import choice, combo, hint, in_rows, signed
+from jostle.app.panels.widgets import Button, buttons, combo, hint, signed
 from jostle.app.session import Session
 
 STEP = 0.1  # change of an attraction by a click
@@ -20,7 +20,7 @@ HEAD = 20.0  # points: width of the first column, height of the first line
 GAP = 2.0  # between cells
 CELL = 30.0  # largest side
 PULL, PUSH = (86, 190, 120), (222, 92, 92)  # colours of attraction and repulsion
-PRESET = "choose one"
+MUTUAL = "A random matrix with mutual attractions. Everything comes to rest."
 ABOUT = (
     "How strongly the kind of the row is attracted by that of the column. Click to raise it, "
     "right-click to lower it."
@@ -28,57 +28,34 @@ ABOUT = (
 
 
 def build(session: Session, gui: Gui) -> None:
-    """Build the matrix and its buttons."""
     matrix = session.frame.matrix
     if matrix is None:
         return
     _grid(session, gui, matrix)
-    _buttons(
+
+    def randomise(symmetric: bool) -> None:
+        rng = np.random.default_rng()
+        _apply(session, life.random_matrix(rng, len(matrix), symmetric=symmetric))
+
+    buttons(
         gui,
-        {
-            "randomise": ("randomise", lambda: _randomise(session, len(matrix), symmetric=False)),
-            "randomise symmetric": (
-                "symmetric",
-                lambda: _randomise(session, len(matrix), symmetric=True),
-            ),
-        },
+        Button("randomise", "randomise", partial(randomise, False)),
+        Button("randomise symmetric", "symmetric", partial(randomise, True), MUTUAL),
     )
-    hint("A random matrix with mutual attractions. Everything comes to rest.")
+    present = (name for name, known in life.MATRICES.items() if np.array_equal(matrix, known))
     names = {name: name for name in life.MATRICES}
-    picked = combo(gui, "preset", names, _name_of(matrix))
+    picked = combo(gui, "preset", names, next(present, "choose one"))
     if picked is not None:
         session.runner.adjust("matrix", picked)
-    _buttons(
+    buttons(
         gui,
-        {
-            "scatter": ("scatter", session.interaction.commands.scramble),
-            "save life": ("save scene", lambda: session.files.save()),
-        },
+        Button("scatter", "scatter", session.interaction.commands.scramble),
+        Button("save life", "save scene", session.files.save),
     )
-
-
-def _buttons(gui: Gui, commands: dict[str, tuple[str, Callable[[], object]]]) -> None:
-    """Build a line of buttons, each with its label and its command."""
-    for (name, (text, command)), across in in_rows(commands.items(), len(commands)):
-        if choice(gui, name, text, across, chosen=False):
-            command()
-
-
-def _randomise(session: Session, kinds: int, *, symmetric: bool) -> None:
-    matrix = life.random_matrix(np.random.default_rng(), kinds, symmetric=symmetric)
-    _apply(session, matrix)
 
 
 def _apply(session: Session, matrix: NDArray[np.float64]) -> None:
     session.runner.adjust("matrix", tuple(tuple(map(float, row)) for row in matrix))
-
-
-def _name_of(matrix: NDArray[np.float64]) -> str:
-    """Return the name of a matrix."""
-    for name, known in life.MATRICES.items():
-        if np.array_equal(matrix, known):
-            return name
-    return PRESET
 
 
 def _grid(session: Session, gui: Gui, matrix: NDArray[np.float64]) -> None:

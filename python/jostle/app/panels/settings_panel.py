@@ -1,4 +1,4 @@
-"""The sliders of the settings: particles and tree, world, time."""
+"""The settings: search for pairs, sliders of particles, tree, world and time, and the display."""
 
 from __future__ import annotations
 
@@ -10,20 +10,25 @@ from typing import Any
 
 import numpy as np
 
-from jostle.app.act.tools import Tool
+from jostle.app.act.interaction import Tool
+from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.gui.host import Gui
 from jostle.app.panels.sliders import Moved, Range, slider
-from jostle.app.panels.widgets import combo, signed
+from jostle.app.panels.widgets import choice, combo, in_rows, label, select, signed
 from jostle.app.session import Session
 from jostle.app.simulate.containers import kind_of
+from jostle.app.simulate.settings import METHODS, too_slow
 
-ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
-FIXED = "The article's rules are fixed."
-STRONGEST = 2000.0  # gravity, world units per second squared
-
+METHODS_BY_RULES = {
+    "exact physics": {"quadtree": "quadtree", "brute": "brute force"},
+    "2015 program": {"article-quadtree": "quadtree", "article-brute": "brute force"},
+}
+SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
 SLEEPING = {"on": "on", "off": "off"}
+ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
+FIXED = "The article's rules are fixed."
 
 
 def _whole(value: float) -> str:
@@ -36,6 +41,10 @@ def _short(value: float) -> str:
 
 def _signed(value: float) -> str:
     return signed(value, ",.0f")
+
+
+def _depth(value: float) -> str:
+    return "no limit" if value >= UNLIMITED else _whole(value)
 
 
 @dataclass(frozen=True)
@@ -51,29 +60,44 @@ class Line:
 
 CORES = os.cpu_count() or 1
 UNLIMITED = 4_096  # subdivisions that no tree reaches
+STRONGEST = 2000.0  # gravity, world units per second squared
 COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
 TREE = (
     Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
-    Line(
-        "max. depth",
-        "max_depth",
-        Range(1, UNLIMITED, log=True, whole=True),
-        lambda value: "no limit" if value >= UNLIMITED else _whole(value),
-    ),
+    Line("max. depth", "max_depth", Range(1, UNLIMITED, log=True, whole=True), _depth),
     Line("threads", "threads", Range(1, max(CORES, 2), whole=True), default=CORES),
 )
-WORLD = (
-    Line("world size", "world_size", Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0),
+SIZE = Line("world size", "world_size", Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0)
+MATERIAL = (
     Line("drag", "drag", Range(0.0, 5.0), _short),
     Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
     Line("friction", "friction", Range(0.0, 2.0), _short),
 )
-DRAWN_WALLS = (Line("wall friction", "wall_friction", Range(0.0, 2.0), _short),)
+DRAWN_WALLS = Line("wall friction", "wall_friction", Range(0.0, 2.0), _short)
 TIME = (
     Line("speed", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
-LINES = (COUNT, *TREE, *WORLD, *DRAWN_WALLS, *TIME)
+LINES = (COUNT, *TREE, SIZE, *MATERIAL, DRAWN_WALLS, *TIME)
+
+
+def build_method(session: Session, gui: Gui) -> None:
+    """Build two choices for exact physics, two for the article's program, and the comparison."""
+    now, race, count = session.settings.method, session.runner.race, len(session.frame)
+    for rules, methods in METHODS_BY_RULES.items():
+        label(rules)
+        for (method, words), across in in_rows(methods.items(), len(methods)):
+            chosen = method == now
+            reason = "" if chosen else too_slow(method, count) or ""
+            if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
+                session.runner.choose_method(method)
+    rival = race.method if race else ""
+    rivals = {"": "nothing"} | {method: METHODS[method] for method in METHODS if method != now}
+    picked = combo(gui, "compare with", rivals, rival)
+    if picked is not None and picked != rival:
+        session.runner.end_race()
+        if picked:
+            session.runner.toggle_race(picked)
 
 
 def build_tree(session: Session, gui: Gui) -> None:
@@ -82,26 +106,36 @@ def build_tree(session: Session, gui: Gui) -> None:
     moved, value = slider(gui, COUNT.name, COUNT.span, count, _whole)
     if moved is Moved.DONE and value != count:
         session.runner.adjust("n", int(value))
-    _lines(session, gui, TREE)
+    _lines(session, gui, *TREE)
+
+
+def build_display(session: Session, gui: Gui) -> None:
+    """Build what is drawn beside the particles."""
+    options = session.view_options
+    options.tree = select(gui, "tree", {view.value: view for view in TreeView}, options.tree)
+    quantities = {by.value: by.label for by in ColourBy}
+    colour = combo(gui, "colour by", quantities, options.colour_by.value)
+    if colour is not None:
+        options.colour_by = ColourBy(colour)
+    for name, across in in_rows(SWITCHES, 3):
+        if choice(gui, name, name, across, chosen=getattr(options, name)):
+            session.toggle(name)
 
 
 def build_world(session: Session, gui: Gui) -> None:
-    """Build the settings of the world."""
-    now = session.engine.effective_settings
+    now, interaction = session.engine.effective_settings, session.interaction
     _choice(session, gui, "container", CONTAINERS, kind_of(session.frame.container))
     _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce", "collisions")
     _choice(session, gui, "sleeping", SLEEPING, "off" if now.sleeping is False else "on")
-    _lines(session, gui, WORLD[:1])
+    _lines(session, gui, SIZE)
     _gravity(session, gui)
-    _lines(session, gui, WORLD[1:])
-    interaction = session.interaction
-    if interaction.tools.tool is Tool.WALL or len(interaction.commands.drawn_walls):
+    _lines(session, gui, *MATERIAL)
+    if interaction.tool is Tool.WALL or len(interaction.commands.drawn_walls):
         _lines(session, gui, DRAWN_WALLS)
 
 
 def build_time(session: Session, gui: Gui) -> None:
-    """Build the settings of time."""
-    _lines(session, gui, TIME)
+    _lines(session, gui, *TIME)
 
 
 def _reason(session: Session, field: str) -> str:
@@ -118,7 +152,7 @@ def _choice(
         session.runner.adjust(field, chosen == "on" if options is SLEEPING else chosen)
 
 
-def _lines(session: Session, gui: Gui, lines: tuple[Line, ...]) -> None:
+def _lines(session: Session, gui: Gui, *lines: Line) -> None:
     for line in lines:
         held = getattr(session.engine.effective_settings, line.field)
         value = line.default if held is None else float(held)
@@ -139,9 +173,8 @@ def _gravity(session: Session, gui: Gui) -> None:
     x, y = session.engine.effective_settings.gravity or (0.0, 0.0)
     strength, reason = math.hypot(x, y), _reason(session, "gravity")
     moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed, reason=reason)
-    if moved is not Moved.NOT:
-        direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
-        _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
+    direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
+    _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
     span = Range(-STRONGEST, STRONGEST)
     moved, new = slider(gui, "\u2013 x", span, x, _signed, reason=reason)
     _apply(session, "gravity", moved, (new, y))

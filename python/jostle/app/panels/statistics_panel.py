@@ -1,19 +1,23 @@
-"""The statistics panel: times of the stages, tested pairs, energy and momentum."""
+"""The statistics panel: times of the stages, tested pairs, energy and momentum, with plots."""
 
 from __future__ import annotations
 
-from imgui_bundle import imgui
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from itertools import zip_longest
 
-from jostle.app.draw.formatting import pairs_of, scientific, share
+import numpy as np
+from imgui_bundle import imgui, implot
+
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
+from jostle.app.draw.text import pairs_of, plural, scientific, share
 from jostle.app.gui.host import Gui
-from jostle.app.gui.layout import layout
-from jostle.app.gui.style import RAISED, rgba, vec
+from jostle.app.gui.style import RAISED, layout, rgba, vec
 from jostle.app.measure.traces import SPAN, Floats
-from jostle.app.panels import plots
 from jostle.app.panels.widgets import (
+    Button,
     at_right,
-    button,
+    buttons,
     colours,
     hint,
     part,
@@ -25,6 +29,12 @@ from jostle.app.panels.widgets import (
 )
 from jostle.app.session import Session
 
+BARE = (
+    implot.Flags_.no_title | implot.Flags_.no_legend | implot.Flags_.no_menus
+    | implot.Flags_.no_box_select | implot.Flags_.no_mouse_text | implot.Flags_.no_inputs
+)  # fmt: skip
+AXIS = implot.AxisFlags_.no_decorations
+SMALL = 12.0
 TAB = 34.0  # height of the folded panel
 UNSEEN = 0.5  # points; thinner layers are not drawn
 COLUMN_GAP = 18.0
@@ -55,11 +65,60 @@ STAGES: dict[str, Colour] = {
     "draw": (224, 155, 106),
     "panels": (201, 104, 106),
 }
-KINETIC: Colour = (226, 198, 124)
-POTENTIAL: Colour = (85, 144, 168)
 TOTAL: Colour = (220, 227, 236)
-ACROSS: Colour = (111, 176, 162)
-DOWN: Colour = (224, 155, 106)
+ENERGIES: dict[str, Colour] = {
+    "total": TOTAL, "kinetic": (226, 198, 124), "potential": (85, 144, 168)
+}  # fmt: skip
+MOMENTA: dict[str, Colour] = {"x": (111, 176, 162), "y": (224, 155, 106)}
+
+
+@contextmanager
+def plot(
+    name: str,
+    height: float,
+    across: tuple[float, float],
+    up: tuple[float, float],
+    corners: tuple[str, str],
+) -> Iterator[bool]:
+    """Make a plot with limits of the axes; `corners` are the texts of the upper two."""
+    implot.push_style_var(implot.StyleVar_.plot_padding, (0.0, 3.0))
+    seen = implot.begin_plot(f"##{name}", (-1.0, height), BARE)
+    if seen:
+        grid = AXIS & ~implot.AxisFlags_.no_grid_lines
+        implot.setup_axes("", "", AXIS, grid)
+        implot.setup_axes_limits(*across, *up, imgui.Cond_.always)
+        implot.setup_finish()
+    yield seen
+    if seen:
+        low, size = implot.get_plot_pos(), implot.get_plot_size()
+        implot.end_plot()
+        imgui.push_font(None, SMALL)
+        draw, y = imgui.get_window_draw_list(), low.y + 3.0
+        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+        draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
+        draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
+        imgui.pop_font()
+    implot.pop_style_var()
+
+
+def stack(at: Floats, stacked: Floats, colours: Sequence[Colour], least: float) -> None:
+    """Draw stacked bars: the highest first, each covered by those below it.
+
+    Boxes are fast without a graphics card. A layer that is nowhere thicker than `least` is omitted.
+    """
+    width = float(at[1] - at[0])
+    thick = (stacked[1:] - stacked[:-1]).max(axis=1) > least
+    for k in np.flatnonzero(thick)[::-1].tolist():
+        spec = implot.Spec()
+        spec.fill_color, spec.line_weight = vec(colours[k]), 0.0
+        spec.line_color = spec.fill_color
+        implot.plot_bars(f"##bars {k}", at, stacked[k + 1], width, spec)
+
+
+def line(name: str, at: Floats, values: Floats, colour: Colour, weight: float = 1.5) -> None:
+    spec = implot.Spec()
+    spec.line_color, spec.line_weight = vec(colour), weight
+    implot.plot_line(f"##{name}", at, values, spec)
 
 
 def build(session: Session, gui: Gui) -> None:
@@ -115,30 +174,23 @@ def _times(session: Session, gui: Gui, height: float) -> None:
     tints = [STAGES.get(stage, TEXT_SOFT) for stage in stages]
     corner = f"{traces.top:g} ms", f"last {SPAN:g} s"
     top = traces.top * height / (height - TEXT_HEIGHT)  # no bar is behind the text
-    with plots.plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
+    with plot("times", height, (-SPAN, 0.0), (0.0, top), corner) as seen:
         if seen:
-            plots.stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
-            plots.line("frame", traces.ages, traces.frames, TOTAL, 1.0)
+            stack(traces.ages, traces.stacked, tints, traces.top * UNSEEN / height)
+            line("frame", traces.ages, traces.frames, TOTAL, 1.0)
     gui.mark("plot times")
-    legend = [
-        *(
-            (stage, tint, traces.means.get(stage, 0.0))
-            for stage, tint in zip(stages, tints, strict=True)
-        ),
+    means = {stage: traces.means.get(stage, 0.0) for stage in stages}
+    entries = [
+        *zip(stages, tints, means.values(), strict=True),
         ("total", TOTAL, traces.frame_mean),
     ]
-    half = -(-len(legend) // 2)  # two columns
+    half = -(-len(entries) // 2)  # two columns
     across = (width() - COLUMN_GAP) / 2
-    for k in range(half):
-        _swatch(*_in_ms(legend[k]), across)
-        if half + k < len(legend):
-            imgui.same_line(0.0, COLUMN_GAP)
-            _swatch(*_in_ms(legend[half + k]), across)
-
-
-def _in_ms(entry: tuple[str, Colour, float]) -> tuple[str, Colour, str]:
-    name, tint, milliseconds = entry
-    return name, tint, f"{milliseconds:.2f}"
+    for pair in zip_longest(entries[:half], entries[half:]):
+        for k, (name, tint, milliseconds) in enumerate(filter(None, pair)):
+            if k:
+                imgui.same_line(0.0, COLUMN_GAP)
+            _swatch(name, tint, f"{milliseconds:.2f}", across)
 
 
 def _pairs(session: Session, gui: Gui, height: float) -> None:
@@ -148,19 +200,12 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
     row("tested, % of all pairs", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
     row("asleep", f"{facts.asleep:,}")
-    row("tree", _tree(facts.nodes, facts.depth))
-
-
-def _tree(nodes: int, depth: int) -> str:
-    if not nodes:
-        return "\u2013"
-    return f"{nodes:,} node{'s' if nodes != 1 else ''}, {depth:,} deep"
+    tree = f"{plural(facts.nodes, 'node')}, {facts.depth:,} deep" if facts.nodes else "\u2013"
+    row("tree", tree)
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
-    time, *columns = session.traces.energies
-    names, tints = ("total", "kinetic", "potential"), (TOTAL, KINETIC, POTENTIAL)
-    _lines(gui, "energy", height, time, names, tints, columns)
+    _lines(gui, "energy", height, session.traces.energies, ENERGIES)
     row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
@@ -176,45 +221,36 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
-    time, *columns = session.traces.momenta
-    _lines(gui, "momentum", height, time, ("x", "y"), (ACROSS, DOWN), columns)
+    _lines(gui, "momentum", height, session.traces.momenta, MOMENTA)
     row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
     hint(
         "Change of momentum since the reference, relative to that of all particles moving one way: "
         "by walls, immovable particles and forces. Collisions of particles conserve momentum. "
         f"{RESETS}"
     )
-    if button(gui, "measure drift", "Reset reference"):
-        session.runner.statistics.reset_reference()
+    reset = session.runner.statistics.reset_reference
+    buttons(gui, Button("measure drift", "Reset reference", reset))
 
 
-def _lines(
-    gui: Gui,
-    name: str,
-    height: float,
-    time: Floats,
-    names: tuple[str, ...],
-    tints: tuple[Colour, ...],
-    columns: list[Floats],
-) -> None:
-    """Plot columns over simulated time, with a legend of their last values."""
+def _lines(gui: Gui, name: str, height: float, table: Floats, tints: dict[str, Colour]) -> None:
+    """Plot the columns after the simulated time, with a legend of their last values."""
+    time, values = table[0], table[1:]
     if not len(time):
         return
-    low = min(float(values.min()) for values in columns)
-    high = max(float(values.max()) for values in columns)
+    low, high = float(values.min()), float(values.max())
     margin = MARGIN * (high - low) or abs(high) or 1.0
     across = float(time[0]), max(float(time[-1]), float(time[0]) + 1.0)
     corners = _sum(high), f"{across[1] - across[0]:,.0f} s"
-    above = (
-        (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
-    )  # no line crosses the text in the corners
-    with plots.plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
+    # No line crosses the text in the corners.
+    above = (high - low) * TEXT_HEIGHT / (height - TEXT_HEIGHT)
+    columns = list(zip(tints.items(), values, strict=True))
+    with plot(name, height, across, (low - margin, high + margin + above), corners) as seen:
         if seen:
-            for word, tint, values in zip(names, tints, columns, strict=True):
-                plots.line(word, time, values, tint, THICK if word == "total" else THIN)
+            for (word, tint), column in columns:
+                line(word, time, column, tint, THICK if word == "total" else THIN)
     gui.mark(f"plot {name}")
-    for word, tint, values in zip(names, tints, columns, strict=True):
-        _swatch(word, tint, _sum(float(values[-1])))
+    for (word, tint), column in columns:
+        _swatch(word, tint, _sum(float(column[-1])))
 
 
 def change_text(session: Session, change: str) -> str:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from imgui_bundle import imgui
 
@@ -80,7 +80,6 @@ def part(title: str) -> Iterator[None]:
 
 @contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
-    """Set colours of the contents."""
     for name, colour in by_name.items():
         imgui.push_style_color(getattr(Col, name), colour)
     yield
@@ -93,14 +92,12 @@ def width() -> float:
 
 
 def label(text: str) -> None:
-    """Draw a label, and move to the column of the controls."""
     imgui.align_text_to_frame_padding()
     soft(text)
     imgui.same_line(LABEL)
 
 
 def soft(text: str) -> None:
-    """Draw text in the softer colour."""
     imgui.text_disabled(text)
 
 
@@ -120,8 +117,10 @@ def at_right(text: str, *, quiet: bool = False) -> None:
 
 
 def row(name: str, value: str) -> None:
-    """Draw a line with a name and a value."""
+    """Draw a line with a name and a value; a long value gets a line of its own."""
     soft(name)
+    if imgui.get_item_rect_size().x + imgui.calc_text_size(value).x > width():
+        imgui.dummy((0.0, 0.0))
     at_right(value)
 
 
@@ -165,9 +164,21 @@ def choice(
     return clicked and not reason
 
 
-def button(gui: Gui, name: str, text: str) -> bool:
-    """Build a button as wide as the panel."""
-    return choice(gui, name, text, width(), chosen=False)
+class Button(NamedTuple):
+    """A button with the name of its mark, and a tooltip if there is one."""
+
+    name: str
+    text: str
+    command: Callable[[], object]
+    about: str = ""
+
+
+def buttons(gui: Gui, *line: Button) -> None:
+    """Build a line of buttons, and run the clicked command."""
+    for (name, text, command, about), across in in_rows(line, len(line)):
+        if choice(gui, name, text, across, chosen=False):
+            command()
+        hint(about)
 
 
 def in_rows(items: Iterable[T], columns: int) -> Iterator[tuple[T, float]]:
@@ -201,3 +212,10 @@ def combo(
     if not is_open:
         hint(reason)
     return picked
+
+
+def select(gui: Gui, name: str, options: Mapping[str, T], now: T, *, reason: str = "") -> T:
+    """Build a labelled drop-down list of values by name; return the chosen or the present one."""
+    present = next((words for words, value in options.items() if value == now), str(now))
+    picked = combo(gui, name, {words: words for words in options}, present, reason=reason)
+    return now if picked is None else options[picked]

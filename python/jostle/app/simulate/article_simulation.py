@@ -13,7 +13,16 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.packing import pack, unpack
+from jostle.app.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    Arrays,
+    column,
+    pack,
+    particles_of,
+    unpack,
+    within,
+)
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
     WIDTHS,
@@ -28,14 +37,6 @@ from jostle.app.simulate.simulation import (
     Tags,
     TreeBoxes,
     find,
-)
-from jostle.app.simulate.state_validation import (
-    ATTRACTORS,
-    COUNT,
-    Arrays,
-    column,
-    particles_of,
-    within,
 )
 from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
@@ -93,7 +94,7 @@ class ArticleSimulation:
             )
             self.program = article_of(source.frame(), source.view, rules)
         self._take_size()
-        self._attractors: tuple[Attractor, ...] = ()
+        self.attractors: tuple[Attractor, ...] = ()
         self._frames = 0
         self._milliseconds = 0.0
         self._tags: Tags = np.arange(len(self), dtype=np.int64)
@@ -105,12 +106,10 @@ class ArticleSimulation:
 
     @property
     def method(self) -> str:
-        """Return "article-quadtree" or "article-brute"."""
         return f"article-{self.program.method}"
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return the settings that can change while it runs: the program and the speed."""
         return frozenset({"method", "time_scale"})
 
     @property
@@ -130,7 +129,6 @@ class ArticleSimulation:
     # Reading
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        """Return the particles as arrays."""
         rows = [
             (p.x, p.y, p.speed * math.sin(p.angle), -p.speed * math.cos(p.angle), p.radius,
              p.density) for p in self.program.particles
@@ -147,7 +145,7 @@ class ArticleSimulation:
             container=self.container,
             stats=self._stats(),
             tree=self._tree_boxes() if request.tree else None,
-            attractors=self._attractors,
+            attractors=self.attractors,
         )
         return replace(
             frame,
@@ -184,29 +182,25 @@ class ArticleSimulation:
 
     def step(self) -> None:
         """Advance by one frame of the article."""
-        start, program = time.perf_counter(), self.program
-        before = [(p.x, p.y, p.speed, p.angle, p.rectangle) for p in program.particles]
-        counted = program.tests, program.repeats, program.hits, program.leaves
+        before, start = self.save(), time.perf_counter()
         if wrong := self._try_frame():
-            for p, state in zip(program.particles, before, strict=True):
-                p.x, p.y, p.speed, p.angle, p.rectangle = state
-            program.tests, program.repeats, program.hits, program.leaves = counted
+            self.load(before)
             raise ValueError(f"{wrong}; the step was not made.")
         self._frames += 1
         self._milliseconds = (time.perf_counter() - start) * 1e3
 
     def _try_frame(self) -> str:
-        """Make one frame; return a description of an error, or None."""
+        """Make one frame; return a description of an error, or an empty text."""
         failed = ""
         try:
-            for attractor in self._attractors:
+            for attractor in self.attractors:
                 self._attract_to(attractor)
             self.program.frame()
         except (ValueError, OverflowError) as error:  # from an infinite number
             failed = str(error)
         self.program.release()  # `drag` applies to one frame
         for row, p in enumerate(self.program.particles):
-            if not (abs(p.x) <= FARTHEST and abs(p.y) <= FARTHEST and abs(p.speed) <= FARTHEST):
+            if not all(abs(number) <= FARTHEST for number in (p.x, p.y, p.speed)):
                 state = f"at ({p.x:.4g}, {p.y:.4g}) with speed {p.speed:.4g}"
                 return f"Particle {self._tags[row]} would be {state}, beyond {FARTHEST:g}"
         return failed
@@ -265,17 +259,12 @@ class ArticleSimulation:
         return tags
 
     def remove(self, tags: ArrayLike) -> None:
-        """Remove particles."""
         keep = ~np.isin(self._tags, np.asarray(tags))
-        particles = self.program.particles
-        self.program.particles = [p for p, kept in zip(particles, keep, strict=True) if kept]
+        particles = zip(self.program.particles, keep, strict=True)
+        self.program.particles = [particle for particle, kept in particles if kept]
         self._tags, self._born = self._tags[keep], self._born[keep]
-        left = set(self._tags.tolist())
-        self._attractors = tuple(
-            attractor
-            for attractor in self._attractors
-            if attractor.tag is None or attractor.tag in left
-        )
+        left = {None, *self._tags.tolist()}
+        self.attractors = tuple(one for one in self.attractors if one.tag in left)
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
         """Set positions, velocities, densities; the article has no immovable particles."""
@@ -296,8 +285,7 @@ class ArticleSimulation:
         """Do nothing: there are none."""
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        """Replace the attractors of the user."""
-        self._attractors = attractors
+        self.attractors = attractors
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Move a particle towards the cursor, by the article's rule of the mouse."""
@@ -306,7 +294,6 @@ class ArticleSimulation:
             self.program.drag_to(*point)
 
     def save(self) -> bytes:
-        """Return the state."""
         program = self.program
         facts = {
             "settings": asdict(self.settings),
@@ -315,7 +302,7 @@ class ArticleSimulation:
             "counters": [program.tests, program.repeats, program.hits],
             "frames": self._frames,
             "next_tag": self._next_tag,
-            "pulls": [asdict(attractor) for attractor in self._attractors],
+            "pulls": [asdict(attractor) for attractor in self.attractors],
         }
         numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
         sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
@@ -329,7 +316,6 @@ class ArticleSimulation:
         return pack("article", facts, columns)
 
     def load(self, state: bytes) -> None:
-        """Restore a state from bytes; raise a ValueError if they are wrong."""
         facts, arrays = unpack("article", state)
         facts = read(facts, FACTS)
         settings, method = facts["settings"], facts["method"]
@@ -344,7 +330,7 @@ class ArticleSimulation:
         program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self.program, self.settings = program, settings
         self._take_size()
-        self._attractors, self._frames = facts["pulls"], facts["frames"]
+        self.attractors, self._frames = facts["pulls"], facts["frames"]
         self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:

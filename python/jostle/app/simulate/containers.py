@@ -20,7 +20,6 @@ _RECT = rect(FARTHEST / 1_000)
 
 
 def bounds(container: Container) -> Rect | None:
-    """Return the bounds of the container, or None."""
     if container is None:
         return None
     if isinstance(container, jostle.Torus):
@@ -68,13 +67,11 @@ def wall_images(
 
 
 def diagonal(rect: Rect) -> float:
-    """Return the length of the diagonal of a rectangle."""
     width, height = rect[2] - rect[0], rect[3] - rect[1]
     return math.sqrt(width * width + height * height)
 
 
 def kind_of(container: Container) -> str:
-    """Return "box", "circle", "torus" or "none"."""
     return "none" if container is None else type(container).__name__.lower()
 
 
@@ -121,7 +118,6 @@ class InitialRegion:
 
 
 def center_of(rect: Rect) -> tuple[float, float]:
-    """Return the middle of a rectangle."""
     return (rect[0] + rect[2]) / 2, (rect[1] + rect[3]) / 2
 
 

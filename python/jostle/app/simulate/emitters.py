@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.rng import TRIES, in_disc
+from jostle.app.simulate.placement import TRIES, in_disc
 
 Floats = NDArray[np.floating]
 
@@ -28,30 +28,21 @@ class Emitters:
         Limit of the number of drops; the default of the scene if None.
     seed
         Seed of the drops' positions, velocities and radii.
-
-    Attributes
-    ----------
-    emitted
-        Number of drops so far.
-    debt
-        Fraction of the next drop that is due, 0 to 1.
     """
 
     def __init__(self, n: int | None = None, seed: int = 0) -> None:
         self.cap = jostle.scenes.default_count("emitters") if n is None else n
-        self.emitted = 0
-        self.debt = 0.0
+        self.emitted = 0  # number of drops so far
+        self.debt = 0.0  # fraction of the next drop that is due, 0 to 1
         self._seed = seed
         nozzles = jostle.scenes.fountains(n)
         rates = np.array([nozzle.drops_per_second for nozzle in nozzles])
         self._rate = float(rates.sum())
         self._shares = np.cumsum(rates) / max(self._rate, 1e-9)
-        self._places = np.array([nozzle.position for nozzle in nozzles])
-        self._velocities = np.array([nozzle.velocity for nozzle in nozzles])
-        self._widths = np.array([nozzle.width for nozzle in nozzles])
-        self._spreads = np.array([nozzle.spread for nozzle in nozzles])
-        self._radii = np.array([nozzle.radii for nozzle in nozzles])
-        self._densities = np.array([nozzle.density for nozzle in nozzles])
+        self._nozzles = {
+            name: np.array([getattr(nozzle, name) for nozzle in nozzles])
+            for name in ("position", "velocity", "width", "spread", "radii", "density")
+        }
 
     @property
     def state(self) -> tuple[int, int, float]:
@@ -102,18 +93,19 @@ class Emitters:
         across, size, *tries = self._random(numbers)
         nozzle = np.searchsorted(self._shares, (numbers + 0.5) * GOLDEN % 1, side="right")
         nozzle = np.minimum(nozzle, len(self._shares) - 1)
-        straight = self._velocities[nozzle]
+        mine = {name: column[nozzle] for name, column in self._nozzles.items()}
+        straight = mine["velocity"]
         sideways = straight[:, ::-1] * (-1, 1) / np.linalg.norm(straight, axis=1, keepdims=True)
-        places = self._places[nozzle] + sideways * ((across - 0.5) * self._widths[nozzle])[:, None]
+        places = mine["position"] + sideways * ((across - 0.5) * mine["width"])[:, None]
         aside = in_disc(np.column_stack(tries).reshape(-1, TRIES, 2))
-        velocities = straight + aside * self._spreads[nozzle][:, None]
+        velocities = straight + aside * mine["spread"][:, None]
         gravity, age = np.array(world.gravity), ages[:, None]
-        smallest, largest = self._radii[nozzle].T
+        smallest, largest = mine["radii"].T
         world.add(
             places + velocities * age + gravity * age**2 / 2,
             velocities + gravity * age,
             smallest + (largest - smallest) * size,
-            densities=self._densities[nozzle],
+            densities=mine["density"],
             friction=friction,
         )
 

@@ -10,20 +10,68 @@ An error of a step, such as a speed beyond the limits, is kept in `error`.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 
-from jostle.app.simulate.fixed_timestep import MAX_STEPS, FixedTimestep
 from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.worker import Worker
 
-Edit = Callable[[Simulation], None]
-Then = Callable[[], None]
-
+MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine
+BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
 SMOOTH = 0.2  # weight of a new measurement
 REFUSALS = (ValueError, OverflowError, MemoryError)
+
+Edit = Callable[[Simulation], object]
+Then = Callable[[], None]
+
+
+class FixedTimestep:
+    """Accumulates real time, and converts it to steps of `time_step` seconds."""
+
+    def __init__(self, time_step: float, clock: Callable[[], float] = time.perf_counter) -> None:
+        self._time_step = time_step
+        self._clock = clock
+        self._accumulated = 0.0
+
+    def is_due(self, elapsed: float) -> bool:
+        """Return whether a step would be due after `elapsed` more seconds."""
+        return self._accumulated + elapsed >= self._time_step / 2
+
+    def advance(self, elapsed: float, step: Callable[[], None], most: int = MAX_STEPS) -> int:
+        """Add `elapsed` seconds; call `step` for each due step, at most `most` times.
+
+        Returns the number of calls.
+        """
+        self._accumulated = min(self._accumulated + elapsed, MAX_STEPS * self._time_step)
+        start, steps = self._clock(), 0
+        # The remainder is within ± half a step. So a screen near 60 Hz gets one step per frame;
+        # with a remainder of 0 to 1 step, it would sometimes get none and then two.
+        while steps < most and self._accumulated >= self._time_step / 2:
+            if steps and self._clock() - start > BUDGET:
+                break
+            step()
+            self._accumulated -= self._time_step
+            steps += 1
+        return steps
+
+
+def message_of(error: BaseException) -> str:
+    return str(error) or "There is not enough memory for that."
+
+
+def nothing(_: Simulation) -> None:
+    """Do nothing."""
+
+
+@dataclass(frozen=True)
+class Hooks:
+    """What the thread that steps calls with the simulation."""
+
+    before: Edit = nothing  # a step
+    after: Edit = nothing  # a step
+    touched: Edit = nothing  # before an edit by the user
 
 
 @dataclass(frozen=True)
@@ -41,14 +89,49 @@ class _Result:
     """The result of a job; nothing of the engine changes before the UI thread takes it."""
 
     frame: Frame
-    steps: tuple[tuple[float, float], ...]  # seconds of each step, alone and with its hooks
+    steps: list[tuple[float, float]]  # seconds of each step, alone and with its hooks
     error: str
-    then: tuple[Then, ...]
+    then: list[Then]
 
 
-def message_of(error: BaseException) -> str:
-    """Return the message of an error."""
-    return str(error) or "There is not enough memory for that."
+@dataclass(frozen=True)
+class _Job:
+    """The waiting edits, the due or requested steps, and a frame.
+
+    It holds everything that it needs, so it has no effect on the engine if it is abandoned.
+    """
+
+    simulation: Simulation
+    request: FrameRequest
+    hooks: Hooks
+    edits: list[_Waiting]
+    make_steps: Callable[[Callable[[], None]], object]  # calls its argument for each step
+
+    def run(self) -> _Result:
+        """Run it, on the worker thread."""
+        for edit in self.edits:
+            if edit.changes:
+                self.hooks.touched(self.simulation)
+            edit.work(self.simulation)
+        seconds: list[tuple[float, float]] = []
+        error = ""
+        try:
+            self.make_steps(lambda: seconds.append(_step(self.simulation, self.hooks)))
+        except REFUSALS as refusal:
+            error = message_of(refusal)
+        then = [edit.then for edit in self.edits if edit.then is not None]
+        return _Result(self.simulation.frame(self.request), seconds, error, then)
+
+
+def _step(simulation: Simulation, hooks: Hooks) -> tuple[float, float]:
+    """Make one step; return its seconds, alone and with its hooks."""
+    start = time.perf_counter()
+    hooks.before(simulation)
+    began = time.perf_counter()
+    simulation.step()
+    alone = time.perf_counter() - began
+    hooks.after(simulation)
+    return alone, time.perf_counter() - start
 
 
 class Engine:
@@ -60,34 +143,15 @@ class Engine:
         Used by nothing else from now on, except through `edit`.
     synchronous
         Whether jobs are run by the calling thread.
-
-    Attributes
-    ----------
-    frame
-        The last finished state.
-    request
-        What the next frames must contain.
-    last_step
-        Number of steps after which `advance` makes no more; None without a limit.
-    last_seconds
-        Time of the last step, alone.
-    before, after
-        Called with the simulation before and after each step, by the thread that steps.
-    touched
-        Called with the simulation before an edit by the user.
-    error
-        Message of a failed step; no further steps are made until `take_error`.
     """
 
     def __init__(self, simulation: Simulation, *, synchronous: bool = False) -> None:
         self.synchronous = synchronous
-        self.request = FrameRequest()
-        self.before: list[Edit] = []
-        self.after: list[Edit] = []
-        self.touched: list[Edit] = []
+        self.request = FrameRequest()  # what the next frames must contain
+        self.hooks = Hooks()
         self.steps = 0
-        self.last_step: int | None = None
-        self.last_seconds = 0.0
+        self.last_step: int | None = None  # after so many steps `advance` makes no more
+        self.last_seconds = 0.0  # time of the last step, alone
         self._worker = Worker("jostle-step", synchronous=synchronous)
         self._job: Future[_Result] | None = None
         self._edits: list[_Waiting] = []
@@ -101,17 +165,18 @@ class Engine:
         self.abandon()
         self._edits.clear()
         self._single = self._stale = False  # a single step, or a frame, is requested
-        self._elapsed, self.error = 0.0, ""
+        self._elapsed = 0.0
+        self.error = ""  # message of a failed step; no more steps are made until `take_error`
         self.simulation = simulation
         self.scene, self.time_step = simulation.scene, simulation.time_step
         self._note_settings()
         self._timestep = FixedTimestep(simulation.time_step)
-        self.step_seconds = 0.0  # of a step with its hooks, smoothed
-        self.frame: Frame = simulation.frame(self.request) if frame is None else frame
+        self.step_seconds = 0.0  # of a step alone, smoothed
+        self.whole_seconds = 0.0  # of a step with its hooks, smoothed
+        self.frame = simulation.frame(self.request) if frame is None else frame  # the last state
 
     @property
     def busy(self) -> bool:
-        """Whether a job is in progress."""
         return self._job is not None and not self._job.done()
 
     def edit(
@@ -151,8 +216,8 @@ class Engine:
     def poll(self) -> None:
         """Take a finished job, and start one for what was requested."""
         if not self.busy:
-            self._collect()
-            if self._job is None and (self._edits or self._single or self._stale):
+            self._collect()  # which may start a job
+            if self._job is None and self._requested:
                 self._start()
 
     def advance(self, elapsed: float) -> int:
@@ -162,18 +227,19 @@ class Engine:
             return 0
         before = self.steps
         self._collect()
-        if self._job is None:
-            if self._left() and not self.error and self._timestep.is_due(self._elapsed):
-                self._start(self._elapsed)
-                self._elapsed = 0.0
-            else:
-                self.poll()
+        left = MAX_STEPS if self.last_step is None else min(MAX_STEPS, self.last_step - self.steps)
+        due = left > 0 and not self.error and self._timestep.is_due(self._elapsed)
+        if due and self._job is None:
+            self._start(partial(self._timestep.advance, self._elapsed, most=left))
+            self._elapsed = 0.0
+        else:
+            self.poll()
         return self.steps - before
 
     def step(self) -> None:
         """Make one step on the calling thread; its error is raised."""
         self.wait()
-        self._note_step(*_step(self.simulation, self.before, self.after))
+        self._note_step(*_step(self.simulation, self.hooks))
         self.frame = self.simulation.frame(self.request)
 
     def take_error(self) -> str:
@@ -184,7 +250,7 @@ class Engine:
     def wait(self) -> None:
         """Wait for the current job, and for everything that was requested."""
         self._collect()
-        while self._edits or self._single or self._stale:
+        while self._requested:
             if self._job is None:
                 self._start()
             self._collect()
@@ -202,14 +268,15 @@ class Engine:
             self._worker.abandon()
         self._job = None
 
-    def _left(self) -> int:
-        """Return the number of steps that may be made at once."""
-        return MAX_STEPS if self.last_step is None else max(self.last_step - self.steps, 0)
+    @property
+    def _requested(self) -> bool:
+        return bool(self._edits) or self._single or self._stale
 
     def _note_step(self, alone: float, whole: float) -> None:
         self.last_seconds = alone
         self.steps += 1
-        self.step_seconds += (whole - self.step_seconds) * (SMOOTH if self.step_seconds else 1.0)
+        self.step_seconds = _smoothed(self.step_seconds, alone)
+        self.whole_seconds = _smoothed(self.whole_seconds, whole)
 
     def _note_settings(self) -> None:
         """Copy what can be read while the simulation is in use."""
@@ -217,25 +284,14 @@ class Engine:
         self.settings, self.adjustable = simulation.settings, simulation.adjustable
         self.effective_settings, self.view = simulation.effective_settings, simulation.view
 
-    def _start(self, elapsed: float = 0.0) -> None:
-        """Start a job: the waiting edits, the due or requested steps, and a frame.
-
-        It holds everything that it needs, so it has no effect on the engine if it is abandoned.
-        """
-        edits, self._edits = tuple(self._edits), []
+    def _start(self, steps: Callable[[Callable[[], None]], object] | None = None) -> None:
+        """Start a job with the waiting edits, and the requested step unless others are given."""
+        edits, self._edits = self._edits, []
         single, self._single, self._stale = self._single and not self.error, False, False
-        steps: Callable[[Callable[[], None]], object]
-        if elapsed:
-            steps = partial(self._timestep.advance, elapsed, most=min(MAX_STEPS, self._left()))
-        else:
+        if steps is None:
             steps = partial(_repeat, int(single))
-        self._job = self._worker.submit(
-            partial(
-                _run,
-                *(self.simulation, self.request, edits, steps),
-                *(tuple(self.before), tuple(self.after), tuple(self.touched)),
-            )
-        )
+        job = _Job(self.simulation, self.request, self.hooks, edits, steps)
+        self._job = self._worker.submit(job.run)
         if self.synchronous:
             self._collect()
 
@@ -253,46 +309,10 @@ class Engine:
                 then()
 
 
-def _run(
-    simulation: Simulation,
-    request: FrameRequest,
-    edits: Sequence[_Waiting],
-    steps: Callable[[Callable[[], None]], object],
-    before: Sequence[Edit],
-    after: Sequence[Edit],
-    touched: Sequence[Edit],
-) -> _Result:
-    """Run a job."""
-    for edit in edits:
-        if edit.changes:
-            for hook in touched:
-                hook(simulation)
-        edit.work(simulation)
-    seconds: list[tuple[float, float]] = []
-    error = ""
-    try:
-        steps(lambda: seconds.append(_step(simulation, before, after)))
-    except REFUSALS as refusal:
-        error = message_of(refusal)
-    then = tuple(edit.then for edit in edits if edit.then is not None)
-    return _Result(simulation.frame(request), tuple(seconds), error, then)
+def _smoothed(mean: float, new: float) -> float:
+    return mean + (new - mean) * (SMOOTH if mean else 1.0)
 
 
 def _repeat(count: int, step: Callable[[], None]) -> None:
     for _ in range(count):
         step()
-
-
-def _step(
-    simulation: Simulation, before: Sequence[Edit], after: Sequence[Edit]
-) -> tuple[float, float]:
-    """Make one step; return its seconds, alone and with its hooks."""
-    start = time.perf_counter()
-    for hook in before:
-        hook(simulation)
-    began = time.perf_counter()
-    simulation.step()
-    alone = time.perf_counter() - began
-    for hook in after:
-        hook(simulation)
-    return alone, time.perf_counter() - start

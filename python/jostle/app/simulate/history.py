@@ -37,28 +37,17 @@ class History:
     budget
         Bytes of snapshots. If it is exceeded, only every second, fourth … step has one; if that is
         not enough, the history is shorter.
-
-    Attributes
-    ----------
-    moments
-        From the oldest to the latest.
-    at
-        Index of the present one, unless the simulation has changed since.
-    span, back
-        Seconds from the oldest to the latest moment, and from the present to the latest one.
-    stride
-        Steps between two snapshots.
-    bytes
-        Of all snapshots.
     """
 
     def __init__(self, seconds: float = SECONDS, budget: int = BUDGET) -> None:
         self.seconds, self.budget = seconds, budget
-        self.moments: list[Moment] = []
+        self.moments: list[Moment] = []  # from the oldest to the latest
         self._changed = False
-        self.at = self.bytes = 0
-        self.span = self.back = 0.0
-        self.stride = 1
+        self.at = 0  # index of the present one, unless the simulation has changed since
+        self.bytes = 0  # of all snapshots
+        self.span = 0.0  # seconds from the oldest to the latest moment
+        self.back = 0.0  # seconds from the present to the latest one
+        self.stride = 1  # steps between two snapshots
 
     def restart(self, simulation: Simulation, state: bytes | None = None) -> None:
         """Clear it, and begin with the present state, which may be saved already."""

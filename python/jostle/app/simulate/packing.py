@@ -1,7 +1,8 @@
-"""Values and arrays packed into bytes, for states and scene files.
+"""Values and arrays packed into bytes, for states and scene files, and checks of what was read.
 
 The format is a first line with the kind, a JSON header with the values and the names, types and
-shapes of the arrays, then the bytes of the arrays in that order, little-endian.
+shapes of the arrays, then the bytes of the arrays in that order, little-endian. A checksum finds
+damage, but not wrong values, so these are checked.
 """
 
 from __future__ import annotations
@@ -15,12 +16,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from jostle.app.simulate.simulation import Attractor, Tags
+from jostle.app.simulate.validation import FARTHEST, Many, fields_of, whole
+
 Array = NDArray[Any]
+Arrays = Mapping[str, Array]
 
 _FIRST = b"jostle "
 _VERSION = 1
 _TYPES = frozenset({"|u1", "|b1", "<u4", "<i8", "<f4", "<f8"})
 _LENGTH = 8  # bytes of the header's length, and of the checksum
+
+COUNT = whole(0, 2**62)  # of tags or steps
+ATTRACTORS = Many(fields_of(Attractor))
 
 
 def pack(kind: str, facts: Mapping[str, Any], arrays: Mapping[str, ArrayLike]) -> bytes:
@@ -72,12 +80,10 @@ def unseal(data: bytes) -> bytes:
 
 
 def blob(data: bytes) -> NDArray[np.uint8]:
-    """Return bytes as an array, to be packed."""
     return np.frombuffer(data, np.uint8)
 
 
 def is_of(kind: str, data: bytes) -> bool:
-    """Whether bytes begin like those of a kind."""
     return data.startswith(_first_line(kind))
 
 
@@ -89,3 +95,42 @@ def _plain(values: ArrayLike) -> Array:
     """Return the array in little-endian order."""
     array = np.asarray(values)
     return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
+
+
+def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[np.float64]]:
+    """Return the tags and the times of birth of n particles."""
+    tags, born = column(arrays, "tags", "<i8", (n,)), column(arrays, "born", "<f8", (n,))
+    within("tags", tags, 0, next_tag - 1)
+    falling = np.flatnonzero(np.diff(tags) <= 0)
+    if len(falling):
+        row = int(falling[0]) + 1
+        raise ValueError(f"tags[{row}] is {tags[row]}; it must be above tags[{row - 1}]")
+    within("born", born, -FARTHEST, FARTHEST)
+    return tags, born
+
+
+def column(arrays: Arrays, name: str, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return an array, after a check of its type and shape."""
+    if name not in arrays:
+        raise ValueError(f"{name} is missing")
+    array = arrays[name]
+    if (array.dtype.str, array.shape) != (kind, shape):
+        raise ValueError(
+            f"{name} is an array {array.shape} of {array.dtype.str}; it must be {shape} of {kind}"
+        )
+    return array
+
+
+def bytes_of(arrays: Arrays, name: str) -> bytes:
+    """Return an array of bytes."""
+    length = arrays[name].size if name in arrays else 0
+    return column(arrays, name, "|u1", (length,)).tobytes()
+
+
+def within(name: str, array: NDArray[Any], low: float, high: float) -> None:
+    """Raise a ValueError with the first number of an array that is outside the limits."""
+    wrong = np.argwhere(~((array >= low) & (array <= high)))
+    if len(wrong):
+        at = tuple(wrong[0].tolist())
+        where = ", ".join(map(str, at))
+        raise ValueError(f"{name}[{where}] is {array[at]}; it must be from {low:g} to {high:g}")

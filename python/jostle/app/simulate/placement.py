@@ -1,4 +1,4 @@
-"""Free positions, at which discs can be added without touching others."""
+"""Random directions, and free positions at which discs can be added without touching others."""
 
 from __future__ import annotations
 
@@ -10,11 +10,41 @@ from jostle.app.simulate.containers import bounds, moved_inside, wall_images
 from jostle.app.simulate.simulation import Container, Rect
 from jostle.app.simulate.wall_segments import Ends, clear_of
 
+Floats = NDArray[np.floating]
+
+TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
 ROUNDS = 24
-TRIES, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
+ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
 NEAR = 1.02  # times the radius, as the least distance
 
-Floats = NDArray[np.floating]
+
+def in_disc(tries: Floats) -> Floats:
+    """Return points distributed evenly over the disc of radius 1, from points in a square.
+
+    Parameters
+    ----------
+    tries
+        (n, `TRIES`, 2), each from 0 to 1: the first of each row that is in the disc is used.
+    """
+    points = 2 * tries - 1
+    inside: NDArray[np.bool_] = _squares(points) <= 1
+    first = points[np.arange(len(points)), inside.argmax(axis=1)]
+    found = inside.any(axis=1)
+    chosen: Floats = first * np.where(found, 1.0, 0.5)[:, None]
+    return chosen
+
+
+def directions(rng: np.random.Generator, count: int) -> Floats:
+    """Return random vectors of length 1."""
+    points = in_disc(rng.random((count, TRIES, 2)))
+    lengths = np.sqrt(_squares(points))
+    points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
+    return points / lengths[:, None]
+
+
+def _squares(points: Floats) -> Floats:
+    x, y = points[..., 0], points[..., 1]
+    return x * x + y * y
 
 
 def free_positions(
@@ -37,7 +67,7 @@ def free_positions(
         left = np.flatnonzero(~found)
         if len(left) == 0:
             break
-        who = np.resize(left, min(max(TRIES * len(left), LEAST), MOST))
+        who = np.resize(left, min(max(ATTEMPTS * len(left), LEAST), MOST))
         tries = moved_inside(rng.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
         clear = _clear_of(tries, radii[who], there, sizes)
         free = np.flatnonzero(clear & clear_of(tries, radii[who], images))

@@ -28,15 +28,10 @@ class LoadedScene:
 
 
 class SceneLoader:
-    """Makes one simulation at a time.
-
-    Attributes
-    ----------
-    settings
-        Of the simulation in progress; None if there is none, or if it is read from a file.
-    """
+    """Makes one simulation at a time."""
 
     def __init__(self, *, synchronous: bool = False) -> None:
+        # Those of the simulation in progress, unless it is read from a file.
         self.settings: Settings | None = None
         self._message, self._began = "", 0.0
         self._then: Then | None = None
@@ -84,13 +79,11 @@ class SceneLoader:
             return message_of(error)
 
     def wait(self) -> None:
-        """Wait for the simulation in progress."""
         if self._job is not None:
             self._job.exception()
 
 
 def load(create: Create, request: FrameRequest) -> LoadedScene:
-    """Make a simulation and its first frame."""
     simulation = create()
     return LoadedScene(simulation, simulation.frame(request), simulation.save())
 

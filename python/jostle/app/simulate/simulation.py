@@ -95,6 +95,10 @@ class Energies:
     potential: float
     momentum: Point
 
+    @property
+    def total(self) -> float:
+        return self.kinetic + self.potential
+
 
 @dataclass(frozen=True)
 class StepStats:
@@ -147,7 +151,6 @@ class Frame(ReadOnly):
 
     @property
     def masses(self) -> NDArray[np.float32]:
-        """Return the mass of each particle."""
         return self.densities * self.radii**2
 
     def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
@@ -181,6 +184,10 @@ class Simulation(Protocol):
     scene: str
     time_step: float
     view: Rect
+
+    @property
+    def attractors(self) -> tuple[Attractor, ...]:
+        """The attractors of the user."""
 
     def __len__(self) -> int: ...
 

@@ -1,4 +1,4 @@
-"""Making a simulation from settings or from a saved state."""
+"""Making a simulation from settings, from a saved state, or from one with other rules."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import numpy as np
 
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.containers import bounds
-from jostle.app.simulate.placement import free_positions
-from jostle.app.simulate.rng import directions
-from jostle.app.simulate.settings import Group, Settings
-from jostle.app.simulate.simulation import Container, Simulation
+from jostle.app.simulate.placement import directions, free_positions
+from jostle.app.simulate.settings import Group, Settings, too_slow
+from jostle.app.simulate.simulation import Container, Frame, Rect, Simulation
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 
@@ -83,3 +82,25 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
     densities = rng.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
     simulation.add(places, velocities, radii, densities, group.movable, group.sensor)
+
+
+def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:
+    """Return the simulation of other settings, in the state of a frame if possible.
+
+    If particles were added or removed, the scene begins anew. The article's display is at the
+    origin, so positions are shifted by the corner of the view.
+
+    Raises
+    ------
+    ValueError
+        If there are too many particles for the method.
+    """
+    if reason := too_slow(settings.method, len(frame)):
+        raise ValueError(reason)
+    simulation = start(settings)
+    if np.array_equal(simulation.frame().tags, frame.tags):
+        corner = np.array(simulation.view[:2]) - np.array(view[:2])
+        simulation.change(
+            frame.tags, positions=frame.positions + corner, velocities=frame.velocities
+        )
+    return simulation

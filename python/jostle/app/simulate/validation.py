@@ -23,7 +23,6 @@ Refusals = Iterator[tuple[Key, str]]
 
 
 def unchanged(value: Any) -> Any:
-    """Return the value."""
     return value
 
 
@@ -82,7 +81,6 @@ def limited(rule: AnyRule, default: Any = dataclasses.MISSING) -> Any:
 
 
 def rules_of(kind: Any) -> dict[str, AnyRule]:
-    """Return the rule of each field of a dataclass."""
     return {field.name: field.metadata["rule"] for field in dataclasses.fields(kind)}
 
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.motors import keeping_walls, shifted
+from jostle.app.simulate.forces import keeping_walls, shifted
 from jostle.app.simulate.settings import Polyline
 from jostle.app.simulate.simulation import Point
 
@@ -16,31 +14,26 @@ Floats = NDArray[np.floating]
 Ends = NDArray[np.float32]  # (m, 2, 2)
 
 
-@dataclass
 class WallSegments:
     """The walls of a world: first those of the scene and its file, then those drawn by the user.
 
-    Attributes
+    Parameters
     ----------
     own
         The number of those of the scene and of its file.
     """
 
-    own: int
+    def __init__(self, world: jostle.World, own: int) -> None:
+        self._world, self.own = world, own
 
-    @classmethod
-    def of(cls, world: jostle.World) -> WallSegments:
-        """Return the walls of a new world: all are its own."""
-        return cls(len(world.walls))
-
-    def add(self, world: jostle.World, line: Polyline, *, own: bool) -> None:
-        """Add the sides of a polyline to a world; own walls must be added before drawn ones."""
-        new = jostle.polyline(line.points, closed=line.closed)
+    def add(self, line: Polyline, *, own: bool) -> None:
+        """Add the sides of a polyline; own walls must be added before drawn ones."""
+        world, new = self._world, jostle.polyline(line.points, closed=line.closed)
         friction = np.nan if line.friction is None else line.friction
         restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
         frictions = np.append(world.wall_friction, np.full(len(new), friction))
         rows = np.arange(len(world.walls), len(world.walls) + len(new))
-        self._set(world, np.concatenate([world.walls, new]), restitution, frictions)
+        self._set(np.concatenate([world.walls, new]), restitution, frictions)
         if any(line.velocity) and len(new):
             motor = jostle.Motor(walls=rows, velocity=line.velocity, period=line.period)
             world.forces = (*world.forces, motor)
@@ -48,9 +41,9 @@ class WallSegments:
             world.forces = (*world.forces, jostle.ThermalWalls(line.temperature, walls=rows))
         self.own += len(new) if own else 0
 
-    def remove(self, world: jostle.World, rows: ArrayLike) -> None:
-        """Remove walls from a world; rows that do not exist are ignored."""
-        ends = world.walls
+    def remove(self, rows: ArrayLike) -> None:
+        """Remove walls; rows that do not exist are ignored."""
+        world, ends = self._world, self._world.walls
         keep = np.ones(len(ends), np.bool_)
         wanted = np.asarray(rows, np.int64).reshape(-1)
         keep[wanted[(wanted >= 0) & (wanted < len(keep))]] = False
@@ -58,26 +51,25 @@ class WallSegments:
         restitution, friction = world.wall_restitution[keep], world.wall_friction[keep]
         velocities, forces = world.wall_velocities[keep], keeping_walls(world.forces, keep)
         world.forces = ()  # forces of walls do not let them be removed
-        self._set(world, ends[keep], restitution, friction)
+        self._set(ends[keep], restitution, friction)
         world.wall_velocities, world.forces = velocities, forces
         self.own = own
 
-    def set_friction(self, world: jostle.World, friction: float | None) -> None:
+    def set_friction(self, friction: float | None) -> None:
         """Set the friction of the drawn walls; that of the particles, if None."""
-        frictions = world.wall_friction.copy()
+        frictions = self._world.wall_friction.copy()
         frictions[self.own :] = np.nan if friction is None else friction
-        world.wall_friction = frictions
+        self._world.wall_friction = frictions
 
-    def shift(self, world: jostle.World, by: Floats) -> None:
-        """Move all walls of a world."""
+    def shift(self, by: Floats) -> None:
         if by.any():
-            world.forces = shifted(world.forces, by)
-            if len(world.walls):
-                world.walls = world.walls + by
+            self._world.forces = shifted(self._world.forces, by)
+            if len(self._world.walls):
+                self._world.walls = self._world.walls + by
 
-    def _set(self, world: jostle.World, ends: Ends, restitution: Floats, friction: Floats) -> None:
-        world.walls = ends  # this alone can be refused
-        world.wall_restitution, world.wall_friction = restitution, friction
+    def _set(self, ends: Ends, restitution: Floats, friction: Floats) -> None:
+        self._world.walls = ends  # this alone can be refused
+        self._world.wall_restitution, self._world.wall_friction = restitution, friction
 
 
 def nearest(ends: Floats, point: Point) -> tuple[int, float]:

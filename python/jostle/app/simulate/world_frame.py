@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle import life
-from jostle.app.simulate.kinds import pair_force
-from jostle.app.simulate.motors import Forces
+from jostle.app.simulate.forces import Forces, pair_force
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import (
     Attractor,
@@ -19,13 +18,12 @@ from jostle.app.simulate.simulation import (
     StepStats,
     TreeBoxes,
 )
-from jostle.app.simulate.wall_segments import WallSegments
 
 
 def frame_of(
     world: jostle.World,
     columns: ParticleTable,
-    segments: WallSegments,
+    own_walls: int,
     request: FrameRequest,
     attractors: tuple[Attractor, ...],
     scene: str,
@@ -53,7 +51,7 @@ def frame_of(
         scene=scene,
         begun_with=begun_with,
         walls=world.walls,
-        own_walls=segments.own,
+        own_walls=own_walls,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
         kinds=None if pair is None else pair.kinds,
         matrix=None if pair is None else life.matrix_of(pair),
@@ -61,7 +59,7 @@ def frame_of(
 
 
 def _sensors(world: jostle.World, columns: ParticleTable) -> NDArray[np.int8]:
-    touched = np.zeros(len(columns.ids), np.bool_)
+    touched = np.zeros(len(columns.tags), np.bool_)
     touched[columns.rows(world.contacts.pairs)] = True
     return columns.sensors.astype(np.int8) * (1 + touched)
 
@@ -103,7 +101,6 @@ def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None
 
 
 def _tree_boxes(world: jostle.World) -> TreeBoxes:
-    """Return the boxes of a tree over the present positions."""
     nodes = world.quadtree().nodes()
     levels, counts = nodes.depths.astype(np.intp), nodes.counts.astype(np.intp)
     return TreeBoxes(nodes.boxes, levels, counts, nodes.is_leaf)

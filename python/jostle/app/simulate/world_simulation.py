@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.attractor_forces import AttractorForces
 from jostle.app.simulate.containers import (
     InitialRegion,
     bounds,
@@ -21,14 +20,13 @@ from jostle.app.simulate.containers import (
     moved_inside,
 )
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.kinds import kind_count, set_matrix
+from jostle.app.simulate.forces import AttractorForces, kind_count, set_matrix
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
     WIDTHS,
     Attractor,
-    Container,
     Frame,
     FrameRequest,
     Point,
@@ -49,7 +47,10 @@ WORLD_SETTINGS = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
     *("threads", "on_touch", "sleeping"),
 )
-FRICTIONS = ("friction", "wall_friction")
+ADJUSTABLE = frozenset(
+    {*WORLD_SETTINGS, "friction", "wall_friction", "time_scale", "n", "world_size", "container"}
+    | {"matrix"}
+)
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
 
@@ -69,31 +70,28 @@ class WorldSimulation:
     time_step = TIME_STEP
 
     def __init__(self, settings: Settings, view: Rect, create: Callable[[], jostle.World]) -> None:
-        self.settings = settings
-        self.scene = settings.scene
-        self.view = view
-        self.world = create()
-        self._columns = ParticleTable(self.world)
-        self._segments = WallSegments.of(self.world)
-        self._attractions = AttractorForces(len(self.world.forces))
+        self.settings, self.scene, self.view = settings, settings.scene, view
+        self.world = world = create()
+        self._columns = ParticleTable(world)
+        self._segments = WallSegments(world, len(world.walls))
+        self._attractions = AttractorForces(world, self._columns, len(world.forces))
+        self.emitters: Emitters | None = None
         for name in WORLD_SETTINGS:
             value = getattr(settings, name)
             if value is not None:
-                setattr(self.world, name, value)
+                setattr(world, name, value)
         if settings.friction is not None:
             self._set_friction(settings.friction)
         if settings.container_restitution is not None:
-            self.world.container_restitution = settings.container_restitution
+            world.container_restitution = settings.container_restitution
         if settings.matrix is not None:
-            set_matrix(self.world, settings.matrix)
-        self._initial = InitialRegion.of(self.world.container, view, settings.n)
-        self.emitters: Emitters | None = None
+            set_matrix(world, settings.matrix)
+        self._initial = InitialRegion.of(world.container, view, settings.n)
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_container()
 
     @classmethod
     def of_scene(cls, settings: Settings) -> WorldSimulation:
-        """Return a scene of `jostle.scenes`."""
         scene, n, seed = settings.scene, settings.n, settings.seed
         view = jostle.scenes.view(scene, n)
         simulation = cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
@@ -106,59 +104,43 @@ class WorldSimulation:
 
     @property
     def method(self) -> str:
-        """Return "quadtree" or "brute"."""
         return self.world.method
 
     @property
-    def container(self) -> Container:
-        """Return the world's container."""
-        return self.world.container
+    def attractors(self) -> tuple[Attractor, ...]:
+        return self._attractions.attractors
 
     @property
     def adjustable(self) -> frozenset[str]:
-        """Return the settings that can change while it runs."""
-        return frozenset(
-            {*WORLD_SETTINGS, *FRICTIONS, "time_scale", "n", "world_size", "container", "matrix"}
-        )
+        return ADJUSTABLE
 
     @property
     def effective_settings(self) -> Settings:
-        """Return the settings, with the values of the world."""
         rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
         friction, of_walls = self._columns.friction, self.settings.wall_friction
         of_walls = friction if of_walls is None else of_walls
         return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        """Return the present state."""
-        attractors, begun_with = self._attractions.attractors, self._initial.n
+        own_walls, begun_with = self._segments.own, self._initial.n
         return frame_of(
-            self.world, self._columns, self._segments, request, attractors, self.scene, begun_with
+            self.world, self._columns, own_walls, request, self.attractors, self.scene, begun_with
         )
 
     # Changing
 
     def step(self) -> None:
-        """Advance by 1/60 s."""
-        self.world.step(self.time_step)
-        renumbered = self.world.renumbered
+        world, columns = self.world, self._columns
+        world.step(self.time_step)
+        renumbered = world.renumbered
         if renumbered is not None:
-            before = self._columns.tags
-            heirs = self._columns.merge(self.world, renumbered)
-            self._attractions.merge(self.world, self._columns, before, heirs)
+            columns.update(world)
+            self._attractions.merge(renumbered)
         if self.emitters is not None:
-            self._emit(self.emitters)
-
-    def _emit(self, emitters: Emitters) -> None:
-        """Add drops, and remove the oldest above the cap."""
-        gone = emitters.step(self.world, self.time_step, self._columns.friction)
-        if gone is not None:
-            self._columns.remove(self.world, gone)
-        elif len(self.world) > len(self._columns.tags):
-            self._columns.add(self.world)
-        else:
-            return
-        self._attractions.renew(self.world, self._columns)
+            gone = self.emitters.step(world, self.time_step, columns.friction)
+            if gone is not None or len(world) > len(columns.tags):
+                columns.update(world)
+                self._attractions.renew()
 
     def adjust(self, name: str, value: Any) -> str | None:
         """Change a setting; return a message if it is refused, without any change."""
@@ -176,7 +158,7 @@ class WorldSimulation:
             elif name == "matrix":
                 set_matrix(self.world, value)
             elif name == "wall_friction":
-                self._segments.set_friction(self.world, value)
+                self._segments.set_friction(value)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
@@ -185,19 +167,18 @@ class WorldSimulation:
         return None
 
     def _set_friction(self, friction: float) -> None:
-        """Set the coefficient of friction of all particles."""
         self.world.friction = friction
-        self._columns.copy(self.world)
+        self._columns.update(self.world)
+
+    def _center(self) -> NDArray[np.float64]:
+        return np.array(center_of(bounds(self.world.container) or self._initial.rect))
 
     def _fit_container(self) -> None:
         """Set the container of the settings, and move particles inside."""
-        world, settings = self.world, self.settings
-        before = center_of(bounds(world.container) or self._initial.rect)
+        world, settings, before = self.world, self.settings, self._center()
         world.container, self.view = self._initial.fitted(settings.container, settings.world_size)
-        shift = np.array(center_of(bounds(world.container) or self._initial.rect)) - np.array(
-            before
-        )
-        self._segments.shift(world, shift)
+        shift = self._center() - before
+        self._segments.shift(shift)
         places = world.positions.astype(np.float64) + shift
         inside = moved_inside(places, self._columns.radii.astype(np.float64), world.container)
         world.positions = np.where(self._columns.movable[:, None], inside, places)
@@ -252,7 +233,7 @@ class WorldSimulation:
             kinds = None
         elif kinds is None:
             kinds = (len(self.world) + np.arange(len(places))) % count
-        self.world.add(
+        tags = self.world.add(
             places,
             np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
             radii,
@@ -262,21 +243,15 @@ class WorldSimulation:
             friction=self._columns.friction,
             kinds=kinds,
         )
-        return self._columns.add(self.world)
+        self._columns.update(self.world)
+        return tags
 
     def remove(self, tags: ArrayLike) -> None:
-        """Remove particles."""
         rows = np.unique(self._columns.find(tags)[0])
-        self._attractions.detach(self.world)
-        self.world.remove(self._columns.ids[rows])
-        self._attractions.own = len(
-            self.world.forces
-        )  # some may have ended with the removed particles
-        self._columns.remove(self.world, rows)
-        self._attractions.renew(self.world, self._columns)
+        with self._attractions.detached():
+            self.world.remove(self._columns.tags[rows])
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
-        """Set columns of particles."""
         rows, there = self._columns.find(tags)
         given: dict[str, Any] = {
             name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS[name]))[there]
@@ -285,35 +260,31 @@ class WorldSimulation:
         }
         if "densities" in given:
             given["masses"] = given.pop("densities") * self._columns.radii[rows] ** 2
-        self.world.set(self._columns.ids[rows], **given)
+        self.world.set(self._columns.tags[rows], **given)
         if not given.keys() <= {"positions", "velocities"}:
-            self._columns.copy(self.world)
+            self._columns.update(self.world)
 
     def add_own_walls(self, lines: Sequence[Polyline]) -> None:
         """Add the walls of a file, before any is drawn; raise a ValueError for the first error."""
         for number, line in enumerate(lines):
             try:
-                self._segments.add(self.world, line, own=True)
+                self._segments.add(line, own=True)
             except ValueError as error:
                 raise ValueError(f"walls[{number}] cannot be added: {error}") from error
         # The motors of moving walls, and thermal walls, are forces of the world.
-        self._attractions = AttractorForces(len(self.world.forces))
+        self._attractions.own = len(self.world.forces)
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws; without friction they have that of drawn walls."""
         friction = self.settings.wall_friction if line.friction is None else line.friction
-        self._segments.add(self.world, replace(line, friction=friction), own=False)
+        self._segments.add(replace(line, friction=friction), own=False)
 
     def remove_walls(self, rows: ArrayLike) -> None:
-        """Remove line segments by their rows in the frame."""
-        self._attractions.detach(self.world)
-        self._segments.remove(self.world, rows)
-        self._attractions.own = len(self.world.forces)  # some may have ended with their walls
-        self._attractions.renew(self.world, self._columns)
+        with self._attractions.detached():
+            self._segments.remove(rows)
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        """Replace the attractors of the user."""
-        self._attractions.place(self.world, self._columns, attractors)
+        self._attractions.place(attractors)
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Accelerate a held particle towards the cursor by a critically damped spring.
@@ -324,14 +295,13 @@ class WorldSimulation:
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
-        held, dt = int(self._columns.ids[rows[0]]), self.time_step
-        disc = self.world.read(held)
+        dt, disc = self.time_step, self.world.read(tag)
         rate = DRAG_RATE * self._response(disc.masses)
-        offset = minimum_image(self.container, np.array(point) - disc.positions)
+        offset = minimum_image(self.world.container, np.array(point) - disc.positions)
         dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
-        self.world.set(held, velocities=dragged * min(1.0, limit / max(speed, limit)))
+        self.world.set(tag, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
     def _response(self, mass: float) -> float:
         """Return the factor of the rate for a particle: 1, or less for a heavy one."""
@@ -339,14 +309,12 @@ class WorldSimulation:
         return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
-        """Return the state."""
         return WorldState(
             self.settings, self.view, self._initial, self.world, self._columns, self._segments,
             self._attractions, self.emitters,
         ).save()  # fmt: skip
 
     def load(self, state: bytes) -> None:
-        """Restore a state from bytes; raise a ValueError if they are wrong."""
         new = WorldState.load(state)
         self.settings, self.view, self._initial = new.settings, new.view, new.home
         self.world, self._columns, self._segments = new.world, new.columns, new.segments

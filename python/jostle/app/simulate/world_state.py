@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import numpy as np
+
 import jostle
-from jostle.app.simulate.attractor_forces import AttractorForces
 from jostle.app.simulate.containers import InitialRegion
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.packing import blob, pack, unpack
+from jostle.app.simulate.forces import AttractorForces
+from jostle.app.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    blob,
+    bytes_of,
+    pack,
+    particles_of,
+    unpack,
+)
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.settings import PARTICLES, SETTINGS, Settings
-from jostle.app.simulate.simulation import Rect
-from jostle.app.simulate.state_validation import ATTRACTORS, COUNT, bytes_of, particles_of
+from jostle.app.simulate.simulation import Attractor, Rect, Tags
 from jostle.app.simulate.validation import Fields, Rule, fields_of, or_none, read, real, rect, shown
 from jostle.app.simulate.wall_segments import WallSegments
 
@@ -55,7 +64,6 @@ class WorldState:
     emitters: Emitters | None
 
     def save(self) -> bytes:
-        """Return it in bytes."""
         facts = {
             "settings": asdict(self.settings),
             "view": self.view,
@@ -79,23 +87,36 @@ class WorldState:
         settings, home = facts["settings"], facts["home"]
         if world.method != settings.method:
             raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
+        for name, there in (("own_forces", len(world.forces)), ("own_walls", len(world.walls))):
+            if facts[name] > there:
+                what = name.removeprefix("own_")
+                raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
         tags, born = particles_of(arrays, len(world), facts["next_tag"])
-        own = facts["own_forces"]
-        if own > len(world.forces):
-            raise ValueError(f"own_forces is {own}; its world has {len(world.forces)} forces")
-        count, own_walls = len(world.walls), facts["own_walls"]
-        if own_walls > count:
-            raise ValueError(f"own_walls is {own_walls}; its world has {count} walls")
+        columns = ParticleTable(world, born, facts["next_tag"])
+        attractors = _renamed(facts["pulls"], tags, columns.tags)
         return cls(
             settings=settings,
             view=facts["view"],
             home=home,
             world=world,
-            columns=ParticleTable.read(world, tags, born, facts["next_tag"]),
-            segments=WallSegments(own_walls),
-            attractions=AttractorForces(own, facts["pulls"]),
+            columns=columns,
+            segments=WallSegments(world, facts["own_walls"]),
+            attractions=AttractorForces(world, columns, facts["own_forces"], attractors),
             emitters=_emitters(facts["emitters"], home, settings),
         )
+
+
+def _renamed(attractors: tuple[Attractor, ...], old: Tags, new: Tags) -> tuple[Attractor, ...]:
+    """Return attractors with the new tags of their particles: in older files tags are not ids."""
+    if np.array_equal(old, new):
+        return attractors
+    names = dict(zip(old.tolist(), new.tolist(), strict=True))
+    return tuple(
+        attractor
+        if attractor.tag is None
+        else replace(attractor, tag=names.get(attractor.tag, attractor.tag))
+        for attractor in attractors
+    )
 
 
 def _emitters(state: Any, home: InitialRegion, settings: Settings) -> Emitters | None:

@@ -4,7 +4,6 @@
 paths, exports          names of new files; states as CSV and GSD
 scene_file              a scene in a file
 encoder, recording      frames to ffmpeg; a video recorded on a worker thread
-video_writer            videos and pictures of a run without a window
 files                   everything that a session writes and reads
 config                  a scene described in TOML
 ======================= ========================================================================

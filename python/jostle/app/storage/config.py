@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jostle.app.draw.camera import Size
-from jostle.app.draw.view_options import ViewOptions, option_rules
+from jostle.app.draw.view_options import option_rules
 from jostle.app.simulate.settings import (
     FIXED_BY_ARTICLE,
     RENDERERS,
@@ -65,11 +65,6 @@ class Config:
     view_options: Mapping[str, Any] = field(default_factory=dict)
     size: Size | None = None
     renderer: str | None = None
-
-    def apply_view_options(self, options: ViewOptions) -> None:
-        """Set the view options of the file."""
-        for name, value in self.view_options.items():
-            setattr(options, name, value)
 
 
 def read_config(path: Path) -> Config:

@@ -1,4 +1,4 @@
-"""Encoding of frames as MP4 and GIF with ffmpeg."""
+"""Encoding of frames as MP4 and GIF with ffmpeg, and pictures as PNG."""
 
 from __future__ import annotations
 
@@ -51,6 +51,8 @@ _GIF = [
 class Encoder:
     """An ffmpeg process that writes one file, which is playable even if this program ends early.
 
+    As a context manager it closes the file.
+
     Parameters
     ----------
     path
@@ -61,9 +63,10 @@ class Encoder:
         Frames per second.
     """
 
-    def __init__(self, path: Path, size: Size, fps: int) -> None:
+    def __init__(self, path: Path, size: Size, fps: int = 30) -> None:
         if path.suffix not in FORMATS:
             raise ValueError(f"{path.name} is neither {' nor '.join(FORMATS)}")
+        self.path, self.frames = path, 0
         self._bytes = size[0] * size[1] * 4
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (it is open as long as ffmpeg is)
         self._folder = tempfile.TemporaryDirectory(prefix="jostle-")
@@ -95,6 +98,23 @@ class Encoder:
             source += _MP4
         return ["-y", "-hide_banner", "-v", "error", *source, str(path)]
 
+    def __enter__(self) -> Encoder:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Close the file; after an exception, ignore errors and remove an empty file."""
+        try:
+            self.close()
+        except OSError:
+            if kind is None:
+                raise
+        if kind is not None and not self.frames:
+            self.path.unlink(missing_ok=True)
+
+    def draw(self, canvas: pygame.Surface) -> None:
+        """Append the contents of a canvas of a painter."""
+        self.add(canvas.get_buffer().raw)
+
     def add(self, picture: bytes) -> None:
         """Append a frame: rows of 4 bytes per pixel, blue first."""
         if len(picture) != self._bytes:
@@ -104,6 +124,7 @@ class Encoder:
             self._process.stdin.write(picture)
         except (OSError, ValueError) as error:
             raise OSError(self._error_message() or str(error)) from error
+        self.frames += 1
 
     def close(self, patience: float = PATIENCE) -> None:
         """Close the file; raise an OSError with the message of ffmpeg."""

@@ -11,7 +11,10 @@ import copy
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+
+import pygame
 
 from jostle.app.act.messages import Messages
 from jostle.app.draw.camera import Camera, Size
@@ -28,7 +31,8 @@ from jostle.app.storage.exports import write_gsd, write_positions, write_series
 from jostle.app.storage.paths import new_path, reason_of, write_atomic
 from jostle.app.storage.recording import Recording
 from jostle.app.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
-from jostle.app.storage.video_writer import save_png
+
+Write = Callable[[Path], object]
 
 OUT = Path("out")
 GSD_RATE = 10  # frames per simulated second
@@ -45,27 +49,17 @@ class RecordingOptions:
 
 
 class Files:
-    """Reads and writes the files of a session.
-
-    Attributes
-    ----------
-    folder
-        The folder of new files.
-    recording
-        The present recording, or None.
-    options
-        Those of the next recording.
-    """
+    """Reads and writes the files of a session."""
 
     def __init__(
         self, runner: Runner, camera: Camera, view_options: ViewOptions, messages: Messages
     ) -> None:
         self._runner, self._camera = runner, camera
         self._view_options, self._messages = view_options, messages
-        self.folder = OUT
-        self.recording: Recording | None = None
-        self.options = RecordingOptions()
-        self._exporter: Worker | None = None
+        self.folder = OUT  # the folder of new files
+        self.recording: Recording | None = None  # the present recording, or None
+        self.options = RecordingOptions()  # those of the next recording
+        self._exporter = Worker("jostle-export", synchronous=runner.engine.synchronous)
         self._exports: list[Future[str]] = []
         self._listed: tuple[float, list[Path]] | None = None  # time and result of the last search
 
@@ -84,11 +78,9 @@ class Files:
             messages.say(export.result())
 
     def close(self) -> None:
-        """Complete all files."""
         if self.recording is not None:
             self.recording.close()
-        if self._exporter is not None:
-            self._exporter.close()
+        self._exporter.close()
 
     # Scenes
 
@@ -103,14 +95,16 @@ class Files:
         """Save the state, the settings and the view, with a new name unless one is given."""
         camera, options = copy.copy(self._camera), copy.copy(self._view_options)
 
-        def write(simulation: Simulation) -> None:
-            self._try(SUFFIX, lambda new: write_atomic(new, scene_bytes(
-                simulation, camera, options)), path)  # fmt: skip
+        def save(simulation: Simulation) -> None:
+            def write(new: Path) -> None:
+                write_atomic(new, scene_bytes(simulation, camera, options))
 
-        self._runner.engine.edit(write, changes=False, then=self._forget_list)
+            self._write(SUFFIX, write, path)
 
-    def _forget_list(self) -> None:
-        self._listed = None
+        def forget_list() -> None:
+            self._listed = None
+
+        self._runner.engine.edit(save, changes=False, then=forget_list)
 
     def load(self, path: Path) -> None:
         """Load a saved scene; an error changes nothing."""
@@ -127,7 +121,7 @@ class Files:
 
         def then() -> None:
             scenes[0].aim(self._camera)
-            scenes[0].apply_view_options(self._view_options)
+            self._view_options.update(scenes[0].view_options)
             self._messages.say(f"Loaded {path.name}")
 
         self._runner.replace(read, f"Loading {path.name} …", then)
@@ -149,12 +143,12 @@ class Files:
                 self._runner.draw(painter, options)
             else:
                 Picture().draw(painter, frame, camera, options)
-            save_png(painter.canvas(), new)
+            pygame.image.save(painter.canvas(), new)
 
         if many:
             self._export(".png", write, path)
         else:
-            self._try(".png", write, path)
+            self._write(".png", write, path)
 
     def toggle_recording(self) -> None:
         """Begin a recording, or end it."""
@@ -164,14 +158,13 @@ class Files:
             self.recording.stop()
 
     def record(self, path: Path | None = None) -> None:
-        """Begin a recording."""
         options = self.options
         size = options.size or self._camera.size
 
         def begin(new: Path) -> None:
             self.recording = Recording(new, size, options.seconds)
 
-        self._try(options.suffix, begin, path, done="Recording {}")
+        self._write(options.suffix, begin, path, done="Recording {}")
 
     # Tables and trajectories
 
@@ -200,32 +193,15 @@ class Files:
 
         engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
 
-    def _export(
-        self, suffix: str, write: Callable[[Path], object], path: Path | None = None
-    ) -> None:
+    def _export(self, suffix: str, write: Write, path: Path | None = None) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
-        if self._exporter is None:
-            synchronous = self._runner.engine.synchronous
-            self._exporter = Worker("jostle-export", synchronous=synchronous)
-        self._exports.append(self._exporter.submit(lambda: self._write(suffix, write, path)))
+        self._exports.append(self._exporter.submit(partial(self._written, suffix, write, path)))
 
-    def _try(
-        self,
-        suffix: str,
-        write: Callable[[Path], object],
-        path: Path | None,
-        done: str = "Saved {}",
-    ) -> None:
+    def _write(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> None:
         """Write a file, and show its path or an error."""
-        self._messages.say(self._write(suffix, write, path, done))
+        self._messages.say(self._written(suffix, write, path, done))
 
-    def _write(
-        self,
-        suffix: str,
-        write: Callable[[Path], object],
-        path: Path | None,
-        done: str = "Saved {}",
-    ) -> str:
+    def _written(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> str:
         """Write a file, with a new name unless one is given; return its path or an error."""
         try:
             path = path or new_path(self.folder, self._runner.engine.scene, suffix)
@@ -246,14 +222,11 @@ def _newest_first(folder: Path) -> list[Path]:
 
 
 def _summary(recording: Recording) -> str:
-    """Return a message about a finished recording."""
     if recording.error:
         return f"The video {recording.path.name} ended early: {recording.error}"
-    seconds = recording.written / recording.rate
-    repeated = (
-        f", {recording.repeated:,} repeated (computer too slow)" if recording.repeated else ""
-    )
-    return f"Saved {recording.path}: {seconds:.1f} s, {recording.written:,} frames{repeated}"
+    seconds, repeated = recording.written / recording.rate, recording.repeated
+    slow = f", {repeated:,} repeated (computer too slow)" if repeated else ""
+    return f"Saved {recording.path}: {seconds:.1f} s, {recording.written:,} frames{slow}"
 
 
 def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
@@ -267,10 +240,7 @@ def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
 
 def _frames(settings: Settings, states: list[bytes]) -> Iterator[Frame]:
     """Yield the frames of states, from one separate simulation."""
-    simulation: Simulation | None = None
+    simulation = resume(settings, states[0])
     for state in states:
-        if simulation is None:
-            simulation = resume(settings, state)
-        else:
-            simulation.load(state)
+        simulation.load(state)
         yield simulation.frame(FrameRequest())

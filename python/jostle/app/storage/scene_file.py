@@ -10,11 +10,10 @@ from typing import Any
 
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.view_options import ViewOptions, option_rules
-from jostle.app.simulate.packing import blob, is_of, pack, seal, unpack, unseal
+from jostle.app.simulate.packing import blob, bytes_of, is_of, pack, seal, unpack, unseal
 from jostle.app.simulate.settings import SETTINGS, TRUTH, unknown_scene
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
-from jostle.app.simulate.state_validation import bytes_of
 from jostle.app.simulate.validation import Fields, each, read, real, whole
 
 SUFFIX = ".jostle"
@@ -51,11 +50,6 @@ class SavedScene:
         if not self.camera["at_home"]:
             camera.aim((x, y), scale)
 
-    def apply_view_options(self, options: ViewOptions) -> None:
-        """Set the view options of the file."""
-        for name in self.view_options.keys() - NOT_RESTORED:
-            setattr(options, name, self.view_options[name])
-
 
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
     """Return the contents of a scene file."""
@@ -88,7 +82,8 @@ def read_scene(path: Path) -> SavedScene:
             raise ValueError("the settings differ from those of its state")
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
-    return SavedScene(simulation, facts["camera"], facts["shown"])
+    shown = {name: value for name, value in facts["shown"].items() if name not in NOT_RESTORED}
+    return SavedScene(simulation, facts["camera"], shown)
 
 
 def _plain(value: object) -> object:

@@ -3,6 +3,6 @@
 ======================= ========================================================================
 scripted_user           scripted input in a window without a display
 stops                   the stops of the tour, and the input at each
-tour, progress          the run over all stops; progress bar and table of the command
+tour                    the run over all stops, its progress bar and its table
 ======================= ========================================================================
 """

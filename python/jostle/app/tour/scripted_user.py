@@ -37,15 +37,10 @@ class ScriptedUser:
         The window that receives the input.
     film
         Called with each frame of a video, from `start_recording` on.
-
-    Attributes
-    ----------
-    session
-        That of the window.
     """
 
     def __init__(self, window: Window, film: Show | None = None) -> None:
-        self.window, self.session = window, window.session
+        self.window, self.session = window, window.session  # that of the window
         self._film, self._recording = film, False
         self._frames = 0
         self._pointing = self._pressing = False
@@ -123,15 +118,12 @@ class ScriptedUser:
         self._point(to)
 
     def press(self, button: int = LEFT, mod: int = 0) -> None:
-        """Press a mouse button."""
         self._button(pygame.MOUSEBUTTONDOWN, button, mod)
 
     def release(self, button: int = LEFT, mod: int = 0) -> None:
-        """Release a mouse button."""
         self._button(pygame.MOUSEBUTTONUP, button, mod)
 
     def click(self, at: Pixel, button: int = LEFT, mod: int = 0, seconds: float = 0.3) -> None:
-        """Move to a pixel and click."""
         self.move(at, seconds)
         self.press(button, mod)
         self.release(button, mod)
@@ -144,14 +136,12 @@ class ScriptedUser:
             self.look()
 
     def drag(self, start: Pixel, end: Pixel, seconds: float = 0.6) -> None:
-        """Drag from one pixel to another."""
         self.move(start, seconds / 2)
         self.press()
         self.move(end, seconds)
         self.release()
 
     def key(self, key: int) -> None:
-        """Press and release a key."""
         for kind in (pygame.KEYDOWN, pygame.KEYUP):
             _post(kind, key=key, mod=0)
         self.look(1)

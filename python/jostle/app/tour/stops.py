@@ -30,11 +30,6 @@ class Stop:
     colour_by: ColourBy = ColourBy.AUTO
 
 
-def first_look(user: ScriptedUser) -> None:
-    """The window after the start, with the speed on this machine."""
-    user.live(6)
-
-
 def waiting(seconds: float) -> Callable[[ScriptedUser], None]:
     """Return the script that only waits."""
     return lambda user: user.wait(seconds)
@@ -213,7 +208,7 @@ def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
 
 STOPS = (
     Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
-         Settings("mixed"), first_look, tree=TreeView.OUTLINE),
+         Settings("mixed"), lambda user: user.live(6), tree=TreeView.OUTLINE),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
          Settings("gas", 500), rules),

@@ -10,10 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pygame
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 
 from jostle.app.draw.camera import Size
 from jostle.app.simulate.start import start
-from jostle.app.storage.video_writer import VideoWriter, save_png
+from jostle.app.storage.encoder import Encoder
 from jostle.app.tour.scripted_user import FILMED, FRAME, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop
 from jostle.app.window import SIZE, Window
@@ -34,7 +37,6 @@ class Visit:
 
 
 def names() -> list[str]:
-    """Return the names of all stops."""
     return [stop.name for stop in STOPS]
 
 
@@ -74,25 +76,18 @@ def tour(
 
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
-    began, pictures = time.perf_counter(), 0
+    began = time.perf_counter()
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     session = window.session
     session.files.folder = out
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
-    with contextlib.ExitStack() as ending:
-        ending.callback(window.close)
-        recorder = ending.enter_context(VideoWriter(path, size, RATE)) if film else None
-
-        def add(canvas: pygame.Surface) -> None:
-            nonlocal pictures
-            pictures += 1
-            if recorder is not None:
-                recorder.add(canvas)
-
-        user = ScriptedUser(window, add if film else None)
+    video = Encoder(path, size, RATE) if film else contextlib.nullcontext()
+    with contextlib.closing(window), video as recorder:
+        user = ScriptedUser(window, recorder.draw if recorder else None)
         stop.script(user)
-        save_png(user.picture(), still)
+        pygame.image.save(user.picture(), still)
+    pictures = recorder.frames if recorder else 0
     return Visit(stop, still, path if film else None, pictures, time.perf_counter() - began)
 
 
@@ -113,3 +108,44 @@ def _no_display() -> Iterator[None]:
             del os.environ["SDL_VIDEODRIVER"]
         else:
             os.environ["SDL_VIDEODRIVER"] = before
+
+
+LONGEST_NAME = max(map(len, names()))
+
+
+def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
+    """Run the tour, and print the results."""
+    visits: list[Visit] = []
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+    with Progress(*columns, TimeElapsedColumn(), console=console) as progress:
+        task = progress.add_task("", total=len(set(chosen) or names()))
+
+        def say(name: str) -> None:
+            progress.update(task, description=name.ljust(LONGEST_NAME))
+
+        for visit in tour(out, chosen, films=films, coming=lambda stop: say(stop.name)):
+            visits.append(visit)
+            progress.advance(task)
+        say("")
+    console.print(_table(visits))
+    console.print(f"in {out}", highlight=False, soft_wrap=True)
+
+
+def _table(visits: Sequence[Visit]) -> Table:
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
+    table.add_column("stop", style="cyan", no_wrap=True)
+    table.add_column("description")
+    for name in ("picture", "video", "time"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for visit in visits:
+        film = visit.film and f"{visit.pictures / RATE:.1f} s, {_size(visit.film)}"
+        table.add_row(
+            *(visit.stop.name, visit.stop.sentence),
+            *(_size(visit.still), film or "\u2013", f"{visit.seconds:.1f} s"),
+        )
+    return table
+
+
+def _size(path: Path) -> str:
+    size = path.stat().st_size
+    return f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} KB"
