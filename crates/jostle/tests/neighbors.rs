@@ -416,7 +416,7 @@ fn forces_that_do_not_fit_are_refused() {
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
     let short = refused(&mut world, pair(table(), vec![0; 2]));
-    assert_eq!(short, "forces[0] is 2 kinds; a PairForce needs a kind for each of the 3 particles");
+    assert_eq!(short, "forces[0] is a PairForce of 2 kinds; a PairForce needs one for each of 3 particles");
     world.set_forces(vec![pair(table(), vec![0; 3])]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
