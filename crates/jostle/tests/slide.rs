@@ -170,7 +170,7 @@ fn segments_at_every_angle_stop_every_shape() {
             let reach = row.1[0] * cos.abs() + row.1[1] * sin.abs() + row.2;
             let away = x * cos + y * sin;
             assert!((away - (5.0 - reach)).abs() < 1e-8, "{k} {away} {reach}");
-            assert!(slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0]);
+            assert!(slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0], "{k} {row:?} {slides:?}");
         }
     }
 }

@@ -2,15 +2,15 @@
 
 use std::cmp::Ordering;
 
-use super::Separation;
+use super::{Separation, near};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
-use crate::shapes::{Each, Shapes};
+use crate::shapes::Shapes;
 
-/// Maximum number of shapes in a leaf of the first tree.
+/// Maximum number of shapes in a leaf of the tree.
 const LEAF_CAPACITY: usize = 32;
 
 /// What does not change of a shape.
@@ -53,15 +53,20 @@ pub struct Bodies<T> {
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Sorts shapes, and returns the tree that sorted them.
+    /// Sorts shapes, and returns the tree that sorted them: that of [`near::wide_shapes`].
     pub fn sorted(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<(Self, Quadtree<T>)> {
         let body = |row: usize| {
             let shape = shapes.shape(row);
             let weight = if rules.fixed.at(row) { T::INFINITY } else { rules.weights.at(row) };
             Body { half: shape.core_half_size(), radius: shape.radius, weight }
         };
-        let values = |row| {
-            let Body { half, radius, weight } = body(row);
+        let given: Vec<Body<T>> = memory::collect((0..shapes.len()).map(body))?;
+        let mean_extents = [0, 1].map(|axis| mean(given.iter().map(|body| body.extent(axis))));
+        let centers = memory::collect(shapes.centers.iter().copied())?;
+        let wider = near::margin(mean_extents, rules.gap) + rules.gap;
+        let wide = near::wide_shapes(&given, centers, wider)?;
+        let values = |row: usize| {
+            let Body { half, radius, weight } = given[row];
             [radius, half[0], half[1], weight]
         };
         let tie = |a: usize, b: usize| {
@@ -69,22 +74,16 @@ impl<T: Scalar> Bodies<T> {
             let by_value = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
             by_value.unwrap_or(Ordering::Equal).then(a.cmp(&b))
         };
-        let centers = memory::collect(shapes.centers.iter().copied())?;
-        let points = Shapes { centers, radii: Each::One(T::ZERO), ..Shapes::default() };
-        let mut tree = Quadtree::default();
         let settings = Settings {
             leaf_capacity: LEAF_CAPACITY,
             threads: rules.threads,
             ..Settings::default()
         };
-        tree.rebuild(&points, settings, &tie)?;
+        let mut tree = Quadtree::default();
+        tree.rebuild(&wide, settings, &tie)?;
         let rows = memory::collect(tree.rows().iter().copied())?;
-        let all: Vec<Body<T>> = memory::collect(rows.iter().map(|&row| body(row as usize)))?;
-        let centers = memory::collect(rows.iter().map(|&row| points.centers[row as usize]))?;
-        let mean_extents = [0, 1].map(|axis| {
-            let sum: f64 = all.iter().map(|body| body.extent(axis).to_f64()).sum();
-            T::from_f64(sum / all.len().max(1) as f64)
-        });
+        let all = memory::collect(rows.iter().map(|&row| given[row as usize]))?;
+        let centers = memory::collect(rows.iter().map(|&row| wide.centers[row as usize]))?;
         Ok((Self { rows, all, centers, mean_extents }, tree))
     }
 
@@ -92,4 +91,22 @@ impl<T: Scalar> Bodies<T> {
     pub fn len(&self) -> usize {
         self.all.len()
     }
+
+    /// Whether all are discs.
+    pub fn are_round(&self) -> bool {
+        self.all.iter().all(|body| body.half == [T::ZERO; 2])
+    }
+}
+
+/// The mean of numbers that are at least 0, to about forty bits of the largest. Sums of integers do
+/// not depend on their order.
+fn mean<T: Scalar>(all: impl ExactSizeIterator<Item = T> + Clone) -> T {
+    const STEPS: f64 = (1u64 << 40) as f64;
+    let count = all.len().max(1) as f64;
+    let largest = all.clone().fold(T::ZERO, T::max).to_f64();
+    if largest == 0.0 {
+        return T::ZERO;
+    }
+    let sum: u128 = all.map(|number| (number.to_f64() / largest * STEPS) as u128).sum();
+    T::from_f64(largest * (sum as f64 / STEPS / count))
 }

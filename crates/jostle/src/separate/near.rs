@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Body};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
@@ -13,28 +13,46 @@ use crate::pairs::{self, JoinScratch};
 use crate::parallel::CHUNK;
 use crate::quadtree::Quadtree;
 use crate::settings::{DEFAULT_MAX_PAIRS, Settings};
-use crate::shapes::Shapes;
+use crate::shapes::{Each, Shapes};
+use crate::sorting;
 
 /// Margin, as a share of the mean extent of the shapes.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 0.5;
 
-/// Number of places of a block. Blocks without overlaps are skipped until something near moves.
-pub const BLOCK: usize = 32;
+/// The margin of shapes with these mean extents.
+pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
+    (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN)
+}
 
-/// For each shape the others near it. A pair within one chunk of [`CHUNK`] places is listed for
-/// its first shape, another pair for both.
+/// Shapes that overlap if the gap between the bodies is below the margin and the least gap.
+pub fn wide_shapes<T: Scalar>(
+    bodies: &[Body<T>],
+    centers: Vec<[T; 2]>,
+    margin_and_gap: T,
+) -> Result<Shapes<T>> {
+    let wider = margin_and_gap * T::from_f64(0.5);
+    let radii = memory::collect(bodies.iter().map(|body| body.radius + wider))?;
+    let mut shapes = Shapes { centers, radii: Each::Rows(radii), ..Shapes::default() };
+    if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
+        let halves = memory::collect(bodies.iter().map(|body| body.half))?;
+        shapes.half_sizes = Some(Each::Rows(halves));
+    }
+    Ok(shapes)
+}
+
+/// For each shape the others near it, ascending. A pair within one chunk of [`CHUNK`] places is
+/// listed for its first shape, another pair for both.
 #[derive(Clone, Debug, Default)]
 pub struct Near<T> {
     ends: Vec<u32>,
     others: Vec<u32>,
-    /// For each block the blocks with shapes listed for its own.
-    block_ends: Vec<u32>,
-    blocks: Vec<u32>,
-    /// For each block the last one for which it was listed.
-    listed_for: Vec<u32>,
+    /// Shapes and those listed for them, and scratch of their sorting.
+    listed: Vec<[u32; 2]>,
+    spare: Vec<[u32; 2]>,
     /// The centres for which the lists were made.
     pub origins: Vec<[T; 2]>,
     margin: T,
+    gap: T,
     shapes: Shapes<T>,
     tree: Quadtree<T>,
     scratch: JoinScratch,
@@ -42,21 +60,8 @@ pub struct Near<T> {
 
 impl<T: Scalar> Near<T> {
     /// Empty lists for `bodies`.
-    pub fn of(bodies: &Bodies<T>, gap: T) -> Result<Self> {
-        let [x, y] = bodies.mean_extents;
-        let half = T::from_f64(0.5);
-        let margin = (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN);
-        let wider = (margin + gap) * half;
-        let mut shapes = Shapes::default();
-        let radii = shapes.radii.rows_mut();
-        memory::reserve(radii, bodies.len())?;
-        radii.extend(bodies.all.iter().map(|body| body.radius + wider));
-        if bodies.all.iter().any(|body| body.half != [T::ZERO; 2]) {
-            let halves = shapes.half_sizes.get_or_insert_default().rows_mut();
-            memory::reserve(halves, bodies.len())?;
-            halves.extend(bodies.all.iter().map(|body| body.half));
-        }
-        Ok(Self { margin, shapes, ..Self::default() })
+    pub fn of(bodies: &Bodies<T>, gap: T) -> Self {
+        Self { margin: margin(bodies.mean_extents, gap), gap, ..Self::default() }
     }
 
     /// The distance from its origin up to which a shape may move; slightly less than half the
@@ -67,93 +72,70 @@ impl<T: Scalar> Near<T> {
 
     /// Makes the lists for the current centres.
     pub fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
-        self.shapes.centers.clear();
-        memory::reserve(&mut self.shapes.centers, bodies.len())?;
-        self.shapes.centers.extend(&bodies.centers);
-        let settings = Settings { threads, ..Settings::default() };
-        self.tree.fill_unordered(&self.shapes, settings)?;
-        let mut found =
-            pairs::places_within(&self.tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
-        let rows = self.tree.rows();
-        for pair in &mut found {
-            let [i, j] = pair.map(|place| rows[place as usize]);
-            *pair = [i.min(j), i.max(j)];
+        if self.shapes.centers.is_empty() {
+            let centers = memory::collect(bodies.centers.iter().copied())?;
+            self.shapes = wide_shapes(&bodies.all, centers, self.margin + self.gap)?;
+        } else {
+            self.shapes.centers.copy_from_slice(&bodies.centers);
         }
-        self.list(&found, bodies)?;
-        self.list_blocks(bodies.len())?;
+        let mut tree = std::mem::take(&mut self.tree);
+        tree.fill_unordered(&self.shapes, Settings { threads, ..Settings::default() })?;
+        self.find_in(&tree, Some(tree.rows()), bodies)?;
+        self.tree = tree;
+        Ok(())
+    }
+
+    /// Makes the lists from a tree of the shapes, [`wide_shapes`], with the current centres. `rows`
+    /// are the bodies in its order, if that is not theirs.
+    pub fn find_in(
+        &mut self,
+        tree: &Quadtree<T>,
+        rows: Option<&[u32]>,
+        bodies: &Bodies<T>,
+    ) -> Result<()> {
+        let found = pairs::places_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
+        let is_fixed = |place: u32| bodies.all[place as usize].is_fixed();
+        self.listed.clear();
+        memory::reserve(&mut self.listed, 2 * found.len())?;
+        for &pair in &found {
+            let [a, b] = pair.map(|place| rows.map_or(place, |rows| rows[place as usize]));
+            let [i, j] = [a.min(b), a.max(b)];
+            if !(is_fixed(i) && is_fixed(j)) {
+                self.listed.push([i, j]);
+                if chunk(i) != chunk(j) {
+                    self.listed.push([j, i]);
+                }
+            }
+        }
         self.scratch.keep(found);
+        self.sort(bodies.len())?;
         self.origins.clear();
         memory::reserve(&mut self.origins, bodies.len())?;
         self.origins.extend(&bodies.centers);
         Ok(())
     }
 
-    /// Counting sort of the pairs by the shapes for which they are listed.
-    fn list(&mut self, found: &[[u32; 2]], bodies: &Bodies<T>) -> Result<()> {
-        let listed = |[i, j]: [u32; 2]| {
-            let fixed = [i, j].map(|place| bodies.all[place as usize].is_fixed());
-            let first = fixed != [true; 2];
-            (i, j, first, first && chunk(i) != chunk(j))
-        };
-        self.ends.clear();
-        memory::resize(&mut self.ends, bodies.len() + 1, 0)?;
-        for &pair in found {
-            let (i, j, first, second) = listed(pair);
-            self.ends[i as usize + 1] += u32::from(first);
-            self.ends[j as usize + 1] += u32::from(second);
+    /// Sorts the lists by the second shape, then by the first.
+    fn sort(&mut self, len: usize) -> Result<()> {
+        let Self { listed, spare, ends, others, .. } = self;
+        memory::resize(spare, listed.len(), [0; 2])?;
+        for which in [1, 0] {
+            ends.clear();
+            memory::resize(ends, len, 0)?;
+            sorting::counting_sort(listed, |entry| entry[which] as usize, ends, spare);
+            std::mem::swap(listed, spare);
         }
-        let mut total = 0;
-        for end in &mut self.ends {
-            total += *end;
-            *end = total - *end;
-        }
-        memory::resize(&mut self.others, total as usize, 0)?;
-        for &pair in found {
-            let (i, j, first, second) = listed(pair);
-            for (own, other, wanted) in [(i, j, first), (j, i, second)] {
-                if wanted {
-                    let end = &mut self.ends[own as usize + 1];
-                    self.others[*end as usize] = other;
-                    *end += 1;
-                }
-            }
-        }
+        others.clear();
+        memory::reserve(others, listed.len())?;
+        others.extend(listed.iter().map(|entry| entry[1]));
         Ok(())
-    }
-
-    fn list_blocks(&mut self, len: usize) -> Result<()> {
-        let count = len.div_ceil(BLOCK);
-        self.listed_for.clear();
-        memory::resize(&mut self.listed_for, count, u32::MAX)?;
-        self.block_ends.clear();
-        memory::resize(&mut self.block_ends, count + 1, 0)?;
-        self.blocks.clear();
-        for block in 0..count {
-            let places = block * BLOCK..len.min((block + 1) * BLOCK);
-            let others = self.ends[places.start] as usize..self.ends[places.end] as usize;
-            self.listed_for[block] = block as u32;
-            memory::push(&mut self.blocks, block as u32)?;
-            for &other in &self.others[others] {
-                let near = other as usize / BLOCK;
-                if std::mem::replace(&mut self.listed_for[near], block as u32) != block as u32 {
-                    memory::push(&mut self.blocks, near as u32)?;
-                }
-            }
-            self.block_ends[block + 1] = self.blocks.len() as u32;
-        }
-        Ok(())
-    }
-
-    /// The block and the blocks with shapes that are listed for its own.
-    #[inline(always)]
-    pub fn of_block(&self, block: usize) -> &[u32] {
-        &self.blocks[self.block_ends[block] as usize..self.block_ends[block + 1] as usize]
     }
 
     /// The places of the shapes listed for the one at `place`.
     #[inline(always)]
     pub fn of_place(&self, place: usize) -> &[u32] {
-        &self.others[self.ends[place] as usize..self.ends[place + 1] as usize]
+        let start = if place == 0 { 0 } else { self.ends[place - 1] };
+        &self.others[start as usize..self.ends[place] as usize]
     }
 }
 

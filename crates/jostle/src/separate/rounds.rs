@@ -1,13 +1,13 @@
-//! Passes over the near pairs.
+//! Rounds over the near pairs.
 //!
 //! Within a chunk of places, each pair is moved as soon as it is tested (Gauss-Seidel). Of a pair
-//! in two chunks, each moves its own part, and takes the other where it was before the pass
+//! in two chunks, each moves its own part, and takes the other where it was before the round
 //! (Jacobi). Chunks depend on the order of the shapes alone, so results do not depend on threads.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use super::bodies::Bodies;
-use super::near::{BLOCK, Near, places_of};
+use super::near::{Near, places_of};
 use super::push::Pusher;
 use super::{Outcome, Separation};
 use crate::error::Result;
@@ -15,76 +15,80 @@ use crate::geometry::Scalar;
 use crate::interrupt;
 use crate::memory;
 use crate::parallel::{self, CHUNK, locked};
+use crate::quadtree::Quadtree;
 
-/// After so many passes the number of overlaps must have fallen by a tenth; otherwise passes end.
+/// After so many rounds the number of overlaps must have fallen by a tenth; otherwise they end.
 const PATIENCE: usize = 32;
 
-/// A chunk of shapes during a pass.
+/// A chunk of shapes during a round.
 struct Part<T> {
     /// Their centres.
     centers: Vec<[T; 2]>,
-    /// Whether a shape of each block has moved in this pass.
-    changed: Vec<bool>,
+    /// Whether each has moved in this round.
+    moved: Vec<bool>,
     /// Pairs that overlapped when they were tested.
     overlaps: usize,
-    /// Whether a centre has changed.
-    moved: bool,
+    /// Whether a centre is another one than before the round.
+    changed: bool,
     /// Whether a shape is beyond the reach of its list.
     left: bool,
 }
 
-/// The passes of a call.
+/// The rounds of a call.
 pub struct Rounds<'a, T> {
     bodies: &'a mut Bodies<T>,
     pusher: Pusher<T>,
     rules: &'a Separation<T>,
     near: Near<T>,
-    /// Whether a shape of each block has moved in the last pass, or may overlap since then.
-    changed: Vec<bool>,
+    are_round: bool,
+    /// Whether each shape has moved in the last round, or by other means since then.
+    moved: Vec<bool>,
     parts: Vec<Mutex<Part<T>>>,
-    /// Number of passes.
+    /// Number of rounds.
     count: usize,
 }
 
 impl<'a, T: Scalar> Rounds<'a, T> {
-    /// Lists the near pairs.
+    /// Lists the near pairs. `tree` is that of the shapes where they are.
     pub fn of(
         bodies: &'a mut Bodies<T>,
         pusher: &'a Pusher<T>,
         rules: &'a Separation<T>,
+        tree: Option<&Quadtree<T>>,
     ) -> Result<Self> {
         let len = bodies.len();
         let part = |index| {
-            let len = places_of(index, len).len();
-            let centers = memory::filled(len, [T::ZERO; 2])?;
-            let changed = memory::filled(len.div_ceil(BLOCK), false)?;
-            Ok(Mutex::new(Part { centers, changed, overlaps: 0, moved: false, left: false }))
+            let centers = memory::collect(bodies.centers[places_of(index, len)].iter().copied())?;
+            let moved = memory::filled(centers.len(), false)?;
+            Ok(Mutex::new(Part { centers, moved, overlaps: 0, changed: false, left: false }))
         };
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
-        let near = Near::of(bodies, rules.gap)?;
-        let changed = memory::filled(len.div_ceil(BLOCK), true)?;
-        let mut rounds = Self { bodies, pusher: *pusher, rules, near, changed, parts, count: 0 };
-        if rules.max_rounds > 0 {
-            rounds.enter_bounds();
+        let (near, are_round) = (Near::of(bodies, rules.gap), bodies.are_round());
+        let moved = memory::filled(len, true)?;
+        let (pusher, count) = (*pusher, 0);
+        let mut rounds = Self { bodies, pusher, rules, near, are_round, moved, parts, count };
+        let entered = rules.max_rounds > 0 && rounds.enter_bounds();
+        match tree.filter(|_| !entered) {
+            Some(tree) => rounds.near.find_in(tree, None, rounds.bodies)?,
+            None => rounds.near.find(rounds.bodies, rules.threads)?,
         }
-        rounds.find_near()?;
         Ok(rounds)
     }
 
-    /// Moves shapes until none overlap or for `max_rounds` passes in all; returns false if it
-    /// ends earlier, because passes are of little use. It does not if it is `patient`.
+    /// Moves shapes until none overlap or for `max_rounds` rounds in all; returns false if it
+    /// ends earlier, because rounds are of little use. It does not if it is `patient`.
     pub fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {
             interrupt::check()?;
-            self.pusher = self.pusher.in_pass(self.count);
+            self.pusher = self.pusher.in_round(self.count);
             self.count += 1;
-            let (overlaps, moved) = self.pass()?;
-            if overlaps == 0 && !moved {
+            let (overlaps, changed) = self.round()?;
+            if overlaps == 0 && !changed {
                 return Ok(true);
             }
             let is_due = !patient && self.count.is_multiple_of(PATIENCE);
-            if !moved || (is_due && overlaps > before - before / 10) {
+            if !changed || (is_due && overlaps > before - before.div_ceil(10)) {
                 return Ok(false);
             }
             if is_due {
@@ -98,10 +102,11 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     pub fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
         act(self.bodies)?;
         self.enter_bounds();
-        self.find_near()
+        self.moved.fill(true);
+        self.near.find(self.bodies, self.rules.threads)
     }
 
-    /// The number of passes, and of the pairs that overlap.
+    /// The number of rounds, and of the pairs that overlap.
     pub fn outcome(&self) -> Outcome {
         Outcome { rounds: self.count, overlaps: self.overlaps() }
     }
@@ -111,98 +116,87 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         self.bodies.len()
     }
 
-    fn find_near(&mut self) -> Result<()> {
-        self.changed.fill(true);
-        self.near.find(self.bodies, self.rules.threads)
-    }
-
-    /// One pass; returns the number of overlaps that it met, and whether a shape has moved.
-    fn pass(&mut self) -> Result<(usize, bool)> {
+    /// One round; returns the number of overlaps that it met, and whether a shape has moved.
+    fn round(&mut self) -> Result<(usize, bool)> {
         let this = &*self;
         parallel::for_tasks(self.rules.threads, self.parts.len(), |index| {
-            this.pass_over(index, &mut locked(&this.parts[index]));
+            let part = &mut locked(&this.parts[index]);
+            if this.are_round {
+                this.round_over::<true>(index, part);
+            } else {
+                this.round_over::<false>(index, part);
+            }
+            this.end_round(index, part);
         });
-        let (mut overlaps, mut moved, mut left) = (0, false, false);
+        let (mut overlaps, mut changed, mut left) = (0, false, false);
         for (index, part) in self.parts.iter_mut().enumerate() {
-            let part = part.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
             overlaps += part.overlaps;
-            moved |= part.moved;
+            changed |= part.changed;
             left |= part.left;
             let places = places_of(index, self.bodies.centers.len());
-            let blocks = places.start / BLOCK..places.end.div_ceil(BLOCK);
-            self.bodies.centers[places].copy_from_slice(&part.centers);
-            self.changed[blocks].copy_from_slice(&part.changed);
+            self.bodies.centers[places.clone()].copy_from_slice(&part.centers);
+            self.moved[places].copy_from_slice(&part.moved);
         }
         if left {
-            self.find_near()?;
+            self.near.find(self.bodies, self.rules.threads)?;
         }
-        Ok((overlaps, moved))
+        Ok((overlaps, changed))
     }
 
-    fn pass_over(&self, index: usize, part: &mut Part<T>) {
-        let places = places_of(index, self.bodies.len());
-        let first = places.start;
-        part.centers.copy_from_slice(&self.bodies.centers[places]);
-        part.changed.fill(false);
-        part.overlaps = 0;
-        for block in 0..part.changed.len() {
-            let near = self.near.of_block(first / BLOCK + block);
-            let is_changed = |&other: &u32| {
-                let other = other as usize;
-                let own = part.changed.get(other.wrapping_sub(first / BLOCK));
-                self.changed[other] || own.is_some_and(|changed| *changed)
-            };
-            // Otherwise no pair of the block overlapped when it was tested, and none has moved.
-            if near.iter().any(is_changed) {
-                self.pass_over_block(first + block * BLOCK, first, part);
-            }
-        }
-        self.end_pass(index, part);
-    }
-
-    /// Moves the pairs of a block of a chunk, whose first places are given.
-    fn pass_over_block(&self, start: usize, first: usize, part: &mut Part<T>) {
+    /// Moves the pairs of a chunk. A pair is tested only if one of both has moved since its last
+    /// test, in the last round or in this one: otherwise it did not overlap then and does not now.
+    fn round_over<const ROUND: bool>(&self, index: usize, part: &mut Part<T>) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let own = &mut part.centers[..];
-        for i in start..(start + BLOCK).min(first + own.len()) {
-            let a = &all[i];
-            let mut center = own[i - first];
+        let first = places_of(index, all.len()).start;
+        let (own, moved) = (&mut part.centers[..], &mut part.moved[..]);
+        own.copy_from_slice(&centers[first..first + own.len()]);
+        moved.fill(false);
+        part.overlaps = 0;
+        for at in 0..own.len() {
+            let i = first + at;
+            let mut is_moved = self.moved[i] || moved[at];
             for &other in self.near.of_place(i) {
                 let j = other as usize;
-                let b = &all[j];
-                let here = j.wrapping_sub(first) < own.len();
-                let at = if here { own[j - first] } else { centers[j] };
-                let offset = [at[0] - center[0], at[1] - center[1]];
-                if !self.pusher.overlaps(a, b, offset) {
+                let other_at = j.wrapping_sub(first);
+                let is_here = other_at < own.len();
+                if !(is_moved || self.moved[j] || (is_here && moved[other_at])) {
+                    continue;
+                }
+                let (a, b) = (&all[i], &all[j]);
+                let (from, to) = (own[at], if is_here { own[other_at] } else { centers[j] });
+                let offset = [to[0] - from[0], to[1] - from[1]];
+                if !self.pusher.overlaps::<ROUND>(a, b, offset) {
                     continue;
                 }
                 part.overlaps += 1;
-                part.changed[(i - first) / BLOCK] = true;
                 let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
                 let share = share(a.weight, b.weight);
-                center = [center[0] - push[0] * share, center[1] - push[1] * share];
-                if here {
+                if !a.is_fixed() {
+                    own[at] = [from[0] - push[0] * share, from[1] - push[1] * share];
+                    (moved[at], is_moved) = (true, true);
+                }
+                if is_here && !b.is_fixed() {
                     let rest = T::ONE - share;
-                    own[j - first] = [at[0] + push[0] * rest, at[1] + push[1] * rest];
-                    part.changed[(j - first) / BLOCK] = true;
+                    own[other_at] = [to[0] + push[0] * rest, to[1] + push[1] * rest];
+                    moved[other_at] = true;
                 }
             }
-            own[i - first] = center;
         }
     }
 
-    /// Moves the shapes of a chunk into the bounds, and compares with the state before the pass.
-    fn end_pass(&self, index: usize, part: &mut Part<T>) {
+    /// Moves the shapes of a chunk into the bounds, and compares with the state before the round.
+    fn end_round(&self, index: usize, part: &mut Part<T>) {
         let places = places_of(index, self.bodies.len());
         let reach = self.near.reach();
-        (part.moved, part.left) = (false, false);
-        for (place, center) in places.clone().zip(&mut part.centers) {
-            let inside = self.inside(place, *center);
-            part.changed[(place - places.start) / BLOCK] |= inside != *center;
-            *center = inside;
+        (part.changed, part.left) = (false, false);
+        for ((place, center), _) in
+            places.zip(&mut part.centers).zip(&part.moved).filter(|(_, moved)| **moved)
+        {
+            *center = self.inside(place, *center);
             let origin = self.near.origins[place];
             let away = [center[0] - origin[0], center[1] - origin[1]].map(T::abs);
-            part.moved |= *center != self.bodies.centers[place];
+            part.changed |= *center != self.bodies.centers[place];
             part.left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
         }
     }
@@ -223,10 +217,15 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         })
     }
 
-    fn enter_bounds(&mut self) {
+    /// Returns whether a shape was outside.
+    fn enter_bounds(&mut self) -> bool {
+        let mut entered = false;
         for place in 0..self.bodies.len() {
-            self.bodies.centers[place] = self.inside(place, self.bodies.centers[place]);
+            let center = self.inside(place, self.bodies.centers[place]);
+            entered |= center != self.bodies.centers[place];
+            self.bodies.centers[place] = center;
         }
+        entered
     }
 
     /// Shapes without which no pair would overlap: of each pair the lighter one, of equal ones
@@ -238,7 +237,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
             for &other in self.near.of_place(i) {
                 let j = other as usize;
                 let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                if is_out[i] || is_out[j] || !self.pusher.overlaps(a, &all[j], offset) {
+                if is_out[i] || is_out[j] || !self.pusher.overlaps::<false>(a, &all[j], offset) {
                     continue;
                 }
                 let (a, b) = (a.weight, all[j].weight);
@@ -259,7 +258,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
                 let j = other as usize;
                 let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
                 let counted = if i / CHUNK == j / CHUNK { 2 } else { 1 };
-                twice += usize::from(self.pusher.overlaps(a, &all[j], offset)) * counted;
+                twice += usize::from(self.pusher.overlaps::<false>(a, &all[j], offset)) * counted;
             }
         }
         twice / 2

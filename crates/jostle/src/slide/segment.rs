@@ -22,13 +22,19 @@ struct Side<T> {
 impl<T: Scalar> Side<T> {
     /// The outer unit normal.
     fn normal(&self) -> [T; 2] {
-        [self.along[1], -self.along[0]]
+        [self.along[1], T::ZERO - self.along[0]]
     }
 
     /// Distance of the point (0, 0) from the line, positive outside.
     fn outside(&self) -> T {
         let normal = self.normal();
         T::ZERO - (normal[0] * self.start[0] + normal[1] * self.start[1])
+    }
+
+    /// Distance from (0, 0) to the line moved outwards by `by`, and by how much `v` comes nearer.
+    fn approach(&self, by: T, v: [T; 2]) -> (T, T) {
+        let normal = self.normal();
+        (self.outside() - by, T::ZERO - (v[0] * normal[0] + v[1] * normal[1]))
     }
 
     /// Position of a point along the line, from the start.
@@ -123,23 +129,44 @@ pub fn enters<T: Scalar>(
 ) -> Option<(T, [T; 2])> {
     let hexagon = hexagon(body, ends);
     let radius = body.radius - slop;
+    if body.radius == T::ZERO {
+        return into_convex(&hexagon, radius, displacement);
+    }
     let through_side = |side: Side<T>| {
-        let normal = side.normal();
-        let approach = T::ZERO - (displacement[0] * normal[0] + displacement[1] * normal[1]);
-        let room = side.outside() - radius;
+        let (room, approach) = side.approach(radius, displacement);
         if !(approach > T::ZERO && room >= T::ZERO && room <= approach) {
             return None;
         }
         let share = room / approach;
         let position = side.position(displacement.map(|v| v * share));
-        // Corners are rounded if there is a radius; otherwise adjacent sides have no gap.
-        let is_on = -slop <= position && position <= side.length + slop;
-        is_on.then_some((share, normal))
+        (-slop <= position && position <= side.length + slop).then(|| (share, side.normal()))
     };
-    let corners = hexagon.iter().filter(|_| radius > T::ZERO);
-    let through_corner = corners.filter_map(|&corner| into_disc(corner, radius, displacement));
+    let through_corner =
+        hexagon.iter().filter_map(|&corner| into_disc(corner, radius, displacement));
     let hits = sides(&hexagon).filter_map(through_side).chain(through_corner);
     hits.reduce(|a, b| if b.0 < a.0 { b } else { a })
+}
+
+/// The share of `v` at which the point (0, 0) enters a hexagon whose sides are moved outwards by
+/// `by`: the part of its path in all half-planes (Cyrus and Beck).
+fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, by: T, v: [T; 2]) -> Option<(T, [T; 2])> {
+    let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
+    let mut normal = [T::ZERO; 2];
+    for side in sides(hexagon) {
+        let (room, approach) = side.approach(by, v);
+        if approach == T::ZERO {
+            if room >= T::ZERO {
+                return None;
+            }
+        } else if approach > T::ZERO {
+            if room / approach > enter {
+                (enter, normal) = (room / approach, side.normal());
+            }
+        } else {
+            leave = leave.min(room / approach);
+        }
+    }
+    (enter < leave && T::ZERO <= enter && enter <= T::ONE).then_some((enter, normal))
 }
 
 #[cfg(test)]

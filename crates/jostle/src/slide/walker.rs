@@ -157,12 +157,14 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let impact = |obstacle: &'_ Obstacle<T>| {
             // Rounding errors grow with the distance of the obstacle, not with the displacement.
             let slop = self.slop(obstacle.span(&start));
-            obstacle.enters(&start, displacement, slop)
+            let (share, normal) = obstacle.enters(&start, displacement, slop)?;
+            // −0 becomes 0.
+            Some((share + T::ZERO, normal))
         };
         let solid = self.near.iter().filter(|obstacle| is_solid(obstacle));
         let impacts = solid.filter_map(|obstacle| Some((impact(obstacle)?, obstacle)));
         // A floor before a wall, so that the joints of tiles do not stop a shape.
-        let height = |normal: [T; 2]| dot(normal, rules.up);
+        let height = |normal: [T; 2]| dot(normal, rules.up) + T::ZERO;
         let first = impacts.min_by(|((a, a_normal), a_of), ((b, b_normal), b_of)| {
             a.total_order(b)
                 .then_with(|| height(*b_normal).total_order(&height(*a_normal)))
