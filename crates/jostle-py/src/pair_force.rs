@@ -258,8 +258,7 @@ impl PyPairForce {
         damping: Given<'_>,
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let squares =
-            Squares::read(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
+        let squares = Squares::read(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
         let (count, [stiffness, diameters]) = (squares.count, &squares.all);
         let damping = optional("damping", &damping, 0.0)?;
         let table = PairTable::soft_discs(count, stiffness, diameters, damping);
@@ -330,10 +329,7 @@ struct Squares {
 }
 
 impl Squares {
-    fn read(
-        kinds: &[u8],
-        arguments: [(&'static str, &Bound<'_, PyAny>); 2],
-    ) -> PyResult<Self> {
+    fn read(kinds: &[u8], arguments: [(&'static str, &Bound<'_, PyAny>); 2]) -> PyResult<Self> {
         let [a, b] = arguments.map(|(name, value)| Argument::reals(name, value));
         let [a, b] = [a?, b?];
         let largest = kinds.iter().copied().max().unwrap_or(0);
@@ -347,9 +343,7 @@ impl Squares {
     /// An error without an index, if it is about an argument that is a number.
     fn of_numbers(&self, error: Error) -> Error {
         match &error {
-            Error::Entry { argument, .. } if self.numbers.contains(argument) => {
-                error.without_row()
-            }
+            Error::Entry { argument, .. } if self.numbers.contains(argument) => error.without_row(),
             _ => error,
         }
     }

@@ -6,7 +6,8 @@ use std::cell::Cell;
 
 use jostle::scenes::{self, STEP};
 use jostle::{
-    Changes, Container, Each, Particles, Separation, Settings, Shapes, World, WorldSettings, separate,
+    Changes, Container, Each, Particles, Separation, Settings, Shapes, World, WorldSettings,
+    separate,
 };
 
 thread_local! {

@@ -430,7 +430,10 @@ fn forces_that_do_not_fit_are_refused() {
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
     let short = refused(&mut world, pair(table(), vec![0; 2]));
-    assert_eq!(short, "forces[0] is a PairForce of 2 kinds; a PairForce needs one for each of 3 particles");
+    assert_eq!(
+        short,
+        "forces[0] is a PairForce of 2 kinds; a PairForce needs one for each of 3 particles"
+    );
     world.set_forces(vec![pair(table(), vec![0; 3])]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
@@ -442,11 +445,16 @@ fn forces_that_do_not_fit_are_refused() {
     let wrong = |found: jostle::Result<PairTable>| found.unwrap_err().to_string();
     assert!(wrong(PairTable::new(0, vec![], 1.0, 0.0)).contains("1 to 64 kinds"));
     assert!(wrong(PairTable::new(1, vec![0.0], 1.0, 0.0)).contains("(K, K, m)"));
-    assert!(wrong(PairTable::new(1, vec![0.0, f32::NAN], 1.0, 0.0)).starts_with("table[0, 0, 1] is NaN"));
+    assert!(
+        wrong(PairTable::new(1, vec![0.0, f32::NAN], 1.0, 0.0))
+            .starts_with("table[0, 0, 1] is NaN")
+    );
     for cutoff in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-20] {
         assert!(wrong(PairTable::new(1, vec![0.0; 2], cutoff, 0.0)).starts_with("cutoff is"));
     }
     assert!(wrong(PairTable::new(1, vec![0.0; 2], 1.0, -1.0)).starts_with("damping is -1"));
     assert!(wrong(PairTable::particle_life(1, &[1.0], 1.0, 1.0, 1.0)).starts_with("core is 1"));
-    assert!(wrong(PairTable::lennard_jones(1, &[1.0], &[0.0], 1.0)).starts_with("sigma[0, 0] is 0"));
+    assert!(
+        wrong(PairTable::lennard_jones(1, &[1.0], &[0.0], 1.0)).starts_with("sigma[0, 0] is 0")
+    );
 }

@@ -57,9 +57,7 @@ fn overlaps<T: Scalar>(rows: &[Row], centers: &[[T; 2]], gap: T) -> usize {
         overlap([along(0), along(1)], a.radius + b.radius + gap)
     };
     let pairs = (0..rows.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-    pairs
-        .filter(|&(i, j)| !(rows[i].4 && rows[j].4) && of_two(all.shape(i), all.shape(j)))
-        .count()
+    pairs.filter(|&(i, j)| !(rows[i].4 && rows[j].4) && of_two(all.shape(i), all.shape(j))).count()
 }
 
 fn check<T: Scalar>(rows: &[Row], rules: &Separation<T>) -> Result<(), TestCaseError> {

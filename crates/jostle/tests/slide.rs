@@ -24,13 +24,9 @@ fn scenes() -> impl Strategy<Value = Scene> {
     let coordinate = prop_oneof![3 => -20.0..20.0f64, 1 => (-20i32..20).prop_map(f64::from)];
     let half = prop_oneof![2 => 0.2..4.0f64, 1 => Just(1.0), 1 => Just(0.0)];
     let radius = prop_oneof![2 => 0.1..2.0f64, 1 => Just(0.5), 2 => Just(0.0)];
-    let obstacle =
-        ([coordinate.clone(), coordinate.clone()], [half.clone(), half], radius);
-    let walker = prop_oneof![
-        Just(([0.0; 2], 0.5)),
-        Just(([0.4, 0.8], 0.0)),
-        Just(([0.3, 0.2], 0.3)),
-    ];
+    let obstacle = ([coordinate.clone(), coordinate.clone()], [half.clone(), half], radius);
+    let walker =
+        prop_oneof![Just(([0.0; 2], 0.5)), Just(([0.4, 0.8], 0.0)), Just(([0.3, 0.2], 0.3)),];
     let walkers = ([coordinate.clone(), coordinate], walker)
         .prop_map(|(center, (half, radius))| (center, half, radius));
     let speed = prop_oneof![2 => -3.0..3.0f64, 1 => Just(0.0), 1 => -1e6..1e6f64];
@@ -155,7 +151,9 @@ fn segments_at_every_angle_stop_every_shape() {
     for k in 0..72 {
         let angle = f64::from(k) * std::f64::consts::PI / 36.0;
         let (sin, cos) = angle.sin_cos();
-        for row in [([0.0; 2], [0.0; 2], 1.0), ([0.0; 2], [0.7, 0.3], 0.0), ([0.0; 2], [0.2, 0.5], 0.3)] {
+        for row in
+            [([0.0; 2], [0.0; 2], 1.0), ([0.0; 2], [0.7, 0.3], 0.0), ([0.0; 2], [0.2, 0.5], 0.3)]
+        {
             let mut space = Space::new(Settings::default()).unwrap();
             let at = |along: f64, away: f64| [away * cos - along * sin, away * sin + along * cos];
             let ends: Vec<_> = (-9..9)
@@ -170,7 +168,10 @@ fn segments_at_every_angle_stop_every_shape() {
             let reach = row.1[0] * cos.abs() + row.1[1] * sin.abs() + row.2;
             let away = x * cos + y * sin;
             assert!((away - (5.0 - reach)).abs() < 1e-8, "{k} {away} {reach}");
-            assert!(slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0], "{k} {row:?} {slides:?}");
+            assert!(
+                slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0],
+                "{k} {row:?} {slides:?}"
+            );
         }
     }
 }

@@ -298,9 +298,8 @@ impl PyWorld {
     /// 2
     fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
-        let read = self.long(py, |state| {
-            Ok((state.world.read(&ids.all)?, state.world.kinds_of(&ids.all)?))
-        })?;
+        let read = self
+            .long(py, |state| Ok((state.world.read(&ids.all)?, state.world.kinds_of(&ids.all)?)))?;
         let (copy, kinds) = ids.result_of(read)?;
         if ids.single {
             results::world_particle(py, copy, kinds)
@@ -511,12 +510,7 @@ impl State {
         Ok(ids)
     }
 
-    fn set(
-        &mut self,
-        ids: &[Id],
-        changes: &Changes,
-        kinds: Option<&[u8]>,
-    ) -> jostle::Result<()> {
+    fn set(&mut self, ids: &[Id], changes: &Changes, kinds: Option<&[u8]>) -> jostle::Result<()> {
         if let Some(kinds) = kinds {
             self.world.check_kinds(kinds)?;
         }

@@ -102,9 +102,8 @@ impl Law for Flocking {
             sum_x = simd.add(sum_x, x);
             sum_y = simd.add(sum_y, y);
             // Differences, because the velocities of a fast flock are large and nearly equal.
-            let [u, v] = [0, 1].map(|k| {
-                simd.sub(simd.load(block(&found.columns[k], start)), own[k])
-            });
+            let [u, v] =
+                [0, 1].map(|k| simd.sub(simd.load(block(&found.columns[k], start)), own[k]));
             sum_u = simd.add(sum_u, u);
             sum_v = simd.add(sum_v, v);
             start += LANES;

@@ -26,7 +26,7 @@ use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes, check_rects};
-use bodies::Bodies;
+use bodies::{Bodies, Given};
 use push::Pusher;
 use rounds::Rounds;
 
@@ -98,14 +98,24 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     check(shapes, rules)?;
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
-    let (mut bodies, tree) = Bodies::sorted(shapes, &rules)?;
+    let given = Given::of(shapes, &rules)?;
+    if given.fits_single(rules.gap) {
+        run::<T, f32>(&given, &rules)
+    } else {
+        run::<T, T>(&given, &rules)
+    }
+}
+
+/// Moves the shapes; near pairs are found in the arithmetic of `K`.
+fn run<T: Scalar, K: Scalar>(given: &Given<T>, rules: &Separation<T>) -> Result<Separated<T>> {
+    let (mut bodies, tree) = Bodies::sorted::<K>(given, rules)?;
     let crowded = spread::is_crowded(&tree, &bodies, rules.gap)?;
-    let pusher = Pusher::of(&rules);
+    let pusher = Pusher::of(rules);
     let outcome = match rules.axis {
-        Some(axis) => along_axis(&mut bodies, axis, &rules, (&pusher, crowded, &tree))?,
-        None => in_plane(&mut bodies, &rules, (&pusher, crowded, &tree))?,
+        Some(axis) => along_axis(&mut bodies, axis, rules, (&pusher, crowded, &tree))?,
+        None => in_plane(&mut bodies, rules, (&pusher, crowded, &tree))?,
     };
-    let mut centers = memory::filled(shapes.len(), [T::ZERO; 2])?;
+    let mut centers = memory::filled(bodies.len(), [T::ZERO; 2])?;
     for (&row, &center) in bodies.rows.iter().zip(&bodies.centers) {
         centers[row as usize] = center;
     }
@@ -121,10 +131,10 @@ struct Outcome {
 
 /// If rounds are of little use, regions are enlarged until shapes have much room, and the rest is
 /// put at free positions.
-fn in_plane<T: Scalar>(
+fn in_plane<T: Scalar, K: Scalar>(
     bodies: &mut Bodies<T>,
     rules: &Separation<T>,
-    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<T>),
+    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<K>),
 ) -> Result<Outcome> {
     let is_spread = crowded && rules.max_rounds >= FEW_ROUNDS;
     if is_spread {
@@ -148,7 +158,7 @@ fn in_plane<T: Scalar>(
 const FEW_ROUNDS: usize = 32;
 
 /// If more shapes than this overlap after the first rounds, the whole region is enlarged.
-fn shapes_worth_spreading<T: Scalar>(rounds: &Rounds<'_, T>) -> usize {
+fn shapes_worth_spreading<T: Scalar, K: Scalar>(rounds: &Rounds<'_, T, K>) -> usize {
     64 + rounds.len() / 64
 }
 
@@ -157,11 +167,11 @@ const FEW: usize = 1000;
 
 /// Rounds keep the order along the axis; if they do not succeed, or if very many shapes are
 /// `crowded`, `sweep` places them.
-fn along_axis<T: Scalar>(
+fn along_axis<T: Scalar, K: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
     rules: &Separation<T>,
-    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<T>),
+    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<K>),
 ) -> Result<Outcome> {
     let before = memory::collect(bodies.centers.iter().copied())?;
     let mut done = 0;
@@ -177,7 +187,7 @@ fn along_axis<T: Scalar>(
     }
     let last = Separation { max_rounds: 0, ..rules.clone() };
     sweep::place(bodies, axis, pusher, rules)?;
-    let outcome = Rounds::of(bodies, pusher, &last, None)?.outcome();
+    let outcome = Rounds::<T, K>::of(bodies, pusher, &last, None)?.outcome();
     Ok(Outcome { rounds: rules.max_rounds.min(done + 1), ..outcome })
 }
 
@@ -215,12 +225,7 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
 }
 
 /// Whether a shape fits into the bounds along the axes along which it may move.
-fn fits<T: Scalar>(
-    shapes: &Shapes<T>,
-    row: usize,
-    rules: &Separation<T>,
-    bounds: [T; 4],
-) -> bool {
+fn fits<T: Scalar>(shapes: &Shapes<T>, row: usize, rules: &Separation<T>, bounds: [T; 4]) -> bool {
     let shape = shapes.shape(row);
     let half = shape.core_half_size();
     (0..2).filter(|&axis| rules.axis.is_none_or(|only| only == axis)).all(|axis| {

@@ -3,17 +3,14 @@
 //! L. Verlet, *Computer "Experiments" on Classical Fluids*, Phys. Rev. 159 (1967), for lists with a
 //! margin.
 
-use std::ops::Range;
-
 use super::bodies::{Bodies, Body};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::pairs::{self, JoinScratch};
-use crate::parallel::CHUNK;
 use crate::quadtree::Quadtree;
 use crate::settings::{DEFAULT_MAX_PAIRS, Settings};
-use crate::shapes::{Each, Shapes};
+use crate::shapes::Shapes;
 use crate::sorting;
 
 /// Margin, as a share of the mean extent of the shapes.
@@ -24,41 +21,59 @@ pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
     (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN)
 }
 
-/// Shapes that overlap if the gap between the bodies is below the margin and the least gap.
-pub fn wide_shapes<T: Scalar>(
-    bodies: &[Body<T>],
-    centers: Vec<[T; 2]>,
-    margin_and_gap: T,
-) -> Result<Shapes<T>> {
-    let wider = margin_and_gap * T::from_f64(0.5);
-    let radii = memory::collect(bodies.iter().map(|body| body.radius + wider))?;
-    let mut shapes = Shapes { centers, radii: Each::Rows(radii), ..Shapes::default() };
-    if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
-        let halves = memory::collect(bodies.iter().map(|body| body.half))?;
-        shapes.half_sizes = Some(Each::Rows(halves));
+/// Upper bound of the errors by which a gap in the arithmetic of `K` between shapes at `centers`
+/// differs from that in `T`; 0 if both are the same.
+pub fn rounding<T: Scalar, K: Scalar>(bodies: &[Body<T>], centers: &[[T; 2]], wider: T) -> f64 {
+    if size_of::<T>() == size_of::<K>() {
+        return 0.0;
     }
-    Ok(shapes)
+    let far = centers.as_flattened().iter().fold(T::ZERO, |most, v| most.max(v.abs()));
+    let wide =
+        bodies.iter().fold(T::ZERO, |most, body| most.max(body.extent(0)).max(body.extent(1)));
+    (far.to_f64() + wide.to_f64() + wider.to_f64()) * 4.0 * K::EPSILON.to_f64()
 }
 
-/// For each shape the others near it, ascending. A pair within one chunk of [`CHUNK`] places is
-/// listed for its first shape, another pair for both.
+/// Writes shapes that overlap if the gap between two bodies is below `wider`.
+pub fn fill_wide<T: Scalar, K: Scalar>(
+    shapes: &mut Shapes<K>,
+    bodies: &[Body<T>],
+    centers: &[[T; 2]],
+    wider: T,
+) -> Result<()> {
+    let more = wider.to_f64() * 0.5 + rounding::<T, K>(bodies, centers, wider);
+    let key = |v: T| K::from_f64(v.to_f64());
+    shapes.centers.clear();
+    memory::reserve(&mut shapes.centers, centers.len())?;
+    shapes.centers.extend(centers.iter().map(|center| center.map(key)));
+    let radii = shapes.radii.rows_mut();
+    radii.clear();
+    memory::reserve(radii, bodies.len())?;
+    radii.extend(bodies.iter().map(|body| K::from_f64(body.radius.to_f64() + more)));
+    if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
+        let halves = shapes.half_sizes.get_or_insert_default().rows_mut();
+        halves.clear();
+        memory::reserve(halves, bodies.len())?;
+        halves.extend(bodies.iter().map(|body| body.half.map(key)));
+    }
+    Ok(())
+}
+
+/// For each shape the others near it, ascending; not the pairs of two fixed shapes. They are found
+/// in the arithmetic of `K`.
 #[derive(Clone, Debug, Default)]
-pub struct Near<T> {
+pub struct Near<T, K> {
     ends: Vec<u32>,
     others: Vec<u32>,
-    /// Shapes and those listed for them, and scratch of their sorting.
-    listed: Vec<[u32; 2]>,
-    spare: Vec<[u32; 2]>,
     /// The centres for which the lists were made.
     pub origins: Vec<[T; 2]>,
     margin: T,
     gap: T,
-    shapes: Shapes<T>,
-    tree: Quadtree<T>,
+    shapes: Shapes<K>,
+    tree: Quadtree<K>,
     scratch: JoinScratch,
 }
 
-impl<T: Scalar> Near<T> {
+impl<T: Scalar, K: Scalar> Near<T, K> {
     /// Empty lists for `bodies`.
     pub fn of(bodies: &Bodies<T>, gap: T) -> Self {
         Self { margin: margin(bodies.mean_extents, gap), gap, ..Self::default() }
@@ -72,12 +87,7 @@ impl<T: Scalar> Near<T> {
 
     /// Makes the lists for the current centres.
     pub fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
-        if self.shapes.centers.is_empty() {
-            let centers = memory::collect(bodies.centers.iter().copied())?;
-            self.shapes = wide_shapes(&bodies.all, centers, self.margin + self.gap)?;
-        } else {
-            self.shapes.centers.copy_from_slice(&bodies.centers);
-        }
+        fill_wide(&mut self.shapes, &bodies.all, &bodies.centers, self.margin + self.gap)?;
         let mut tree = std::mem::take(&mut self.tree);
         tree.fill_unordered(&self.shapes, Settings { threads, ..Settings::default() })?;
         self.find_in(&tree, Some(tree.rows()), bodies)?;
@@ -85,49 +95,51 @@ impl<T: Scalar> Near<T> {
         Ok(())
     }
 
-    /// Makes the lists from a tree of the shapes, [`wide_shapes`], with the current centres. `rows`
+    /// Makes the lists from a tree of the shapes, [`fill_wide`], with the current centres. `rows`
     /// are the bodies in its order, if that is not theirs.
     pub fn find_in(
         &mut self,
-        tree: &Quadtree<T>,
+        tree: &Quadtree<K>,
         rows: Option<&[u32]>,
         bodies: &Bodies<T>,
     ) -> Result<()> {
-        let found = pairs::places_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
-        let is_fixed = |place: u32| bodies.all[place as usize].is_fixed();
-        self.listed.clear();
-        memory::reserve(&mut self.listed, 2 * found.len())?;
-        for &pair in &found {
-            let [a, b] = pair.map(|place| rows.map_or(place, |rows| rows[place as usize]));
-            let [i, j] = [a.min(b), a.max(b)];
-            if !(is_fixed(i) && is_fixed(j)) {
-                self.listed.push([i, j]);
-                if chunk(i) != chunk(j) {
-                    self.listed.push([j, i]);
-                }
-            }
+        let mut found = pairs::places_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
+        if let Some(rows) = rows {
+            found.iter_mut().for_each(|pair| *pair = pair.map(|place| rows[place as usize]));
         }
+        let is_fixed = |place: u32| bodies.all[place as usize].is_fixed();
+        if bodies.any_fixed {
+            found.retain(|&[i, j]| !(is_fixed(i) && is_fixed(j)));
+        }
+        self.list(&found, bodies.len())?;
         self.scratch.keep(found);
-        self.sort(bodies.len())?;
         self.origins.clear();
         memory::reserve(&mut self.origins, bodies.len())?;
         self.origins.extend(&bodies.centers);
         Ok(())
     }
 
-    /// Sorts the lists by the second shape, then by the first.
-    fn sort(&mut self, len: usize) -> Result<()> {
-        let Self { listed, spare, ends, others, .. } = self;
-        memory::resize(spare, listed.len(), [0; 2])?;
-        for which in [1, 0] {
-            ends.clear();
-            memory::resize(ends, len, 0)?;
-            sorting::counting_sort(listed, |entry| entry[which] as usize, ends, spare);
-            std::mem::swap(listed, spare);
+    /// Counting sort of the pairs by both of their shapes.
+    fn list(&mut self, found: &[[u32; 2]], len: usize) -> Result<()> {
+        let Self { ends, others, .. } = self;
+        ends.clear();
+        memory::resize(ends, len, 0)?;
+        found.as_flattened().iter().for_each(|&place| ends[place as usize] += 1);
+        sorting::prefix_sum(ends);
+        memory::resize(others, 2 * found.len(), 0)?;
+        for &[i, j] in found {
+            for [own, other] in [[i, j], [j, i]] {
+                let end = &mut ends[own as usize];
+                others[*end as usize] = other;
+                *end += 1;
+            }
         }
-        others.clear();
-        memory::reserve(others, listed.len())?;
-        others.extend(listed.iter().map(|entry| entry[1]));
+        // The order in which the pairs were found may depend on threads.
+        let mut start = 0;
+        for &end in &*ends {
+            others[start..end as usize].sort_unstable();
+            start = end as usize;
+        }
         Ok(())
     }
 
@@ -137,13 +149,4 @@ impl<T: Scalar> Near<T> {
         let start = if place == 0 { 0 } else { self.ends[place - 1] };
         &self.others[start as usize..self.ends[place] as usize]
     }
-}
-
-fn chunk(place: u32) -> usize {
-    place as usize / CHUNK
-}
-
-/// The places of a chunk.
-pub fn places_of(chunk: usize, len: usize) -> Range<usize> {
-    chunk * CHUNK..len.min((chunk + 1) * CHUNK)
 }

@@ -4,10 +4,11 @@
 //! in two chunks, each moves its own part, and takes the other where it was before the round
 //! (Jacobi). Chunks depend on the order of the shapes alone, so results do not depend on threads.
 
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::bodies::Bodies;
-use super::near::{Near, places_of};
+use super::near::Near;
 use super::push::Pusher;
 use super::{Outcome, Separation};
 use crate::error::Result;
@@ -20,12 +21,61 @@ use crate::quadtree::Quadtree;
 /// After so many rounds the number of overlaps must have fallen by a tenth; otherwise they end.
 const PATIENCE: usize = 32;
 
-/// A chunk of shapes during a round.
+/// A set of places of a chunk, one bit each.
+#[derive(Clone)]
+struct Places(Vec<u64>);
+
+impl Places {
+    /// No place of a chunk of `len`.
+    fn none(len: usize) -> Result<Self> {
+        memory::filled(len.div_ceil(64), 0).map(Self)
+    }
+
+    /// All places of a chunk of `len`.
+    fn fill(&mut self, len: usize) {
+        self.0.fill(u64::MAX);
+        if let Some(last) = self.0.last_mut().filter(|_| !len.is_multiple_of(64)) {
+            *last = (1 << (len % 64)) - 1;
+        }
+    }
+
+    #[inline(always)]
+    fn insert(&mut self, at: usize) {
+        self.0[at / 64] |= 1 << (at % 64);
+    }
+
+    #[inline(always)]
+    fn remove(&mut self, at: usize) {
+        self.0[at / 64] &= !(1 << (at % 64));
+    }
+
+    /// The first place at `from` or after it.
+    #[inline(always)]
+    fn next(&self, from: usize) -> Option<usize> {
+        let mut word = from / 64;
+        let mut bits = *self.0.get(word)? & (u64::MAX << (from % 64));
+        while bits == 0 {
+            word += 1;
+            bits = *self.0.get(word)?;
+        }
+        Some(64 * word + bits.trailing_zeros() as usize)
+    }
+
+    /// The places, ascending.
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        std::iter::successors(self.next(0), |&at| self.next(at + 1))
+    }
+}
+
+/// A chunk of shapes.
 struct Part<T> {
-    /// Their centres.
+    /// Their centres; the same as those of the bodies between rounds.
     centers: Vec<[T; 2]>,
-    /// Whether each has moved in this round.
-    moved: Vec<bool>,
+    /// The shapes whose pairs with later ones, or with those of other chunks, may overlap. All other
+    /// pairs did not when one of both moved the last time.
+    stale: Places,
+    /// The shapes that have moved in this round.
+    moved: Places,
     /// Pairs that overlapped when they were tested.
     overlaps: usize,
     /// Whether a centre is another one than before the round.
@@ -35,39 +85,37 @@ struct Part<T> {
 }
 
 /// The rounds of a call.
-pub struct Rounds<'a, T> {
+pub struct Rounds<'a, T, K> {
     bodies: &'a mut Bodies<T>,
     pusher: Pusher<T>,
     rules: &'a Separation<T>,
-    near: Near<T>,
+    near: Near<T, K>,
     are_round: bool,
-    /// Whether each shape has moved in the last round, or by other means since then.
-    moved: Vec<bool>,
     parts: Vec<Mutex<Part<T>>>,
     /// Number of rounds.
     count: usize,
 }
 
-impl<'a, T: Scalar> Rounds<'a, T> {
+impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     /// Lists the near pairs. `tree` is that of the shapes where they are.
     pub fn of(
         bodies: &'a mut Bodies<T>,
         pusher: &'a Pusher<T>,
         rules: &'a Separation<T>,
-        tree: Option<&Quadtree<T>>,
+        tree: Option<&Quadtree<K>>,
     ) -> Result<Self> {
         let len = bodies.len();
         let part = |index| {
-            let centers = memory::collect(bodies.centers[places_of(index, len)].iter().copied())?;
-            let moved = memory::filled(centers.len(), false)?;
-            Ok(Mutex::new(Part { centers, moved, overlaps: 0, changed: false, left: false }))
+            let len = places_of(index, len).len();
+            let centers = memory::filled(len, [T::ZERO; 2])?;
+            let (stale, moved) = (Places::none(len)?, Places::none(len)?);
+            Ok(Mutex::new(Part { centers, stale, moved, overlaps: 0, changed: false, left: false }))
         };
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
         let (near, are_round) = (Near::of(bodies, rules.gap), bodies.are_round());
-        let moved = memory::filled(len, true)?;
-        let (pusher, count) = (*pusher, 0);
-        let mut rounds = Self { bodies, pusher, rules, near, are_round, moved, parts, count };
+        let mut rounds = Self { bodies, pusher: *pusher, rules, near, are_round, parts, count: 0 };
         let entered = rules.max_rounds > 0 && rounds.enter_bounds();
+        rounds.restart();
         match tree.filter(|_| !entered) {
             Some(tree) => rounds.near.find_in(tree, None, rounds.bodies)?,
             None => rounds.near.find(rounds.bodies, rules.threads)?,
@@ -102,7 +150,7 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     pub fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
         act(self.bodies)?;
         self.enter_bounds();
-        self.moved.fill(true);
+        self.restart();
         self.near.find(self.bodies, self.rules.threads)
     }
 
@@ -116,27 +164,48 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         self.bodies.len()
     }
 
+    /// Lets all parts begin with the current centres.
+    fn restart(&mut self) {
+        let len = self.bodies.len();
+        for (index, part) in self.parts.iter_mut().enumerate() {
+            let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
+            let places = places_of(index, len);
+            part.stale.fill(places.len());
+            part.centers.copy_from_slice(&self.bodies.centers[places]);
+        }
+    }
+
     /// One round; returns the number of overlaps that it met, and whether a shape has moved.
     fn round(&mut self) -> Result<(usize, bool)> {
         let this = &*self;
         parallel::for_tasks(self.rules.threads, self.parts.len(), |index| {
             let part = &mut locked(&this.parts[index]);
+            let first = index * CHUNK;
             if this.are_round {
-                this.round_over::<true>(index, part);
+                this.round_over::<true>(first, part);
             } else {
-                this.round_over::<false>(index, part);
+                this.round_over::<false>(first, part);
             }
-            this.end_round(index, part);
+            this.end_round(first, part);
         });
         let (mut overlaps, mut changed, mut left) = (0, false, false);
-        for (index, part) in self.parts.iter_mut().enumerate() {
-            let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for index in 0..self.parts.len() {
+            let part = locked(&self.parts[index]);
             overlaps += part.overlaps;
             changed |= part.changed;
             left |= part.left;
-            let places = places_of(index, self.bodies.centers.len());
-            self.bodies.centers[places.clone()].copy_from_slice(&part.centers);
-            self.moved[places].copy_from_slice(&part.moved);
+            for at in part.moved.iter() {
+                let place = index * CHUNK + at;
+                self.bodies.centers[place] = part.centers[at];
+                let near = self.near.of_place(place);
+                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk(o) == index);
+                if is_within(near.first()) && is_within(near.last()) {
+                    continue;
+                }
+                for &other in near.iter().filter(|&&other| chunk(other) != index) {
+                    locked(&self.parts[chunk(other)]).stale.insert(other as usize % CHUNK);
+                }
+            }
         }
         if left {
             self.near.find(self.bodies, self.rules.threads)?;
@@ -144,60 +213,94 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         Ok((overlaps, changed))
     }
 
-    /// Moves the pairs of a chunk. A pair is tested only if one of both has moved since its last
-    /// test, in the last round or in this one: otherwise it did not overlap then and does not now.
-    fn round_over<const ROUND: bool>(&self, index: usize, part: &mut Part<T>) {
+    /// Moves the pairs of the chunk that starts at the place `first`.
+    fn round_over<const ROUND: bool>(&self, first: usize, part: &mut Part<T>) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let first = places_of(index, all.len()).start;
-        let (own, moved) = (&mut part.centers[..], &mut part.moved[..]);
-        own.copy_from_slice(&centers[first..first + own.len()]);
-        moved.fill(false);
-        part.overlaps = 0;
-        for at in 0..own.len() {
+        let Part { centers: own, stale, moved, overlaps, .. } = part;
+        moved.0.fill(0);
+        *overlaps = 0;
+        let mut next = stale.next(0);
+        while let Some(at) = next {
+            stale.remove(at);
             let i = first + at;
-            let mut is_moved = self.moved[i] || moved[at];
+            let (a, mut from, mut is_moved) = (&all[i], own[at], false);
             for &other in self.near.of_place(i) {
                 let j = other as usize;
+                // Of a pair in the chunk the later one; any place of another chunk.
                 let other_at = j.wrapping_sub(first);
-                let is_here = other_at < own.len();
-                if !(is_moved || self.moved[j] || (is_here && moved[other_at])) {
+                if other_at < at {
                     continue;
                 }
-                let (a, b) = (&all[i], &all[j]);
-                let (from, to) = (own[at], if is_here { own[other_at] } else { centers[j] });
+                let is_here = other_at < own.len();
+                let (b, to) = (&all[j], if is_here { own[other_at] } else { centers[j] });
                 let offset = [to[0] - from[0], to[1] - from[1]];
                 if !self.pusher.overlaps::<ROUND>(a, b, offset) {
                     continue;
                 }
-                part.overlaps += 1;
+                *overlaps += 1;
                 let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
                 let share = share(a.weight, b.weight);
                 if !a.is_fixed() {
-                    own[at] = [from[0] - push[0] * share, from[1] - push[1] * share];
-                    (moved[at], is_moved) = (true, true);
+                    from = [from[0] - push[0] * share, from[1] - push[1] * share];
+                    is_moved = true;
                 }
                 if is_here && !b.is_fixed() {
                     let rest = T::ONE - share;
                     own[other_at] = [to[0] + push[0] * rest, to[1] + push[1] * rest];
-                    moved[other_at] = true;
+                    moved.insert(other_at);
+                    self.mark_stale::<ROUND>(first, other_at, own, stale);
                 }
+            }
+            if is_moved {
+                own[at] = from;
+                moved.insert(at);
+                self.mark_stale::<ROUND>(first, at, own, stale);
+            }
+            next = stale.next(at + 1);
+        }
+    }
+
+    /// Marks the pairs that a shape, at a place of the chunk that starts at `first`, overlaps after
+    /// it has moved.
+    #[inline(always)]
+    fn mark_stale<const ROUND: bool>(
+        &self,
+        first: usize,
+        at: usize,
+        own: &[[T; 2]],
+        stale: &mut Places,
+    ) {
+        let Bodies { all, centers, .. } = &*self.bodies;
+        let (a, from) = (&all[first + at], own[at]);
+        for &other in self.near.of_place(first + at) {
+            let j = other as usize;
+            let other_at = j.wrapping_sub(first);
+            let to = if other_at < own.len() { own[other_at] } else { centers[j] };
+            if self.pusher.overlaps::<ROUND>(a, &all[j], [to[0] - from[0], to[1] - from[1]]) {
+                stale.insert(at.min(other_at));
             }
         }
     }
 
     /// Moves the shapes of a chunk into the bounds, and compares with the state before the round.
-    fn end_round(&self, index: usize, part: &mut Part<T>) {
-        let places = places_of(index, self.bodies.len());
+    fn end_round(&self, first: usize, part: &mut Part<T>) {
         let reach = self.near.reach();
-        (part.changed, part.left) = (false, false);
-        for ((place, center), _) in
-            places.zip(&mut part.centers).zip(&part.moved).filter(|(_, moved)| **moved)
-        {
-            *center = self.inside(place, *center);
+        let Part { centers, stale, moved, changed, left, .. } = part;
+        (*changed, *left) = (false, false);
+        for at in moved.iter() {
+            let place = first + at;
+            let center = self.inside(place, centers[at]);
+            if center != centers[at] {
+                centers[at] = center;
+                stale.insert(at);
+                let lower =
+                    self.near.of_place(place).iter().map(|&o| (o as usize).wrapping_sub(first));
+                lower.filter(|&other| other < at).for_each(|other| stale.insert(other));
+            }
             let origin = self.near.origins[place];
-            let away = [center[0] - origin[0], center[1] - origin[1]].map(T::abs);
-            part.changed |= *center != self.bodies.centers[place];
-            part.left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
+            let away = [center[0] - origin[0], center[1] - origin[1]];
+            *changed |= center != self.bodies.centers[place];
+            *left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
         }
     }
 
@@ -219,6 +322,9 @@ impl<'a, T: Scalar> Rounds<'a, T> {
 
     /// Returns whether a shape was outside.
     fn enter_bounds(&mut self) -> bool {
+        if self.rules.bounds.is_none() {
+            return false;
+        }
         let mut entered = false;
         for place in 0..self.bodies.len() {
             let center = self.inside(place, self.bodies.centers[place]);
@@ -231,38 +337,49 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     /// Shapes without which no pair would overlap: of each pair the lighter one, of equal ones
     /// the later. The lists must be those of the current centres.
     pub fn to_take_out(&self) -> Result<Vec<u32>> {
-        let Bodies { all, centers, .. } = &*self.bodies;
-        let mut is_out = memory::filled(all.len(), false)?;
-        for (i, a) in all.iter().enumerate() {
-            for &other in self.near.of_place(i) {
-                let j = other as usize;
-                let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                if is_out[i] || is_out[j] || !self.pusher.overlaps::<false>(a, &all[j], offset) {
-                    continue;
-                }
-                let (a, b) = (a.weight, all[j].weight);
-                is_out[if b < a || (b == a && j > i) { j } else { i }] = true;
+        let mut is_out = memory::filled(self.len(), false)?;
+        let all = &self.bodies.all;
+        self.each_overlap(|i, j| {
+            if !(is_out[i] || is_out[j]) {
+                is_out[if all[i].weight < all[j].weight { i } else { j }] = true;
             }
-        }
+        });
         let mut places: Vec<u32> = memory::with_room(is_out.iter().filter(|out| **out).count())?;
-        places.extend((0..all.len() as u32).filter(|&place| is_out[place as usize]));
+        places.extend((0..is_out.len() as u32).filter(|&place| is_out[place as usize]));
         Ok(places)
     }
 
     /// Number of pairs that overlap. The lists must be those of the current centres.
     fn overlaps(&self) -> usize {
+        let mut count = 0;
+        self.each_overlap(|_, _| count += 1);
+        count
+    }
+
+    /// Calls `act` with each pair that overlaps, ascending.
+    fn each_overlap(&self, mut act: impl FnMut(usize, usize)) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let mut twice = 0;
-        for (i, a) in all.iter().enumerate() {
-            for &other in self.near.of_place(i) {
-                let j = other as usize;
-                let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                let counted = if i / CHUNK == j / CHUNK { 2 } else { 1 };
-                twice += usize::from(self.pusher.overlaps::<false>(a, &all[j], offset)) * counted;
+        for (index, part) in self.parts.iter().enumerate() {
+            for at in locked(part).stale.iter() {
+                let i = index * CHUNK + at;
+                for j in self.near.of_place(i).iter().map(|&other| other as usize) {
+                    let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
+                    if j > i && self.pusher.overlaps::<false>(&all[i], &all[j], offset) {
+                        act(i, j);
+                    }
+                }
             }
         }
-        twice / 2
     }
+}
+
+fn chunk(place: u32) -> usize {
+    place as usize / CHUNK
+}
+
+/// The places of a chunk of `len` shapes.
+fn places_of(chunk: usize, len: usize) -> Range<usize> {
+    chunk * CHUNK..len.min((chunk + 1) * CHUNK)
 }
 
 /// The push of a pair, the same from both of its shapes.

@@ -32,7 +32,11 @@ pub const LOOSE: f64 = 0.6;
 const FILL: f64 = 0.5;
 
 /// Whether a node of the tree of the centres has less area than its shapes.
-pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> Result<bool> {
+pub fn is_crowded<T: Scalar, K: Scalar>(
+    tree: &Quadtree<K>,
+    bodies: &Bodies<T>,
+    gap: T,
+) -> Result<bool> {
     let mut sums = memory::with_room(bodies.len() + 1)?;
     let mut sum = [0.0; 3];
     sums.push(sum);

@@ -80,8 +80,9 @@ fn sides<T: Scalar>(hexagon: &Hexagon<T>) -> impl Iterator<Item = Side<T>> {
 /// negative inside. A segment that is a point, with a disc, has one corner and no side.
 fn distance<T: Scalar>(hexagon: &Hexagon<T>) -> (T, [T; 2]) {
     let deepest = sides(hexagon).map(|side| (side.outside(), side.normal()));
-    let (outside, normal) =
-        deepest.reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((T::ZERO, [T::ONE, T::ZERO]));
+    let (outside, normal) = deepest
+        .reduce(|a, b| if b.0 > a.0 { b } else { a })
+        .unwrap_or((T::ZERO, [T::ONE, T::ZERO]));
     if outside < T::ZERO {
         return (outside, normal);
     }
@@ -181,10 +182,9 @@ mod tests {
 
     #[test]
     fn a_disc_meets_a_slope_from_both_sides() {
-        for (start, step, normal) in [
-            ([2.0, 5.0], [0.0, -5.0], [-0.6, 0.8]),
-            ([2.0, -5.0], [0.0, 10.0], [0.6, -0.8]),
-        ] {
+        for (start, step, normal) in
+            [([2.0, 5.0], [0.0, -5.0], [-0.6, 0.8]), ([2.0, -5.0], [0.0, 10.0], [0.6, -0.8])]
+        {
             let disc = body(start, [0.0; 2], 1.0);
             let (share, found) = enters(&disc, step, &SLOPE, 0.0).unwrap();
             let end = [start[0] + step[0] * share, start[1] + step[1] * share];

@@ -90,9 +90,7 @@ impl<T: Scalar> Obstacle<T> {
             Solid::Shape(Shape { min, max, half_size, radius, .. }) => {
                 [T::ZERO, min[0], min[1], max[0], max[1], half_size[0], half_size[1], radius]
             }
-            Solid::Segment([a, b]) => {
-                [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO]
-            }
+            Solid::Segment([a, b]) => [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO],
         }
     }
 }

@@ -170,9 +170,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 .then_with(|| height(*b_normal).total_order(&height(*a_normal)))
                 .then_with(|| a_of.order(b_of))
         });
-        let first = first.map(|((share, normal), obstacle)| {
-            (share, SlideHit { slot: obstacle.slot, normal })
-        });
+        let first = first
+            .map(|((share, normal), obstacle)| (share, SlideHit { slot: obstacle.slot, normal }));
         let share = first.map_or(T::ONE, |(share, _)| share);
         let end = self.free_end(displacement, share, &is_solid);
         self.body.min = end;

@@ -200,7 +200,8 @@ mod tests {
             let extent = extents(&probe);
             let side = |sign: f64| [0, 1].map(|k| probe.min[k] + sign * extent[k]);
             let (half_size, radius) = ([0.0; 2], 0.0);
-            let region = Bounds { min: side(-1.0), max: side(1.0), half_size, radius, category: 1, mask: 1 };
+            let region =
+                Bounds { min: side(-1.0), max: side(1.0), half_size, radius, category: 1, mask: 1 };
             let mut found = Vec::new();
             crowd.each_near(&region, |index, _| found.push(index));
             found.sort_unstable();

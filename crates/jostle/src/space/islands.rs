@@ -49,10 +49,7 @@ impl Islands {
 }
 
 /// Merges the sets of the rows whose boxes `[min, max]` overlap.
-pub fn join_overlapping<T: Scalar>(
-    sets: &mut DisjointSets,
-    boxes: &[[[T; 2]; 2]],
-) -> Result<()> {
+pub fn join_overlapping<T: Scalar>(sets: &mut DisjointSets, boxes: &[[[T; 2]; 2]]) -> Result<()> {
     let touched = Touched::of(boxes)?;
     let mut pulse = Pulse::current();
     let mut start = 0;
@@ -122,8 +119,7 @@ fn join_groups<T: Scalar>(
     for first in a {
         for second in b {
             let [one, other] = [first, second].map(|entry| boxes[entry.2 as usize]);
-            if (0..2).all(|axis| one[0][axis] <= other[1][axis] && other[0][axis] <= one[1][axis])
-            {
+            if (0..2).all(|axis| one[0][axis] <= other[1][axis] && other[0][axis] <= one[1][axis]) {
                 sets.join(first.2, second.2);
             }
         }

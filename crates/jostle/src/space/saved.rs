@@ -13,7 +13,9 @@ use crate::geometry::Scalar;
 use crate::memory;
 use crate::period::Period;
 use crate::settings::Settings;
-use crate::shapes::{Each, MOST_ROWS, check_boxes, check_each_half_size, check_finite, check_radii};
+use crate::shapes::{
+    Each, MOST_ROWS, check_boxes, check_each_half_size, check_finite, check_radii,
+};
 
 /// The columns of a space, with a row for each slot, and the state of its last update.
 #[derive(Clone, Debug, Default, PartialEq)]

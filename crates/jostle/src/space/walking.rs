@@ -82,8 +82,7 @@ impl<T> Default for Rides<T> {
 
 impl<T: Scalar> Rides<T> {
     pub(super) fn memory_bytes(&self) -> usize {
-        self.all.capacity() * size_of::<Option<Ride<T>>>()
-            + self.rows.capacity() * size_of::<u32>()
+        self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
     }
 
     /// The ids of each shape and its floor, and the centres of the floors.

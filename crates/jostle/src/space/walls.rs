@@ -4,8 +4,8 @@ use super::Space;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar};
 use crate::memory;
-use crate::query::each_overlap;
 use crate::quadtree::Quadtree;
+use crate::query::each_overlap;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes};
 
@@ -31,9 +31,8 @@ impl<T: Scalar> Walls<T> {
             let rule = format!("its ends must be finite, and at most {most:e} apart");
             return Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), &rule));
         }
-        let corners = |[a, b]: &[[T; 2]; 2]| {
-            [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])]
-        };
+        let corners =
+            |[a, b]: &[[T; 2]; 2]| [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])];
         let boxes = memory::collect(ends.iter().map(corners))?;
         let shapes = Shapes::from_boxes(boxes, Each::One(T::ZERO), None)?;
         let mut tree = Quadtree::default();
