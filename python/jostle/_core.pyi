@@ -2908,6 +2908,10 @@ class Space:
     @overload
     def masks(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @property
+    def walls(self) -> NDArray[np.floating[Any]]: ...
+    @walls.setter
+    def walls(self, value: ArrayLike | None) -> None: ...
+    @property
     def ids(self) -> _Ids:
         """The ids of all shapes, ascending: ndarray of int64, shape (n,)."""
     @property
@@ -3380,6 +3384,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 

@@ -6,6 +6,7 @@ use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
 use jostle::{Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -58,7 +59,11 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
 }
 
 /// `jostle.WorldParticles`.
-pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_particles(
+    py: Python<'_>,
+    all: Particles,
+    kinds: Option<Vec<u8>>,
+) -> PyResult<Bound<'_, PyAny>> {
     static PARTICLES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let rows = 0..all.len();
     let spins = || rows.clone().map(|row| all.spin(row));
@@ -74,6 +79,7 @@ pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyA
         column(py, categories).into_any(),
         column(py, masks).into_any(),
         column(py, rows.clone().map(|row| all.is_sensor(row)).collect::<Vec<bool>>()).into_any(),
+        kinds.map(|kinds| column(py, kinds)).into_bound_py_any(py)?,
     ];
     let first = [
         table(py, all.positions)?.into_any(),
@@ -88,7 +94,11 @@ pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyA
 }
 
 /// `jostle.WorldParticle`.
-pub fn world_particle(py: Python<'_>, one: Particles) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_particle(
+    py: Python<'_>,
+    one: Particles,
+    kinds: Option<Vec<u8>>,
+) -> PyResult<Bound<'_, PyAny>> {
     static PARTICLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let (spin, filter) = (one.spin(0), one.filter(0));
     let fields = (
@@ -104,6 +114,7 @@ pub fn world_particle(py: Python<'_>, one: Particles) -> PyResult<Bound<'_, PyAn
         filter.category,
         filter.mask,
         one.is_sensor(0),
+        kinds.map(|kinds| kinds[0]),
     );
     PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(fields)
 }

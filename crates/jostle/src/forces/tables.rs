@@ -31,6 +31,7 @@ impl PairTable {
         if !(0.0..1.0).contains(&core) || core == 0.0 {
             return Err(Error::of("core", core, "it must lie between 0 and 1"));
         }
+        check_number("strength", strength, -FARTHEST)?;
         check_cutoff(cutoff)?;
         let (core, strength) = (f64::from(core), f64::from(strength));
         let force = |pull: f32, share: f64| {
@@ -134,12 +135,12 @@ fn check_each(
     is_allowed: impl Fn(f32) -> bool,
     rule: &str,
 ) -> Result<()> {
-    check_kinds_of_table(kinds)?;
+    check_kinds_of_table(argument, kinds)?;
     if all.len() != kinds * kinds {
         return Err(Error::Length { argument, found: all.len(), expected: kinds * kinds });
     }
     match all.iter().position(|&value| !is_allowed(value)) {
         None => Ok(()),
-        Some(index) => Err(Error::at(argument, index, all[index], rule)),
+        Some(index) => Err(Error::in_array(argument, index, &[kinds], all[index], rule)),
     }
 }

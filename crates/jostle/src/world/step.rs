@@ -114,6 +114,8 @@ impl World {
                 touched = self.asleep.islands().collect();
             }
             self.wake(&touched);
+            touched.clear();
+            self.memory.touched = touched;
         }
         Ok(())
     }
