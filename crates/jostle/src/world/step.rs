@@ -122,6 +122,7 @@ impl World {
 
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.memory.exhausted.clear();
+        self.stats = Stats::default();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
         let mut left = dt;
@@ -282,7 +283,11 @@ impl World {
             }
         };
         let (nodes, leaves, depth) = (tree.nodes().len(), tree.leaf_count(), tree.depth());
-        self.stats = Stats { nodes, leaves, depth, tests, unresolved: 0 };
+        // The sums and the largest numbers of the parts of the step.
+        self.stats.nodes = self.stats.nodes.max(nodes);
+        self.stats.leaves = self.stats.leaves.max(leaves);
+        self.stats.depth = self.stats.depth.max(depth);
+        self.stats.tests += tests;
         Ok(())
     }
 }
