@@ -156,21 +156,8 @@ def make_film(
 ) -> Film:
     """Step the simulation, record 30 frames per second, and save the last one.
 
-    Parameters
-    ----------
-    simulation
-        Recorded from its present state.
-    steps
-        Number of steps.
-    out
-        An existing folder; the files are named after the scene and the method. A number is
-        added to the name if the file exists.
-    console
-        Output of the progress bar.
-    size
-        Size of the video in pixels.
-    options
-        What to draw; if None, the tree is drawn in the second half only.
+    The files in the folder `out` are named after the scene and the method, with a number if the
+    name exists. Without `options` the tree is drawn in the second half only.
     """
     name = free_name(out, video_name(simulation.scene, simulation.method), ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"

@@ -52,16 +52,9 @@ class Contestant:
 
 
 class Race:
-    """A second engine on the same scene, drawn next to the first.
+    """A second engine on the same scene, drawn next to the first, which is in its initial state.
 
     Mouse actions affect only the first; a change of settings begins a new comparison.
-
-    Parameters
-    ----------
-    left
-        The first engine, in its initial state.
-    method
-        The method of the second.
     """
 
     def __init__(self, left: Engine, method: str) -> None:

@@ -25,17 +25,9 @@ from jostle.app.storage.files import Files
 class Session:
     """One run of the program, composed of parts.
 
-    Parameters
-    ----------
-    simulation
-        The first simulation.
-    size
-        Size of the canvas in pixels.
-    left
-        Margin of the scene at the left, in pixels.
-    synchronous
-        Whether steps, edits and new scenes are computed by the calling thread, for tests and
-        videos; otherwise they are computed on worker threads, and the last finished frame is shown.
+    `size` is that of the canvas, and `left` the margin of the scene, in pixels. In synchronous
+    mode, for tests and videos, steps, edits and new scenes are computed by the calling thread.
+    Otherwise they are computed on worker threads, and the last finished frame is shown.
     """
 
     def __init__(

@@ -32,20 +32,8 @@ LONGEST_FRAME = 0.25  # seconds; longer if the machine was suspended, or the win
 class Window:
     """A resizable window with one session.
 
-    `run` loops until the user quits; tests call `frame`.
-
-    Parameters
-    ----------
-    simulation
-        The first simulation.
-    size
-        Width and height in points.
-    steps
-        Number of steps after which the window closes; None to run until it is closed.
-    renderer
-        One of `settings.RENDERERS`.
-    synchronous
-        As in `Session`.
+    `run` loops until the user quits, or for a number of steps; tests call `frame`. The size is in
+    points, and the renderer one of `settings.RENDERERS`.
     """
 
     def __init__(

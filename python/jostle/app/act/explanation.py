@@ -46,15 +46,7 @@ class Explanation:
 
 
 def explain(frame: Frame, first: int, second: int, settings: Settings) -> Explanation | None:
-    """Explain the pair of two tags; None if one does not exist, or both are the same.
-
-    Parameters
-    ----------
-    frame
-        With its tree, if it has one.
-    settings
-        Settings of the frame.
-    """
+    """Explain the pair of two tags in a frame; None if one does not exist, or both are the same."""
     rows = frame.rows([first, second])
     if len(rows) < 2 or first == second:
         return None

@@ -22,14 +22,8 @@ HEADING = 84  # free pixels above it if there are several columns
 class Camera:
     """A centre in the world and a scale in pixels per world unit.
 
-    Parameters
-    ----------
-    size
-        Width and height of the screen in pixels.
-    view
-        The part of the world to show, as min_x, min_y, max_x, max_y.
-    left, right
-        Pixels at the edges that the panels cover.
+    `size` is that of the screen, and `left` and `right` are the margins that panels cover, in
+    pixels. `view` is the part of the world to show, as min_x, min_y, max_x, max_y.
     """
 
     def __init__(self, size: Size, view: Rect, left: int = 0, right: int = 0) -> None:

@@ -29,12 +29,7 @@ _KEPT = 16  # textures for surfaces
 class OpenGLPainter:
     """A canvas in the memory of a graphics card.
 
-    Parameters
-    ----------
-    size
-        Of the canvas in pixels.
-    context
-        Of OpenGL 3.3 or later, present in this thread.
+    The context is of OpenGL 3.3 or later, and present in this thread.
     """
 
     name = "opengl"

@@ -35,19 +35,8 @@ class NoRendererError(Exception):
 class Screen:
     """The window on the desktop, and the painter of its canvas.
 
-    Sizes of the window and mouse positions are in points, sizes of the canvas in pixels.
-
-    Parameters
-    ----------
-    size
-        Of the window in points.
-    renderer
-        One of `settings.RENDERERS`.
-
-    Raises
-    ------
-    NoRendererError
-        If the requested renderer is not available.
+    Sizes of the window and mouse positions are in points, sizes of the canvas in pixels. A
+    renderer, one of `settings.RENDERERS`, that is not available raises a NoRendererError.
     """
 
     def __init__(self, size: Size, renderer: str = "auto") -> None:

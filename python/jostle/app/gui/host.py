@@ -68,13 +68,8 @@ class OpenGLGui:
 class Gui:
     """Panels and menus over the canvas of a painter.
 
-    Calls of ImGui are allowed between `begin` and `end`. All its coordinates are points, like
-    those of the mouse, independent of the density of the screen.
-
-    Parameters
-    ----------
-    painter
-        Its canvas is below the panels.
+    Calls of ImGui are allowed between `begin` and `end`. All its coordinates are points, like those
+    of the mouse, independent of the density of the screen.
     """
 
     def __init__(self, painter: Painter) -> None:

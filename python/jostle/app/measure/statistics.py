@@ -23,17 +23,10 @@ SUMS = ("time", "kinetic", "potential", "total", "momentum_x", "momentum_y", "dr
 
 
 class Series:
-    """A ring buffer with named columns.
+    """A ring buffer of at most `most` rows with named columns.
 
     Every row is written twice, half the buffer apart, so the rows in order are always contiguous,
     and a plot gets a view instead of a copy.
-
-    Parameters
-    ----------
-    names
-        Of the columns.
-    most
-        Number of rows.
     """
 
     def __init__(self, names: Sequence[str], most: int) -> None:
@@ -135,14 +128,8 @@ class Statistics:
     ) -> None:
         """Record a frame, new or not.
 
-        Parameters
-        ----------
-        now, elapsed
-            Seconds since the session began, and since the last frame.
-        running
-            Whether the simulation runs; while it is paused, its stages take no time.
-        step_seconds
-            The time of a step.
+        `now` is the time of the session, and `elapsed` that since the last frame, in seconds. While
+        the simulation does not run, its stages take no time.
         """
         stages = frame.stats.stage_times
         names = ("now", "frame", *stages, *self._drawing)

@@ -65,16 +65,10 @@ def card(
     *,
     bare: bool = False,
 ) -> Iterator[None]:
-    """Build a card that does not receive the mouse.
+    """Build a card that does not receive the mouse, without a background if it is bare.
 
-    Parameters
-    ----------
-    place, pivot
-        A point in the window, and the point of the card there, from (0, 0) to (1, 1).
-    widest
-        Its largest width in points; longer lines are wrapped.
-    bare
-        Whether it has no background.
+    `pivot` is the point of the card, from (0, 0) to (1, 1), that is at `place` in the window. Lines
+    longer than `widest`, in points, are wrapped.
     """
     imgui.set_next_window_pos(place, imgui.Cond_.always, pivot)
     imgui.set_next_window_bg_alpha(0.0 if bare else 1.0)

@@ -82,12 +82,7 @@ def slider(
 ) -> tuple[Moved, float]:
     """Build one line: label, slider, number; return whether it moved, and to what.
 
-    Parameters
-    ----------
-    write
-        Formats a value.
-    reason
-        Why it is disabled; empty if it is not.
+    `write` formats a value. `reason` says why it is disabled; it is empty if it is not.
     """
     imgui.push_id(name)
     label(name)

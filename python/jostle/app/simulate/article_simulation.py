@@ -67,13 +67,8 @@ class ArticleSimulation:
     """A scene under the article's rules, with their errors.
 
     The scene `article` is the article's own program. Other scenes provide the positions, velocities
-    and sizes of their particles, on whole pixels, in a rectangle.
-
-    Parameters
-    ----------
-    settings
-        Scene, number, seed and the method, "article-quadtree" or "article-brute"; the rules are
-        the article's.
+    and sizes of their particles, on whole pixels, in a rectangle. Scene, number, seed and the
+    method come from the settings; the rules are the article's.
     """
 
     time_step = 1 / FRAME_RATE

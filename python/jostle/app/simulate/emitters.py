@@ -17,17 +17,10 @@ STREAMS = 2 + 2 * TRIES  # random numbers per drop
 
 
 class Emitters:
-    """The nozzles of the scene `emitters`.
+    """The nozzles of the scene `emitters`, with at most `n` drops.
 
     The drops depend on the seed and on the number of drops so far, not on the lengths of the steps.
     `emitted` and `debt` are the whole state.
-
-    Parameters
-    ----------
-    n
-        Limit of the number of drops; the default of the scene if None.
-    seed
-        Seed of the drops' positions, velocities and radii.
     """
 
     def __init__(self, n: int | None = None, seed: int = 0) -> None:
@@ -54,21 +47,9 @@ class Emitters:
     ) -> NDArray[np.int64] | None:
         """Add the drops of the last `dt` seconds, and remove the oldest above the cap.
 
-        Parameters
-        ----------
-        world
-            After a step of `dt` seconds. Its movable particles are the drops; the lowest rows are
-            the oldest.
-        dt
-            The step, in seconds.
-        friction
-            The coefficient of friction of the new drops.
-
-        Returns
-        -------
-        ndarray of int64 or None
-            The removed rows, ascending, as before the call; the new drops are the last rows. None
-            if no row was removed.
+        The movable particles of the world are the drops, and the lowest rows are the oldest.
+        Returns the removed rows, ascending, as before the call, or None; the new drops are the last
+        rows.
         """
         due = self.debt + self._rate * dt
         count = int(due)

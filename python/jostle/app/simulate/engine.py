@@ -137,12 +137,7 @@ def _step(simulation: Simulation, hooks: Hooks) -> tuple[float, float]:
 class Engine:
     """Steps a simulation in real time and keeps its last frame.
 
-    Parameters
-    ----------
-    simulation
-        Used by nothing else from now on, except through `edit`.
-    synchronous
-        Whether jobs are run by the calling thread.
+    Nothing else uses the simulation from now on, except through `edit`.
     """
 
     def __init__(self, simulation: Simulation, *, synchronous: bool = False) -> None:

@@ -89,14 +89,10 @@ class History:
     # Restoring
 
     def show(self, simulation: Simulation, index: int, step_seconds: float = 0.0) -> None:
-        """Restore a moment.
+        """Restore a moment; `index` is clamped to the range of `moments`.
 
-        Parameters
-        ----------
-        index
-            In `moments`; clamped to its range.
-        step_seconds
-            Time of a step; if re-simulation would take too long, the snapshot before is restored.
+        If re-simulation with steps of `step_seconds` would take too long, the snapshot before is
+        shown.
         """
         self.hold(simulation)
         index = min(max(index, 0), len(self.moments) - 1)

@@ -16,12 +16,8 @@ from jostle.app.simulate.simulation import Tags, find
 class ParticleTable:
     """The times of birth, and copies of columns that only edits change, so that frames share them.
 
-    Parameters
-    ----------
-    world
-        Its particles were born at time 0, unless `born` has other times.
-    next_tag
-        The tag of the next particle, or a larger number.
+    All particles were born at time 0, unless `born` has other times. `next_tag` is the tag of the
+    next particle, or a larger number.
     """
 
     def __init__(

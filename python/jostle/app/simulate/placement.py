@@ -21,10 +21,7 @@ NEAR = 1.02  # times the radius, as the least distance
 def in_disc(tries: Floats) -> Floats:
     """Return points distributed evenly over the disc of radius 1, from points in a square.
 
-    Parameters
-    ----------
-    tries
-        (n, `TRIES`, 2), each from 0 to 1: the first of each row that is in the disc is used.
+    Of each row of `tries`, (n, `TRIES`, 2) from 0 to 1, the first that is in the disc is used.
     """
     points = 2 * tries - 1
     inside: NDArray[np.bool_] = _squares(points) <= 1

@@ -18,10 +18,8 @@ from jostle.app.simulate.world_simulation import WorldSimulation
 def start(settings: Settings) -> Simulation:
     """Return the simulation that the settings describe, in its first state.
 
-    Raises
-    ------
-    ValueError
-        If a setting is refused, or a group of particles does not fit between the walls.
+    A setting that is refused, or a group of particles that does not fit between the walls, raises a
+    ValueError.
     """
     simulation: Simulation
     if settings.by_article:
@@ -88,12 +86,8 @@ def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:
     """Return the simulation of other settings, in the state of a frame if possible.
 
     If particles were added or removed, the scene begins anew. The article's display is at the
-    origin, so positions are shifted by the corner of the view.
-
-    Raises
-    ------
-    ValueError
-        If there are too many particles for the method.
+    origin, so positions are shifted by the corner of the view. Too many particles for the method
+    raise a ValueError.
     """
     if reason := too_slow(settings.method, len(frame)):
         raise ValueError(reason)

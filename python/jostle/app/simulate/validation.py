@@ -37,29 +37,14 @@ class Rule:
 
 @dataclass(frozen=True)
 class Fields:
-    """A table of named values, each with its own rule.
-
-    Parameters
-    ----------
-    rules
-        A rule for each name.
-    what
-        Description of a known name, for errors: "a setting".
-    words
-        Description of the table, for errors.
-    required
-        The names that must be given; all if None.
-    make
-        Makes the result of `read` from the values by name.
-    also
-        Yields further refusals of a table whose values all fit.
-    """
+    """A table of named values, each with its own rule."""
 
     rules: Mapping[str, AnyRule]
-    what: str = "a field"
-    words: str = "a table"
-    required: Iterable[str] | None = None
-    make: Callable[..., Any] = dict
+    what: str = "a field"  # description of a known name, for errors
+    words: str = "a table"  # description of the table, for errors
+    required: Iterable[str] | None = None  # the names that must be given; all if None
+    make: Callable[..., Any] = dict  # makes the result of `read` from the values by name
+    # Yields further refusals of a table whose values all fit.
     also: Callable[[Mapping[str, Any]], Refusals] = lambda table: iter(())
 
 

@@ -15,13 +15,7 @@ Ends = NDArray[np.float32]  # (m, 2, 2)
 
 
 class WallSegments:
-    """The walls of a world: first those of the scene and its file, then those drawn by the user.
-
-    Parameters
-    ----------
-    own
-        The number of those of the scene and of its file.
-    """
+    """The walls of a world: first its `own`, of the scene and its file, then drawn ones."""
 
     def __init__(self, world: jostle.World, own: int) -> None:
         self._world, self.own = world, own

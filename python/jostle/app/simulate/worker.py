@@ -15,12 +15,7 @@ SWITCH_INTERVAL = 0.001  # seconds after which a thread releases the interpreter
 class Worker:
     """Runs jobs on a thread, which is started by the first of them.
 
-    Parameters
-    ----------
-    name
-        Of the thread.
-    synchronous
-        Whether `submit` runs the job itself.
+    In synchronous mode `submit` runs the job itself.
     """
 
     def __init__(self, name: str, *, synchronous: bool = False) -> None:

@@ -57,14 +57,8 @@ MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 class WorldSimulation:
     """A world as a simulation.
 
-    Parameters
-    ----------
-    settings
-        Its values override those of the world.
-    view
-        The visible part of the world: min_x, min_y, max_x, max_y.
-    create
-        Makes the world.
+    The settings override those of the world that `create` makes. `view` is the visible part of the
+    world: min_x, min_y, max_x, max_y.
     """
 
     time_step = TIME_STEP

@@ -51,16 +51,7 @@ _GIF = [
 class Encoder:
     """An ffmpeg process that writes one file, which is playable even if this program ends early.
 
-    As a context manager it closes the file.
-
-    Parameters
-    ----------
-    path
-        The file, .mp4 or .gif. An existing file is replaced.
-    size
-        Width and height of the frames.
-    fps
-        Frames per second.
+    The file, .mp4 or .gif, replaces an existing one. As a context manager the encoder closes it.
     """
 
     def __init__(self, path: Path, size: Size, fps: int = 30) -> None:

@@ -26,16 +26,9 @@ MOST_QUEUED = 8  # frames
 
 
 class Recording:
-    """A recording in progress.
+    """A recording in progress, .mp4 or .gif, of a size in pixels.
 
-    Parameters
-    ----------
-    path
-        The file, .mp4 or .gif.
-    size
-        Size of the video in pixels.
-    seconds
-        Its length; None until it is stopped.
+    It has a length in seconds, or lasts until it is stopped.
     """
 
     def __init__(self, path: Path, size: Size, seconds: float | None = None) -> None:

@@ -29,14 +29,9 @@ _FINE = 4  # scale at which the arrow is drawn, for antialiasing
 
 
 class ScriptedUser:
-    """Waits, moves the mouse, presses buttons and keys.
+    """Waits, moves the mouse, presses buttons and keys in a window.
 
-    Parameters
-    ----------
-    window
-        The window that receives the input.
-    film
-        Called with each frame of a video, from `start_recording` on.
+    `film` is called with each frame of a video, from `start_recording` on.
     """
 
     def __init__(self, window: Window, film: Show | None = None) -> None:

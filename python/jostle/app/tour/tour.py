@@ -48,24 +48,10 @@ def tour(
     size: Size = SIZE,
     coming: Callable[[Stop], object] = lambda stop: None,
 ) -> Iterator[Visit]:
-    """Run the stops one after the other.
+    """Run the chosen stops, or all; `coming` is called with each before it is run.
 
-    Parameters
-    ----------
-    out
-        An existing folder; files are named after the stops, and replace those of an earlier tour.
-    chosen
-        Names of stops; all if empty.
-    films
-        Whether to make videos.
-    size
-        Of the window in pixels.
-    coming
-        Called with each stop before it is run.
-
-    Yields
-    ------
-    Visit
+    The files in `out`, an existing folder, are named after the stops, and replace those of an
+    earlier tour.
     """
     with _no_display():
         for stop in STOPS:
