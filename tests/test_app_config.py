@@ -382,13 +382,13 @@ def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> N
 
 
 def test_groups_do_not_overlap_images_of_walls_on_a_torus(tmp_path: Path) -> None:
-    """A wall along the top side acts along the bottom, too."""
-    walls = '[[walls]]\npoints = [[0, 1], [100, 1]]'
-    group = "[[particles]]\nradius = 5\ncount = 40\nregion = [0, 85, 100, 100]"
+    """A wall along one side acts along the opposite one, too."""
+    walls = "[[walls]]\npoints = [[0, 0], [20, 0]]"
+    group = "[[particles]]\nradius = 0.3\ncount = 60\nregion = [0, 17, 20, 20]"
     text = f'scene = "gas"\nn = 0\ncontainer = "torus"\n{walls}\n{group}'
-    simulation = start(read(tmp_path, text).settings)
-    side = simulation.frame().container.height
-    assert (simulation.frame().positions[:, 1] <= side - 4).all()
+    frame = start(read(tmp_path, text).settings).frame()
+    assert frame.container == jostle.Torus(20, 20) and len(frame) == 60
+    assert (frame.positions[:, 1] <= 20 - 0.3).all()
 
 
 def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:

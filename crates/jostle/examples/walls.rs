@@ -1,5 +1,9 @@
 //! Time of a step of 100,000 discs among 10,000 walls over that of the discs alone, and of its stages:
-//! `cargo run --release --package jostle --example walls`; arguments: DISCS WALLS STEPS.
+//! `cargo run --release --package jostle --example walls`; arguments: DISCS WALLS STEPS THREADS KIND.
+//!
+//! Valgrind's callgrind counts instructions, which do not depend on the load of the machine:
+//! `valgrind --tool=callgrind "--toggle-collect=*among_walls*" target/local/examples/walls 3000 300 3 1 gas`,
+//! and `*step_alone*`.
 
 use std::time::Instant;
 
@@ -12,17 +16,21 @@ const STEP: f64 = 1.0 / 60.0;
 const SPACING: f32 = 2.1;
 
 fn main() {
-    let numbers: Vec<usize> =
-        std::env::args().skip(1).filter_map(|text| text.parse().ok()).collect();
-    let number = |index: usize, default| numbers.get(index).copied().unwrap_or(default);
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |index: usize, default| {
+        arguments.get(index).and_then(|text| text.parse().ok()).unwrap_or(default)
+    };
     let (discs, walls, steps) = (number(0, 100_000), number(1, 10_000), number(2, 31).max(1));
-    for (name, gravity, restitution) in [("gas", 0.0, 1.0), ("falling", -9.8, 0.5)] {
-        let settings = WorldSettings {
+    let kinds = [("gas", 0.0, 1.0), ("falling", -9.8, 0.5)];
+    let is_wanted = |name: &str| arguments.get(4).is_none_or(|kind| kind == name);
+    for (name, gravity, restitution) in kinds.into_iter().filter(|kind| is_wanted(kind.0)) {
+        let mut settings = WorldSettings {
             gravity: [0.0, gravity],
             restitution,
             sleeping: false,
             ..WorldSettings::default()
         };
+        settings.tree.threads = arguments.get(3).and_then(|text| text.parse().ok());
         let mut both = [0, walls].map(|shown| crowd(discs, walls, shown, settings));
         for world in &mut both {
             step(world, 30);
@@ -33,7 +41,7 @@ fn main() {
         for _ in 0..steps {
             for (k, world) in both.iter_mut().enumerate() {
                 let start = Instant::now();
-                let new = step(world, 1);
+                let new = if k == 0 { step_alone(world) } else { step_among_walls(world) };
                 times[k].push(start.elapsed().as_secs_f64() * 1e3);
                 stages[k].iter_mut().zip(new).for_each(|(sum, time)| *sum += time / steps as f64);
             }
@@ -63,6 +71,17 @@ fn main() {
     }
 }
 
+/// Functions of their own, so that callgrind can count each.
+#[inline(never)]
+fn step_alone(world: &mut World) -> [f64; Stage::ALL.len()] {
+    step(world, 1)
+}
+
+#[inline(never)]
+fn step_among_walls(world: &mut World) -> [f64; Stage::ALL.len()] {
+    step(world, 1)
+}
+
 /// Makes some steps; returns the milliseconds of each stage.
 fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
     let (mut times, mut last) = ([0.0; Stage::ALL.len()], Instant::now());
@@ -89,7 +108,8 @@ fn crowd(discs: usize, among: usize, walls: usize, settings: WorldSettings) -> W
         })
         .collect();
     let positions = free_places(&lines, discs, side, &mut random);
-    let velocities = positions.iter().map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]);
+    let velocities =
+        positions.iter().map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]);
     let all = Particles::new(positions.clone(), velocities.collect(), vec![1.0; discs], 1.0);
     let container = Container::Box { min: [0.0; 2], max: [side; 2] };
     let mut world =

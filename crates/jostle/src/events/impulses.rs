@@ -6,6 +6,7 @@
 //! Gauss–Seidel iteration (J. J. Moreau, *Numerical aspects of the sweeping process*, 1999). The
 //! velocities after the impacts are unique, so symmetric impacts have symmetric results.
 
+use super::queue::WALL;
 use crate::trajectory::{Vector, dot, vector};
 
 /// Two surfaces that touch.
@@ -75,6 +76,12 @@ impl Touch {
         let length = dot(offset, offset).sqrt();
         let normal = if length > 0.0 { offset.map(|v| v / length) } else { [1.0, 0.0] };
         Self { key: [pair[0], pair[1], code], normal, ..Self::default() }
+    }
+
+    /// The contact of a disc and a wall with a normal towards the disc.
+    pub fn of_wall(index: u32, wall: u32, normal: Vector) -> Self {
+        let normal = normal.map(|v| -v);
+        Self { key: [index, WALL, wall], normal, ..Self::default() }
     }
 
     /// Whether another contact with the same key is this one. On a torus a disc may touch two images

@@ -8,6 +8,7 @@
 //! it can reach, so the histories together are correct. It does not depend on blocks or
 //! threads, nor on how pairs were found.
 
+mod alone;
 mod block;
 mod bounds;
 mod conflicts;

@@ -120,7 +120,8 @@ impl Simulation<'_> {
         while let Some(event) = self.scratch.queue.pop() {
             let count = |index: u32| self.find(index).map_or(0, |own| own.count);
             if event.pair.map(count) == event.counts {
-                work += if self.collide_two(&event) { 1 } else { self.happen(&event) };
+                let is_simple = self.collide_two(&event) || self.collide_alone(&event);
+                work += if is_simple { 1 } else { self.happen(&event) };
             }
             if work >= POLL_EVERY && self.stop.is_set() {
                 break;
@@ -319,24 +320,34 @@ impl Simulation<'_> {
 
     fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
-        // Between walls at an acute angle, too, there can be infinitely many collisions.
-        let collapses = wall >= FIRST && course.count >= COLLAPSE;
-        let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
-        let touch = Touch {
-            key: [index, WALL, wall],
-            bodies: [Some(position), None],
-            normal: normal.map(|v| -v),
-            inverse_masses: [course.inverse_mass, 0.0],
-            restitution,
-            friction: self.window.wall_friction(index, wall),
-            carried: self.window.flight.walls.velocity(wall),
-            ..Touch::default()
-        };
+        let touch = self.wall_touch(index, position, course, wall, normal);
         let (number, has_room) = (own.number, !self.has_no_room(course, own.now.time));
         self.add(touch);
         if wall >= FIRST && !has_room {
             // It stands still from its next event on, which is this one.
             self.history.courses[number as usize].count = self.most_events() - 1;
+        }
+    }
+
+    /// The contact of the disc of a course, the body `position`, and a wall.
+    pub(super) fn wall_touch(
+        &self,
+        index: u32,
+        position: usize,
+        course: &Course,
+        wall: u32,
+        normal: Vector,
+    ) -> Touch {
+        // Between walls at an acute angle, too, there can be infinitely many collisions.
+        let collapses = wall >= FIRST && course.count >= COLLAPSE;
+        let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
+        Touch {
+            bodies: [Some(position), None],
+            inverse_masses: [course.inverse_mass, 0.0],
+            restitution,
+            friction: self.window.wall_friction(index, wall),
+            carried: self.window.flight.walls.velocity(wall),
+            ..Touch::of_wall(index, wall, normal)
         }
     }
 

@@ -8,7 +8,28 @@ use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
 use super::simulation::Simulation;
-use crate::trajectory::{Kind, Segment, vector};
+use crate::trajectory::{Kind, Segment, Vector, vector};
+
+/// A disc that gets a new segment.
+#[derive(Clone, Copy)]
+pub(super) struct Turned<'a> {
+    pub(super) index: u32,
+    /// The segment that begins now, with the velocity before the impact.
+    pub(super) now: &'a Segment,
+    /// The same with the velocity after it.
+    pub(super) new: &'a Segment,
+    /// The number of its events.
+    pub(super) count: u32,
+}
+
+/// The disc with which another one collides.
+#[derive(Clone, Copy)]
+pub(super) enum Partner<'a> {
+    /// Its next impacts are predicted; with the number of its image.
+    Predicted(&'a Turned<'a>, u32),
+    /// They have been.
+    Known(u32),
+}
 
 impl Simulation<'_> {
     /// Computes the bounce of two discs and returns true. Returns false, with trajectories unchanged,
@@ -70,30 +91,61 @@ impl Simulation<'_> {
         new: &[Segment; 2],
         counts: [u32; 2],
     ) -> bool {
-        let (window, neighbors) = (self.window, self.neighbors);
         let Event { time, code, pair: discs, .. } = *event;
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
+        let both = [0, 1].map(|k| Turned {
+            index: discs[k],
+            now: &now[k],
+            new: &new[k],
+            count: counts[k],
+        });
+        // The impacts of the two with each other are predicted once.
+        let partners = [Partner::Predicted(&both[1], code), Partner::Known(discs[0])];
+        let is_known = |_, _| false;
         let mut are_alone = true;
-        let span = (window.end - time) as f32;
         for k in [0, 1] {
-            let (own, partner) = (discs[k], discs[1 - k]);
-            let own_now = Now::of(&new[k], window.radius(own));
-            if window.may_touch_wall(own, &own_now, span) {
-                let contacts = &mut self.scratch.contacts;
-                window.each_touched_wall(own, &now[k], contacts, |_, _| are_alone = false);
-                predicted.extend(window.wall_event(own, &new[k], counts[k]));
-            }
-            neighbors.of(own, |neighbor| {
-                let (other, image) = (neighbor.index, neighbors.image(neighbor));
-                let is_partner = other == partner;
-                // The impacts of the two with each other are predicted once.
-                if is_partner && k == 1 {
-                    return;
+            let partner = Some(partners[k]);
+            are_alone &= self.predict_one(time, &both[k], partner, is_known, &mut predicted);
+        }
+        if are_alone {
+            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
+        }
+        self.scratch.predicted = predicted;
+        are_alone
+    }
+
+    /// Appends the next impacts of a disc that gets a new segment at `time`. Returns whether it touches
+    /// nothing then, apart from its partner and from walls, with their normals, that are known.
+    #[inline(always)]
+    pub(super) fn predict_one(
+        &mut self,
+        time: f64,
+        own: &Turned<'_>,
+        partner: Option<Partner<'_>>,
+        is_known: impl Fn(u32, Vector) -> bool,
+        predicted: &mut Vec<Event>,
+    ) -> bool {
+        let (window, neighbors) = (self.window, self.neighbors);
+        let Turned { index, now, new, count } = *own;
+        let span = (window.end - time) as f32;
+        let own_now = Now::of(new, window.radius(index));
+        let mut is_alone = true;
+        if window.may_touch_wall(index, &own_now, span) {
+            let contacts = &mut self.scratch.contacts;
+            window.each_touched_wall(index, now, contacts, |wall, normal| {
+                is_alone &= is_known(wall, normal);
+            });
+            predicted.extend(window.wall_event(index, new, count));
+        }
+        neighbors.of(index, |neighbor| {
+            let (other, image) = (neighbor.index, neighbors.image(neighbor));
+            let (before, after, other_count, is_this) = match partner {
+                Some(Partner::Known(partner)) if other == partner => return,
+                Some(Partner::Predicted(partner, code)) if other == partner.index => {
+                    (*partner.now, *partner.new, partner.count, neighbor.image == code)
                 }
-                let (before, after, count) = if is_partner {
-                    (now[1], new[1], counts[1])
-                } else {
+                _ => {
                     let there = match self.number(other) {
                         Some(number) => {
                             let segment = &self.history.courses[number as usize].segment;
@@ -107,21 +159,15 @@ impl Simulation<'_> {
                     }
                     let Some((_, segment, count)) = self.current(other) else { return };
                     let moved = segment.moved(time, window.gravity());
-                    (moved, moved, count)
-                };
-                let is_this = is_partner && neighbor.image == code;
-                are_alone &= is_this || !window.touch_now((own, &now[k]), (other, &before), image);
-                let both = ((own, &new[k]), (other, &after));
-                if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
-                    let counts = [counts[k], count];
-                    predicted.push(Event::of_discs(impact, [own, other], neighbor.image, counts));
+                    (moved, moved, count, false)
                 }
-            });
-        }
-        if are_alone {
-            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
-        }
-        self.scratch.predicted = predicted;
-        are_alone
+            };
+            is_alone &= is_this || !window.touch_now((index, now), (other, &before), image);
+            if let Some(impact) = window.impact((index, new), (other, &after), image, window.end) {
+                let counts = [count, other_count];
+                predicted.push(Event::of_discs(impact, [index, other], neighbor.image, counts));
+            }
+        });
+        is_alone
     }
 }

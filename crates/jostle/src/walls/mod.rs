@@ -125,6 +125,8 @@ pub struct Walls {
     sides: Sides,
     /// Then a step reads the velocity of each wall.
     any_moves: bool,
+    /// Whether all coefficients of restitution are 1, apart from those of the sides.
+    are_elastic: bool,
 }
 
 impl Line {
@@ -196,7 +198,8 @@ impl Walls {
         validate(&all)?;
         check_torus(container, &all)?;
         let any_moves = all.iter().any(Wall::moves);
-        let mut walls = Self { all, any_moves, torus: sides(container), ..Self::default() };
+        let (torus, are_elastic) = (sides(container), are_elastic(&all));
+        let mut walls = Self { all, any_moves, torus, are_elastic, ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
@@ -248,8 +251,7 @@ impl Walls {
 
     /// Whether all coefficients of restitution are 1.
     pub fn are_elastic(&self) -> bool {
-        let of_walls = self.all.iter().map(|wall| wall.restitution);
-        of_walls.chain(self.sides.0).all(|restitution| restitution == 1.0)
+        (self.all.is_empty() || self.are_elastic) && self.sides.0 == [1.0; MAX_WALLS]
     }
 
     /// Sets the coefficients of restitution of the sides of the container.
@@ -358,6 +360,11 @@ fn add_images(all: &[Wall], sides: Vector, images: &mut Vec<Image>, bounds: &mut
             bounds.push(moved(own, offset));
         });
     }
+}
+
+/// Whether all coefficients of restitution are 1.
+fn are_elastic(all: &[Wall]) -> bool {
+    all.iter().all(|wall| wall.restitution == 1.0)
 }
 
 /// Refuses the first wall that is not finite, too large, or without length.

@@ -4,7 +4,7 @@
 //! line too, so the same formulas give the time of impact. Walls that share an end should have the
 //! same velocity: which part of a wall acts on a disc is decided with the others seen from that wall.
 
-use super::{FIRST, Line, Wall, Walls};
+use super::{FIRST, Line, Wall, Walls, are_elastic};
 use crate::error::{Error, Result};
 use crate::motion::residual;
 use crate::particles::FARTHEST;
@@ -63,18 +63,25 @@ impl Walls {
     /// Changes the velocity of wall `index`.
     pub fn set_velocity(&mut self, index: usize, velocity: [f32; 2]) {
         self.all[index].velocity = velocity;
-        // It may stay true when the last one stops; that costs a little time.
+        // It may stay true when the last one stops, until the next step.
         self.any_moves |= self.all[index].moves();
     }
 
     /// Begins a step of `dt` seconds.
     pub fn begin_step(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        self.any_moves = self.all.iter().any(Wall::moves);
+        self.any_moves = self.any_moves && self.all.iter().any(Wall::moves);
         if self.any_moves { self.build(settings, dt) } else { Ok(()) }
     }
 
     /// Moves the walls to the end of a step of `dt` seconds.
     pub fn end_step(&mut self, dt: f64) {
+        if self.any_moves {
+            self.advance(dt);
+        }
+    }
+
+    /// Moves the walls that have a velocity for `dt` seconds.
+    fn advance(&mut self, dt: f64) {
         for (wall, &place) in self.all.iter_mut().zip(&self.places) {
             if wall.moves() {
                 wall.advance(dt);
@@ -88,19 +95,22 @@ impl Walls {
     pub fn restore(&mut self, all: Vec<Wall>) {
         self.all = all;
         self.any_moves = self.all.iter().any(Wall::moves);
-        self.end_step(0.0);
+        self.are_elastic = are_elastic(&self.all);
+        self.advance(0.0);
     }
 
     /// Refuses a step of `dt` seconds in which a wall would move too far.
     pub fn check_displacements(&self, dt: f64) -> Result<()> {
+        if !self.any_moves {
+            return Ok(());
+        }
         let most = f64::from(FARTHEST);
         let is_far = |wall: &Wall| {
             let by = wall.displacement(dt);
             let mut ends = wall.exact_ends().into_iter();
             ends.any(|end| (0..2).any(|k| (end[k] + by[k]).abs() > most || by[k].abs() > most))
         };
-        let index = self.all.iter().position(|wall| wall.moves() && is_far(wall));
-        if let Some(index) = index {
+        if let Some(index) = self.all.iter().position(is_far) {
             let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
             return Err(Error::of("dt", dt, &rule));
         }
@@ -109,7 +119,7 @@ impl Walls {
             let by = wall.displacement(dt);
             (0..2).any(|k| by[k].abs() > sides[k])
         };
-        match self.all.iter().position(|wall| wall.moves() && circles(wall)) {
+        match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {
                 let rule = format!("wall {index} would circle the torus; take smaller steps");

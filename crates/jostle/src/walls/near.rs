@@ -5,6 +5,7 @@ use std::cell::Cell;
 use super::moving::Clock;
 use super::torus::each_tile;
 use super::{FIRST, Part, Walls, less};
+use crate::columns::Columns;
 use crate::container::size;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Shape};
@@ -124,12 +125,12 @@ impl Near {
         free.clear();
         free.extend_from_slice(reaches);
         for &[wall, place] in &*found {
-            let (line, circle) =
-                (&walls.lines[wall as usize], bounds.columns().shape(place as usize));
-            let (free, reach) = (&mut free[place as usize], reaches[place as usize]);
+            let (line, at) = (&walls.lines[wall as usize], place as usize);
+            let Columns { x, y, radius, .. } = bounds.columns();
+            let (free, center) = (&mut free[at], [x[at], y[at]].map(f64::from));
             // The radius of the disc, with the reserve of the circle for rounding.
-            let radius = line.reach(f64::from(circle.radius) - f64::from(reach));
-            let distance = line.distance(less(circle.min.map(f64::from), walls.offset_at(wall)));
+            let radius = line.reach(f64::from(radius[at]) - f64::from(reaches[at]));
+            let distance = line.distance(less(center, walls.offset_at(wall)));
             let left = distance - radius * (1.0 + MARGIN) - line.travel;
             *free = free.min(left as f32);
         }

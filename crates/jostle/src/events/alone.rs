@@ -1,0 +1,55 @@
+//! A disc that bounces off a wall and touches nothing else at that moment, as most do.
+//!
+//! The result has the same bits as that of [`Simulation::happen`], without its lists.
+
+use super::history::Bounce;
+use super::impulses;
+use super::queue::{Event, WALL};
+use super::simulation::Simulation;
+use super::two::Turned;
+use crate::trajectory::{Kind, Segment};
+
+impl Simulation<'_> {
+    /// Computes the bounce of a disc off a wall and returns true. Returns false, with its trajectory
+    /// unchanged, if it is no such bounce, if the wall has a temperature, if there is friction, if the
+    /// disc touches anything else, or if it reaches its limit of events.
+    pub(super) fn collide_alone(&mut self, event: &Event) -> bool {
+        let window = self.window;
+        let Event { time, kind, code: wall, pair: [index, partner], .. } = *event;
+        let flight = window.flight;
+        let is_plain = !flight.has_friction && flight.thermostat.is_none() && flight.hot.is_empty();
+        if kind != Kind::Bounce || partner != WALL || !is_plain {
+            return false;
+        }
+        let number = self.course(index);
+        let course = &self.history.courses[number as usize];
+        // A disc without room has several events at one moment.
+        let has_just_turned = course.count > 0 && course.segment.time == time;
+        if has_just_turned || course.stopped.is_some() || course.count + 1 >= self.most_events() {
+            return false;
+        }
+        let now = course.segment.moved(time, window.gravity());
+        let count = course.count + 1;
+        let normal = window.wall_normal(index, wall, &now);
+        let touch = self.wall_touch(index, 0, course, wall, normal);
+        let mut velocities = [now.velocity];
+        impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
+        let new = Segment { velocity: velocities[0], ..now };
+        let own = Turned { index, now: &now, new: &new, count };
+        let mut predicted = std::mem::take(&mut self.scratch.predicted);
+        predicted.clear();
+        let is_known = |other: u32, normal| {
+            other == wall && touch.is_same(&impulses::Touch::of_wall(index, wall, normal))
+        };
+        let is_alone = self.predict_one(time, &own, None, is_known, &mut predicted);
+        if is_alone {
+            predicted.iter().for_each(|event| self.scratch.queue.push(*event));
+            self.turn(number, new);
+            let impulses = self.impulses_of(0);
+            let pair = [index, WALL];
+            self.history.bounces.push(Bounce { pair, code: wall, impulses, course: number });
+        }
+        self.scratch.predicted = predicted;
+        is_alone
+    }
+}
