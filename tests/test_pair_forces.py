@@ -181,7 +181,8 @@ def test_columns_are_read_only():
         (lambda: jostle.PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
         (lambda: jostle.PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0), "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
+        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
+         "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
         (lambda: jostle.PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
         (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
         (lambda: jostle.PairForce.particle_life([0], [[1, 0], [np.nan, 0]], 1.0),
@@ -258,7 +259,7 @@ def test_wrong_types_are_refused():
 def test_a_force_must_fit_the_world():
     torus = jostle.Torus(10, 10)
     world = jostle.World([(1, 1)], [(0, 0)], 0.5, container=torus)
-    with pytest.raises(ValueError, match="is a PairForce of 2 kinds; a PairForce needs one for each of 1 particle$"):
+    with pytest.raises(ValueError, match=r"needs one for each of 1 particle$"):
         world.forces = [FORCES[0]]
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]

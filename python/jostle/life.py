@@ -177,7 +177,7 @@ def core_of(force: PairForce) -> float:
 
 
 def _core(force: PairForce) -> float | None:
-    """Where the repulsion at short distance ends, as a share of the cutoff; None if there is none."""
+    """Where the repulsion at short distance ends, as a share of the cutoff, or None."""
     if not isinstance(force, PairForce):
         raise TypeError(f"force must be a PairForce, not {type(force).__name__}")
     first = force.table[0, 0].astype(np.float64)

@@ -230,7 +230,7 @@ class Separated(NamedTuple):
     centers : ndarray of float32 or float64, shape (n, 2)
         The new centres.
     rounds : int
-        Number of rounds.
+        Number of rounds; placing along an axis counts as one.
     overlaps : int
         Number of pairs that still overlap; 0 if the shapes are separated.
 

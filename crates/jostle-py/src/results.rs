@@ -101,22 +101,22 @@ pub fn world_particle(
 ) -> PyResult<Bound<'_, PyAny>> {
     static PARTICLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let (spin, filter) = (one.spin(0), one.filter(0));
-    let fields = (
-        column(py, one.positions[0].to_vec()),
-        column(py, one.velocities[0].to_vec()),
-        decimal(one.radii[0]),
-        decimal(one.masses[0]),
-        decimal(one.restitutions[0]),
-        one.movable[0],
-        decimal(spin.friction),
-        decimal(spin.rounded_angle()),
-        decimal(spin.velocity),
-        filter.category,
-        filter.mask,
-        one.is_sensor(0),
-        kinds.map(|kinds| kinds[0]),
-    );
-    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(fields)
+    let fields = [
+        column(py, one.positions[0].to_vec()).into_any(),
+        column(py, one.velocities[0].to_vec()).into_any(),
+        decimal(one.radii[0]).into_bound_py_any(py)?,
+        decimal(one.masses[0]).into_bound_py_any(py)?,
+        decimal(one.restitutions[0]).into_bound_py_any(py)?,
+        one.movable[0].into_bound_py_any(py)?,
+        decimal(spin.friction).into_bound_py_any(py)?,
+        decimal(spin.rounded_angle()).into_bound_py_any(py)?,
+        decimal(spin.velocity).into_bound_py_any(py)?,
+        filter.category.into_bound_py_any(py)?,
+        filter.mask.into_bound_py_any(py)?,
+        one.is_sensor(0).into_bound_py_any(py)?,
+        kinds.map(|kinds| kinds[0]).into_bound_py_any(py)?,
+    ];
+    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(PyTuple::new(py, fields)?)
 }
 
 /// `jostle.WorldEvents`.

@@ -208,7 +208,9 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             }
         }
         if left {
+            // A shape may have moved so far that it overlaps one that was not listed.
             self.near.find(self.bodies, self.rules.threads)?;
+            self.restart();
         }
         Ok((overlaps, changed))
     }

@@ -13,6 +13,8 @@ type Hexagon<T> = [[T; 2]; 6];
 
 /// A side of the hexagon.
 struct Side<T> {
+    /// Whether it is parallel to the segment, and not a side of the shape at one of the ends.
+    is_along: bool,
     start: [T; 2],
     /// Unit vector along it.
     along: [T; 2],
@@ -50,6 +52,7 @@ impl<T: Scalar> Side<T> {
     }
 }
 
+/// The first side along the segment is the second one, the other the fifth.
 fn hexagon<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> Hexagon<T> {
     let [mut a, mut b] = ends.map(|end| [end[0] - body.min[0], end[1] - body.min[1]]);
     if b[0] < a[0] {
@@ -62,7 +65,7 @@ fn hexagon<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> Hexagon<T> {
         [corner(a, -w, -h), corner(a, w, -h), second[0], second[1], second[2], corner(a, -w, h)]
     } else {
         let second = [corner(b, -w, -h), corner(b, w, -h), corner(b, w, h)];
-        [corner(a, -w, -h), second[0], second[1], second[2], corner(a, w, h), corner(a, -w, h)]
+        [corner(a, -w, h), corner(a, -w, -h), second[0], second[1], second[2], corner(a, w, h)]
     }
 }
 
@@ -72,7 +75,8 @@ fn sides<T: Scalar>(hexagon: &Hexagon<T>) -> impl Iterator<Item = Side<T>> {
         let (start, end) = (hexagon[index], hexagon[(index + 1) % 6]);
         let d = [end[0] - start[0], end[1] - start[1]];
         let length = crate::geometry::length(d[0].abs(), d[1].abs());
-        (length > T::ZERO).then(|| Side { start, along: d.map(|v| v / length), length })
+        let is_along = index % 3 == 1;
+        (length > T::ZERO).then(|| Side { is_along, start, along: d.map(|v| v / length), length })
     })
 }
 
@@ -131,7 +135,7 @@ pub fn enters<T: Scalar>(
     let hexagon = hexagon(body, ends);
     let radius = body.radius - slop;
     if body.radius == T::ZERO {
-        return into_convex(&hexagon, radius, displacement);
+        return into_convex(&hexagon, displacement, slop);
     }
     let through_side = |side: Side<T>| {
         let (room, approach) = side.approach(radius, displacement);
@@ -148,24 +152,31 @@ pub fn enters<T: Scalar>(
     hits.reduce(|a, b| if b.0 < a.0 { b } else { a })
 }
 
-/// The share of `v` at which the point (0, 0) enters a hexagon whose sides are moved outwards by
-/// `by`: the part of its path in all half-planes (Cyrus and Beck).
-fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, by: T, v: [T; 2]) -> Option<(T, [T; 2])> {
+/// The share of `v` at which the point (0, 0), which is outside, enters a hexagon by more than
+/// `slop`: the part of its path in all half-planes (Cyrus and Beck).
+///
+/// Only the sides along the segment are moved inwards. Those at its ends are moved outwards, so that
+/// where a slope begins at a floor, a box meets the slope and not the end of it.
+fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, v: [T; 2], slop: T) -> Option<(T, [T; 2])> {
     let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
-    let mut normal = [T::ZERO; 2];
+    let (mut normal, mut is_along) = ([T::ZERO; 2], true);
     for side in sides(hexagon) {
-        let (room, approach) = side.approach(by, v);
+        let (room, approach) = side.approach(if side.is_along { -slop } else { slop }, v);
         if approach == T::ZERO {
             if room >= T::ZERO {
                 return None;
             }
         } else if approach > T::ZERO {
             if room / approach > enter {
-                (enter, normal) = (room / approach, side.normal());
+                (enter, normal, is_along) = (room / approach, side.normal(), side.is_along);
             }
         } else {
             leave = leave.min(room / approach);
         }
+    }
+    // At an end it may be nearer than `slop` already.
+    if !is_along {
+        enter = enter.max(T::ZERO);
     }
     (enter < leave && T::ZERO <= enter && enter <= T::ONE).then_some((enter, normal))
 }
@@ -201,6 +212,23 @@ mod tests {
         // The lower right corner, at x = 2.5, touches the slope at y = 1.875.
         assert!((6.0 - 9.0 * share - 1.0 - 1.875).abs() < 1e-12, "{share}");
         assert!((normal[0] + 0.6).abs() < 1e-12 && (normal[1] - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_box_at_the_foot_of_a_slope_meets_the_slope() {
+        let slope = [[100.0, 100.0], [160.0, 60.0]];
+        for x in [94.0, 95.0 - 1e-13, 95.0] {
+            for step in [[3.0, 2.0], [3.0, 0.0]] {
+                let walker = body([x, 92.0], [5.0, 8.0], 0.0);
+                let (_, normal) = enters(&walker, step, &slope, 1e-12).unwrap();
+                assert!((normal[1] + 0.832).abs() < 1e-3, "{x} {step:?} {normal:?}");
+            }
+        }
+        // Onto the end of a wall, from where it touches it.
+        let post = [[0.0, 0.0], [0.0, 9.0]];
+        let walker = body([1.0, -8.0], [5.0, 8.0], 0.0);
+        assert_eq!(enters(&walker, [0.0, 50.0], &post, 1e-12), Some((0.0, [0.0, -1.0])));
+        assert_eq!(enters(&walker, [50.0, 0.0], &post, 1e-12), None);
     }
 
     #[test]

@@ -35,6 +35,9 @@ const FEW: usize = 64;
 /// Work of a walk, in the units of [`Pulse`].
 const WORK: usize = 256;
 
+/// Shapes that stand on each other, up to this number, do not stop the lowest one.
+const MOST_STACKED: usize = 64;
+
 /// The bit of a number of an obstacle that is the index of a wall and not a slot.
 const WALL: u32 = 1 << 31;
 
@@ -355,6 +358,19 @@ impl<T: Scalar> Call<'_, T> {
         Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
     }
 
+    /// Whether a row stands on another one that moves, or on one that stands on it, and so on.
+    fn stands_on(&self, rider: u32, floor: u32) -> bool {
+        let mut next = self.moving_floor(rider as usize);
+        // The chain may be a ring.
+        for _ in 0..MOST_STACKED {
+            match next {
+                Some(row) if row != floor => next = self.moving_floor(row as usize),
+                found => return found.is_some(),
+            }
+        }
+        false
+    }
+
     /// Moves the shapes of an island one after another.
     fn walk_island(
         &self,
@@ -381,7 +397,8 @@ impl<T: Scalar> Call<'_, T> {
             let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
                 self.find(bounds, stack, near);
                 crowd.each_near(bounds, |other, body| {
-                    if other != index {
+                    // What stands on it is carried with it, and does not stop it.
+                    if other != index && !self.stands_on(rows[other], row as u32) {
                         let slot = self.walkers[rows[other] as usize];
                         near.push(Obstacle { solid: Solid::Shape(*body), slot });
                     }
