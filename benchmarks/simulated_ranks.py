@@ -88,7 +88,7 @@ class SimulatedComm:
         data, counts, starts, _ = own
         data = _array(data).copy()
         parts = self.allgather(
-            [data[start : start + count] for start, count in zip(starts, counts)]
+            [data[start : start + count] for start, count in zip(starts, counts, strict=True)]
         )
         _array(got[0])[:] = np.concatenate([of[self.rank] for of in parts])
 

@@ -273,7 +273,9 @@ class _Spread:
         # A box is not wider than a cell, so its corners are in all cells that it overlaps.
         fit = self._sides.min() / max(2 * padded, np.finfo(float).tiny)
         cells = Cells(int(np.clip(fit, 1, _MOST_CELLS)), tuple(self._period > 0))
-        sizes = np.minimum(extents * (1 + self._rounding) + self._magnitude * self._rounding, padded)
+        sizes = np.minimum(
+            extents * (1 + self._rounding) + self._magnitude * self._rounding, padded
+        )
         with np.errstate(over="ignore", invalid="ignore"):
             corners = cells.corners(self._places(small["center"]), sizes[:, None] / self._sides)
         occupied = cells.ranks_of(comm, corners)

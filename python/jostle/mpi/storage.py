@@ -22,15 +22,13 @@ _VERSION = 1
 #: Particles of a chunk. Each rank has whole chunks, so that checksums do not depend on the ranks.
 _CHUNK = 1 << 14
 
-_HEAD = np.dtype(
-    [("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")]
-)
+_HEAD = np.dtype([("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")])
 
 
 def by_ids(
     comm: MPI.Intracomm, rows: NDArray[np.void], total: int, unit: int = 1
 ) -> NDArray[np.void]:
-    """Send particles to ranks so that each has a range of ids, in units of so many, in this order."""
+    """Send particles to ranks so that each has a range of ids, in units of so many."""
     starts = _starts(comm.size, total, unit)
     rows = send(comm, rows, np.searchsorted(starts[1:], rows["id"], side="right"))
     return np.sort(rows, order="id")
@@ -116,5 +114,7 @@ def read(
             chunk = rows[number * _CHUNK : (number + 1) * _CHUNK]
             if zlib.crc32(chunk.tobytes()) != expected:
                 at = first + number * _CHUNK
-                raise ValueError(f"{path} is damaged: the particles from {at} on are not as written")
+                raise ValueError(
+                    f"{path} is damaged: the particles from {at} on are not as written"
+                )
     return settings, rows

@@ -50,17 +50,17 @@ _SETTINGS = (
 class World:
     """Particles that are distributed over the ranks of a communicator.
 
-    All methods and properties except `positions` and the other columns are collective: all ranks call
-    them in the same order. The particles of all ranks have the same states, in bits, as those of one
-    `jostle.World` with all particles, whatever the number of ranks and the distribution.
+    Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
+    `momentum` and `collisions`. The particles of all ranks have the same states, in bits, as those of
+    one `jostle.World` with all of them, whatever the number of ranks and the distribution.
 
     Parameters
     ----------
     comm : mpi4py.MPI.Intracomm
         The ranks. A duplicate of it is used.
     positions, velocities : array_like, shape (n, 2)
-        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of rank 0
-        first, then those of rank 1, and so on.
+        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of
+        rank 0 first, then those of rank 1, and so on.
     radii : array_like, a number or shape (n,)
         As for `jostle.World`.
     threads : int, default 1
@@ -72,7 +72,7 @@ class World:
     Raises
     ------
     TypeError, ValueError
-        As by `jostle.World`, for what is not supported (see Notes), or if the settings of ranks differ.
+        As by `jostle.World`, for what is not supported (see Notes), or if settings of ranks differ.
     RankError
         If another rank raises one of these.
 
@@ -83,12 +83,13 @@ class World:
 
     Notes
     -----
-    Not supported are resting contacts (gravity together with a coefficient of restitution below 1),
-    merging, `track_events`, and forces other than `Thermostat`, `ThermalWalls` and
-    `AndersenThermostat`. They are refused.
+    Not supported are merging, `track_events`, islands that sleep (pass ``sleeping=False`` if gravity
+    acts and a coefficient of restitution is below 1), and forces other than `Thermostat`,
+    `ThermalWalls` and `AndersenThermostat`. They are refused.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
-    32 steps the ranges are chosen anew, by the time that ranks need, and particles move to other ranks.
+    32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
+    ranks.
 
     Examples
     --------
@@ -153,8 +154,8 @@ class World:
         Raises
         ------
         ValueError
-            If the step is refused, as by `jostle.World.step`. Then the world is as before this step,
-            on all ranks.
+            If the step is refused, as by `jostle.World.step`. Then the world is as before this
+            step, on all ranks.
         RankError
             If another rank cannot do the step, or is interrupted.
         """
@@ -179,7 +180,7 @@ class World:
 
     def __len__(self) -> int:
         """Number of particles of this rank."""
-        return self._own()[0]
+        return self._core._counts()[0]
 
     def __repr__(self) -> str:
         return (
@@ -196,7 +197,7 @@ class World:
     @property
     def total(self) -> int:
         """Number of particles of all ranks."""
-        return self._own()[2]
+        return self._core._counts()[1]
 
     @property
     def ghosts(self) -> int:
@@ -211,7 +212,7 @@ class World:
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids of this rank's particles: ndarray of int64, shape (n,), in the order of all columns."""
+        """Ids: ndarray of int64, shape (n,), of this rank's particles in the order of all columns."""
         return self._own()[1][: len(self)]
 
     @property
@@ -250,7 +251,7 @@ class World:
 
     @property
     def momentum(self) -> tuple[float, float]:
-        """Sum of mass times velocity of the movable particles of all ranks, (x, y), rounded once."""
+        """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
         rows = self._records()
         rows = rows[rows["movable"]]
         x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
@@ -258,9 +259,9 @@ class World:
 
     @property
     def contacts(self) -> jostle.WorldContacts:
-        """The pairs that touched during the last step, each on one rank, see `jostle.World.contacts`.
+        """The pairs that touched during the last step, each on one rank.
 
-        Not collective. The pairs are of ids, sorted.
+        Not collective. The pairs are of ids, sorted; see `jostle.World.contacts`.
         """
         count, ids, *_ = self._own()
         found = self._core.contacts
@@ -309,8 +310,8 @@ class World:
 
         Notes
         -----
-        The particles are sent to ranks in the order of ids, and the ranks compute the hash one after
-        the other.
+        The particles are sent to ranks in the order of ids, and the ranks compute the hash one
+        after the other.
         """
         rows = self._records()
         size, total = self._comm.size, self.total
@@ -367,8 +368,8 @@ class World:
         OSError
             If the file cannot be written; then an existing one is unchanged.
         ValueError
-            If particles rest on others: the file has no impulses of contacts, so the world would not
-            continue with the same bits.
+            If particles may rest on others: the file has no impulses of contacts, so the world
+            would not continue with the same bits.
 
         See Also
         --------
@@ -376,7 +377,9 @@ class World:
         """
         with together(self._comm):
             if self._core._rests():
-                raise ValueError("path: a distributed world with resting contacts cannot be saved yet")
+                raise ValueError(
+                    "path: a distributed world with resting contacts cannot be saved yet"
+                )
         settings = self._core._of_records(b"").snapshot()
         write(self._comm, Path(path), settings, self._records())
 
@@ -461,7 +464,9 @@ class _Messages:
     def exchange(self, parts: list[bytes], counts: list[int]) -> list[bytes]:
         """Send bytes to each rank; returns those from each rank, of which there are `counts`."""
         start = time.perf_counter()
-        sent, got = (np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts))
+        sent, got = (
+            np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts)
+        )
         ends = np.cumsum(got)
         everything = bytearray(int(got.sum()))
         self._comm.Alltoallv(
@@ -469,4 +474,4 @@ class _Messages:
             [everything, got, ends - got, MPI.BYTE],
         )
         self.seconds += time.perf_counter() - start
-        return [bytes(everything[end - count : end]) for end, count in zip(ends, got)]
+        return [bytes(everything[end - count : end]) for end, count in zip(ends, got, strict=True)]

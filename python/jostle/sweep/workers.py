@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 from collections.abc import Iterator
-from concurrent.futures import Executor, FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 
 from .plan import Run
@@ -25,7 +25,7 @@ def is_started_by_mpi() -> bool:
 
 @contextmanager
 def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
-    """Provide an executor and its number of processes; None on ranks that work for the first one."""
+    """Provide an executor and its number of processes; None on ranks that work for another."""
     if is_started_by_mpi():
         from mpi4py import MPI
         from mpi4py.futures import MPICommExecutor
