@@ -5,7 +5,7 @@ It predicts the time of real ranks from them.
     python benchmarks/scaling.py                  # a gas of 100,000, ranks up to 64
     python benchmarks/scaling.py -n 1000000 --ranks 1 4 16
 
-The CPU time of each rank is that of its thread, so it is about that of a rank with a core of its own.
+The CPU time of each rank is that of its thread, about that of a rank with a core of its own.
 Predictions add messages, by the assumptions below.
 """
 

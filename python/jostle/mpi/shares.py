@@ -45,7 +45,8 @@ def cuts(comm: MPI.Intracomm, keys: NDArray[np.int64]) -> NDArray[np.int64]:
     order = np.argsort(samples, kind="stable")
     before = np.cumsum(weights[order])
     wanted = before[-1] * np.arange(1, comm.size) / comm.size
-    return samples[order[np.searchsorted(before, wanted)]]
+    first: NDArray[np.int64] = samples[order[np.searchsorted(before, wanted)]]
+    return first
 
 
 class Cells:

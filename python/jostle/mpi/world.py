@@ -51,8 +51,8 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `momentum` and `collisions`. The particles of all ranks have the same states, in bits, as those of
-    one `jostle.World` with all of them, whatever the number of ranks and the distribution.
+    `momentum` and `collisions`. The particles of all ranks have the same states, in bits, as those
+    of one `jostle.World` with all of them, whatever the number of ranks and the distribution.
 
     Parameters
     ----------
@@ -83,8 +83,8 @@ class World:
 
     Notes
     -----
-    Not supported are merging, `track_events`, islands that sleep (pass ``sleeping=False`` if gravity
-    acts and a coefficient of restitution is below 1), and forces other than `Thermostat`,
+    Not supported are merging, `track_events`, islands that sleep (pass ``sleeping=False`` if
+    gravity acts and a coefficient of restitution is below 1), and forces other than `Thermostat`,
     `ThermalWalls` and `AndersenThermostat`. They are refused.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
@@ -118,9 +118,9 @@ class World:
                 np.zeros((0, 2)) if np.size(column) == 0 else column
                 for column in (positions, velocities)
             )
-            core = jostle.World(positions, velocities, radii, threads=threads, **options)
+            core: Any = jostle.World(positions, velocities, radii, threads=threads, **options)
             core._check_distributable()
-        self._core = core
+        self._core: Any = core
         self._check_settings()
         count = len(core)
         ids = first_id(self._comm, count) + np.arange(count)
@@ -128,7 +128,6 @@ class World:
 
     def _begin(self, comm: MPI.Intracomm) -> None:
         self._comm = comm.Dup()
-        self._core: Any
         self._messages = _Messages(self._comm)
 
     def _check_settings(self) -> None:
@@ -180,7 +179,7 @@ class World:
 
     def __len__(self) -> int:
         """Number of particles of this rank."""
-        return self._core._counts()[0]
+        return int(self._core._counts()[0])
 
     def __repr__(self) -> str:
         return (
@@ -189,15 +188,17 @@ class World:
         )
 
     def _own(self) -> tuple[int, NDArray[np.int64], int, tuple[int, int, int], int]:
-        return self._core._own()
+        own: tuple[int, NDArray[np.int64], int, tuple[int, int, int], int] = self._core._own()
+        return own
 
     def _column(self, name: str) -> NDArray[Any]:
-        return getattr(self._core, name)[: len(self)]
+        column: NDArray[Any] = getattr(self._core, name)
+        return column[: len(self)]
 
     @property
     def total(self) -> int:
         """Number of particles of all ranks."""
-        return self._core._counts()[1]
+        return int(self._core._counts()[1])
 
     @property
     def ghosts(self) -> int:
@@ -208,11 +209,11 @@ class World:
     @property
     def time(self) -> float:
         """Simulated time in seconds."""
-        return self._core.time
+        return float(self._core.time)
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids: ndarray of int64, shape (n,), of this rank's particles in the order of all columns."""
+        """Ids of this rank's particles: ndarray of int64, shape (n,), in the order of columns."""
         return self._own()[1][: len(self)]
 
     @property
@@ -230,7 +231,7 @@ class World:
     @property
     def profile(self) -> dict[str, float]:
         """Milliseconds of each stage of the last step on this rank, see `jostle.World.profile`."""
-        return self._core.profile
+        return dict(self._core.profile)
 
     @property
     def kinetic_energy(self) -> float:
@@ -292,7 +293,8 @@ class World:
         found = self._core.wall_contacts
         own = np.flatnonzero(found.ids < count)
         own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
-        return jostle.WallContacts(ids[found.ids[own]], *(column[own] for column in found[1:]))
+        columns: Any = (column[own] for column in found[1:])
+        return jostle.WallContacts(ids[found.ids[own]], *columns)
 
     @property
     def collisions(self) -> jostle.WorldCollisions:
@@ -353,7 +355,8 @@ class World:
         rows = deliver(self._comm, parts)
         if self._comm.rank != root:
             return None
-        return self._core._of_records(np.sort(rows, order="id").tobytes())
+        world: jostle.World = self._core._of_records(np.sort(rows, order="id").tobytes())
+        return world
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the world into one file, in which each rank writes a part.
@@ -419,13 +422,14 @@ class World:
         world._begin(comm)
         settings, rows = read(world._comm, Path(path), RECORD)
         with together(world._comm):
-            core = jostle.World.restore(settings)._of_records(rows.tobytes())
+            empty: Any = jostle.World.restore(settings)
+            core = empty._of_records(rows.tobytes())
             core.threads = threads
         world._core = core
         core._distribute(world._messages, rows["id"].copy())
         return world
 
-    def _records(self) -> NDArray[np.void]:
+    def _records(self) -> NDArray[Any]:
         """The particles of this rank."""
         return np.frombuffer(self._core._own_records(), RECORD)
 

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
+from typing import Any
 
 from .plan import Run
 from .run import do
@@ -30,8 +31,9 @@ def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
         from mpi4py import MPI
         from mpi4py.futures import MPICommExecutor
 
-        with MPICommExecutor(MPI.COMM_WORLD, root=0) as pool:
-            yield None if pool is None else (pool, MPI.COMM_WORLD.size - 1)
+        with MPICommExecutor(MPI.COMM_WORLD, root=0) as ranks:
+            first: Any = ranks
+            yield None if ranks is None else (first, MPI.COMM_WORLD.size - 1)
         return
     count = workers or os.cpu_count() or 1
     # A forked process would have no threads for steps, and could inherit locked locks.
