@@ -40,6 +40,9 @@ RECORD = np.dtype(
     ]
 )
 
+#: Share of the last step in the mean time that a rank needs for a particle.
+_SMOOTHING = 0.1
+
 #: Settings that must be the same on all ranks.
 _SETTINGS = (
     *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
@@ -129,6 +132,7 @@ class World:
     def _begin(self, comm: MPI.Intracomm) -> None:
         self._comm = comm.Dup()
         self._messages = _Messages(self._comm)
+        self._work: float | None = None
 
     def _check_settings(self) -> None:
         """Refuse settings that differ between ranks."""
@@ -175,7 +179,10 @@ class World:
         except BaseException as error:
             raise_together(self._comm, error)
         busy = time.perf_counter() - start - (self._messages.seconds - waited)
-        self._core._set_work(busy / max(len(self), 1))
+        work = busy / max(len(self), 1)
+        # One step may be disturbed by other processes.
+        self._work = work if self._work is None else self._work + _SMOOTHING * (work - self._work)
+        self._core._set_work(self._work)
 
     def __len__(self) -> int:
         """Number of particles of this rank."""
@@ -467,6 +474,8 @@ class _Messages:
 
     def exchange(self, parts: list[bytes], counts: list[int]) -> list[bytes]:
         """Send bytes to each rank; returns those from each rank, of which there are `counts`."""
+        if not parts:
+            return []
         start = time.perf_counter()
         sent, got = (
             np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts)
