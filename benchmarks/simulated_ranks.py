@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -55,42 +56,51 @@ class SimulatedComm:
     def __init__(self, ranks: Ranks, rank: int) -> None:
         self._ranks = ranks
         self.rank, self.size = rank, ranks.size
+        #: CPU time of all calls, which a real rank would spend in MPI.
+        self.seconds = 0.0
 
     def Dup(self) -> SimulatedComm:
         return self
 
     def allgather(self, value: Any) -> list[Any]:
-        return self._ranks.share(self.rank, value)
+        start = time.thread_time()
+        values = self._ranks.share(self.rank, value)
+        self.seconds += time.thread_time() - start
+        return values
 
     def bcast(self, value: Any, root: int = 0) -> Any:
         return self.allgather(value)[root]
 
     def allreduce(self, value: Any, op: MPI.Op = MPI.SUM) -> Any:
-        acts = {MPI.SUM: sum, MPI.MIN: min, MPI.MAX: max, MPI.LOR: any}
-        return acts[op](self.allgather(value))
+        acts = [(MPI.SUM, sum), (MPI.MIN, min), (MPI.MAX, max), (MPI.LOR, any)]
+        return next(act for known, act in acts if known == op)(self.allgather(value))
 
     def exscan(self, value: Any, op: MPI.Op = MPI.SUM) -> Any:
         before = self.allgather(value)[: self.rank]
         return sum(before) if before else None
 
     def Allgather(self, own: Any, everything: Any) -> None:
+        start, before = time.thread_time(), self.seconds
         _array(everything)[:] = np.concatenate(self.allgather(_array(own).copy()))
+        self.seconds = before + time.thread_time() - start
 
     def Allreduce(self, own: Any, result: Any, op: MPI.Op = MPI.SUM) -> None:
-        acts = {MPI.SUM: np.sum, MPI.MAX: np.max}
-        result[...] = acts[op](np.stack(self.allgather(np.array(own))), axis=0)
+        act = np.sum if op == MPI.SUM else np.max
+        result[...] = act(np.stack(self.allgather(np.array(own))), axis=0)
 
     def Alltoall(self, own: Any, result: Any) -> None:
         parts = [np.split(part, self.size)[self.rank] for part in self.allgather(np.array(own))]
         result[...] = np.concatenate(parts)
 
     def Alltoallv(self, own: list[Any], got: list[Any]) -> None:
+        start_time, before = time.thread_time(), self.seconds
         data, counts, starts, _ = own
         data = _array(data).copy()
         parts = self.allgather(
-            [data[start : start + count] for start, count in zip(starts, counts)]
+            [data[start : start + count] for start, count in zip(starts, counts, strict=True)]
         )
         _array(got[0])[:] = np.concatenate([of[self.rank] for of in parts])
+        self.seconds = before + time.thread_time() - start_time
 
 
 def _array(buffer: Any) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A program of test_mpi_world: steps distributed worlds, and compares their hashes with one process."""
+"""A program of test_mpi_world: compares the hashes of distributed worlds with one process."""
 
 import os
 import shutil
@@ -76,13 +76,17 @@ def check(
     name: str, world: jostle.World, dt: float, steps: int = STEPS, where: Distribution = evenly
 ) -> jostle.mpi.World:
     ours = scattered(world, where)
+    # Particles move to other ranks often.
+    ours._core._rebalance_every(7)
     assert ours.state_hash() == world.state_hash(), f"{name}: before the first step"
     for done in range(0, steps, 50):
         now = min(50, steps - done)
         world.step(dt, now)
         ours.step(dt, now)
         found, expected = ours.state_hash(), world.state_hash()
-        assert found == expected, f"{name}: {found:#x} is not {expected:#x} after {done + now} steps"
+        assert found == expected, (
+            f"{name}: {found:#x} is not {expected:#x} after {done + now} steps"
+        )
     assert sum(COMM.allgather(len(ours))) == len(world) == ours.total
     assert abs(ours.kinetic_energy - world.kinetic_energy) <= 1e-12 * world.kinetic_energy
     check_touches(name, ours, world)
@@ -94,7 +98,8 @@ def check(
 def check_touches(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
     """The contacts of all ranks together are those of one process, as a set of rows."""
     for kind in ("contacts", "wall_contacts"):
-        found = [np.concatenate(columns) for columns in zip(*COMM.allgather(getattr(ours, kind)))]
+        of_ranks = zip(*COMM.allgather(getattr(ours, kind)), strict=True)
+        found = [np.concatenate(columns) for columns in of_ranks]
         sets = []
         for columns in (found, getattr(world, kind)):
             table = np.column_stack([np.asarray(column, np.float64) for column in columns])
@@ -135,13 +140,13 @@ def test_scenes() -> None:
     """All scenes that are not refused."""
     done = []
     for name in jostle.scenes.names():
-        world = jostle.scenes.create(name, n=150, seed=3)
+        world = jostle.scenes.create(name, n=100, seed=3)
         world.sleeping = False
         try:
             scattered(world, evenly)
         except ValueError:
             continue
-        check(name, world, 1 / 60, 50, unevenly)
+        check(name, world, 1 / 60, 15, unevenly)
         done.append(name)
     assert {"gas", "pile"} <= set(done), done
 
@@ -149,14 +154,15 @@ def test_scenes() -> None:
 def test_piles() -> None:
     rest: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
     for where in (evenly, all_on_first, unevenly):
-        check("pile", gas(400, **rest), 1 / 60, 150, where)
-    check("friction", gas(300, friction=0.5, **rest), 1 / 60, 150)
-    masses = np.where(np.arange(300) % 5 == 0, 30.0, 1.0)
-    check("uneven masses", gas(300, masses=masses, **rest), 1 / 60, 100)
+        check("pile", gas(300, **rest), 1 / 60, 50, where)
+    check("friction", gas(200, friction=0.5, **rest), 1 / 60, 50)
+    masses = np.where(np.arange(200) % 5 == 0, 30.0, 1.0)
+    check("uneven masses", gas(200, masses=masses, **rest), 1 / 60, 50)
     walls = jostle.polyline([(0, 30), (15, 36), (30, 20)])
-    check("walls", gas(300, walls=walls, friction=0.3, **rest), 1 / 60, 100)
-    movable = np.arange(300) % 9 > 0
-    check("obstacles", gas(300, movable=movable, velocities=np.zeros((300, 2)), **rest), 1 / 60, 100)
+    check("walls", gas(200, walls=walls, friction=0.3, **rest), 1 / 60, 50)
+    movable = np.arange(200) % 9 > 0
+    still = gas(200, movable=movable, velocities=np.zeros((200, 2)), **rest)
+    check("obstacles", still, 1 / 60, 50)
 
 
 def test_long() -> None:
@@ -216,7 +222,9 @@ def test_nasty() -> None:
     rng = np.random.default_rng(2)
     heap = rng.uniform(0, 20, (200, 2))
     heap[:10] = 10.0
-    overlapping = jostle.World(heap, rng.normal(0, 5, (200, 2)), radii=1.0, container=jostle.Torus(20, 20))
+    overlapping = jostle.World(
+        heap, rng.normal(0, 5, (200, 2)), radii=1.0, container=jostle.Torus(20, 20)
+    )
     check("overlaps", overlapping, 1 / 60, 20)
     # One disc that is much larger than the others, one that is much faster, and one far away.
     world = gas(500)
@@ -346,7 +354,10 @@ def test_errors() -> None:
             raise AssertionError(f"{argument} is refused")
     # Only one rank has a particle that moves too far.
     before = world.state_hash()
-    hurried = scattered(gas(50, velocities=np.where(np.arange(50)[:, None] == 49, 1e18, 1.0) * np.ones((50, 2))), evenly)
+    hurried = scattered(
+        gas(50, velocities=np.where(np.arange(50)[:, None] == 49, 1e18, 1.0) * np.ones((50, 2))),
+        evenly,
+    )
     try:
         hurried.step(100.0)
     except ValueError as error:

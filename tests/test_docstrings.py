@@ -17,7 +17,10 @@ import jostle.pyqtree
 import jostle.scenes
 
 # An adapter is tested if the library after which it is named is installed.
-ADAPTERS = {"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa", "jostle.mpi": "mpi4py"}
+ADAPTERS = {
+    **{"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa"},
+    "jostle.mpi": "mpi4py",
+}
 MODULES = [
     *(jostle, jostle.scenes, jostle.life, jostle.article, jostle.pyqtree),
     *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),

@@ -33,7 +33,7 @@ def test_python_of_a_page_runs(name: str, tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.chdir(tmp_path)
     text = PAGES[name]
     blocks = list(BLOCK.finditer(text))
-    for library in ("pygame", "mesa"):
+    for library in ("pygame", "mesa", "mpi4py"):
         if any(library in block[2] for block in blocks):
             pytest.importorskip(library)
     names: dict[str, Any] = {}

@@ -288,6 +288,7 @@ def find_pairs(
     max_pairs: SupportsIndex = 134217728,
     threads: SupportsIndex | None = None,
 ) -> _Pairs: ...
+
 class RankError(RuntimeError):
     """Another rank could not do its part of a call, so no rank completes it.
 

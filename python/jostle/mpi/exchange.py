@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -59,28 +60,26 @@ def totals(comm: MPI.Intracomm, numbers: NDArray[np.int64]) -> NDArray[np.int64]
     return sums
 
 
-def from_all(comm: MPI.Intracomm, own: NDArray[np.generic]) -> NDArray[np.generic]:
+def from_all(comm: MPI.Intracomm, own: NDArray[Any]) -> NDArray[Any]:
     """Gather arrays of one shape from all ranks, the rank as the first axis."""
     everything = np.empty((comm.size, *own.shape), own.dtype)
     comm.Allgather(_bytes(own), _bytes(everything))
     return everything
 
 
-def joined(comm: MPI.Intracomm, rows: NDArray[np.generic]) -> NDArray[np.generic]:
+def joined(comm: MPI.Intracomm, rows: NDArray[Any]) -> NDArray[Any]:
     """Append the rows of all ranks, in the order of ranks."""
     return deliver(comm, [rows] * comm.size)
 
 
-def send(
-    comm: MPI.Intracomm, rows: NDArray[np.generic], to: NDArray[np.integer]
-) -> NDArray[np.generic]:
+def send(comm: MPI.Intracomm, rows: NDArray[Any], to: NDArray[np.integer]) -> NDArray[Any]:
     """Send each row to a rank; returns what this rank gets, in the order of sender and row."""
     order = np.argsort(to, kind="stable")
     counts = np.bincount(to, minlength=comm.size)
     return deliver(comm, np.split(rows[order], np.cumsum(counts)[:-1]))
 
 
-def deliver(comm: MPI.Intracomm, parts: list[NDArray[np.generic]]) -> NDArray[np.generic]:
+def deliver(comm: MPI.Intracomm, parts: list[NDArray[Any]]) -> NDArray[Any]:
     """Send one array of rows to each rank; returns the rows that this rank gets."""
     size = parts[0].dtype.itemsize
     sent = np.array([len(part) for part in parts], np.int64) * size
@@ -98,5 +97,5 @@ def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.cumsum(counts) - counts
 
 
-def _bytes(array: NDArray[np.generic]) -> NDArray[np.uint8]:
+def _bytes(array: NDArray[Any]) -> NDArray[np.uint8]:
     return array.reshape(-1).view(np.uint8)

@@ -134,7 +134,8 @@ def _own_pairs(
     pairs = np.sort(ids[found], axis=1)
     is_first_own = found.min(axis=1, initial=len(ids)) < small
     are_large = found.min(axis=1, initial=len(ids)) >= small + near
-    return pairs[is_first_own | (are_large & np.isin(pairs[:, 0], own_large))]
+    own: NDArray[np.int64] = pairs[is_first_own | (are_large & np.isin(pairs[:, 0], own_large))]
+    return own
 
 
 class _Share:
@@ -148,8 +149,8 @@ class _Share:
         categories: ArrayLike | None,
         masks: ArrayLike | None,
     ) -> None:
-        self.given = [centers, radii, half_sizes]
-        self.bits = {"categories": categories, "masks": masks}
+        self.given: list[Any] = [centers, radii, half_sizes]
+        self.bits: dict[str, Any] = {"categories": categories, "masks": masks}
         self.centers = _numbers("centers", centers)
         if self.centers.size == 0:
             self.centers = self.centers.reshape(0, 2)
@@ -163,11 +164,11 @@ class _Share:
         jostle.Quadtree(centers, radii, half_sizes, period=period, **self.bits)
         jostle.find_pairs(np.zeros((0, 2)), distance=distance, period=period)
 
-    def rows(self, comm: MPI.Intracomm) -> NDArray[np.void]:
+    def rows(self, comm: MPI.Intracomm) -> NDArray[Any]:
         """The shapes with their ids, in the precision of all ranks."""
         centers, radii, half_sizes = self.given
         arrays = [centers]
-        arrays += [radii] if np.ndim(radii) > 0 else []  # type: ignore[arg-type]
+        arrays += [radii] if np.ndim(radii) > 0 else []
         arrays += [half_sizes] if np.ndim(half_sizes) > 1 or hasattr(half_sizes, "dtype") else []
         is_double = len(self.centers) > 0 and any(
             getattr(array, "dtype", None) != np.float32 for array in arrays
@@ -207,7 +208,7 @@ class _Spread:
     """How the shapes of all ranks are spread over the plane."""
 
     def __init__(
-        self, comm: MPI.Intracomm, own: NDArray[np.void], distance: float, period: Any
+        self, comm: MPI.Intracomm, own: NDArray[Any], distance: float, period: Any
     ) -> None:
         self._comm = comm
         self._distance = distance
@@ -232,29 +233,31 @@ class _Spread:
         self.limit = self._limit(own)
         self._cuts = cuts(comm, morton_keys(self._places(own["center"])))
 
-    def _wrapped(self, centers: NDArray[np.floating]) -> NDArray[np.float64]:
+    def _wrapped(self, centers: NDArray[Any]) -> NDArray[np.float64]:
         centers = centers.astype(np.float64)
         for axis, side in enumerate(self._period):
             if side > 0:
                 centers[:, axis] %= side
         return centers
 
-    def _places(self, centers: NDArray[np.floating]) -> NDArray[np.float64]:
+    def _places(self, centers: NDArray[Any]) -> NDArray[np.float64]:
         """Positions in the unit square."""
         with np.errstate(over="ignore", invalid="ignore"):
-            return (self._wrapped(centers) - self._origin) / self._sides
+            places: NDArray[np.float64] = (self._wrapped(centers) - self._origin) / self._sides
+        return places
 
-    def homes(self, centers: NDArray[np.floating]) -> NDArray[np.intp]:
+    def homes(self, centers: NDArray[Any]) -> NDArray[np.intp]:
         """The rank of each shape."""
         keys = morton_keys(self._places(centers))
         return np.searchsorted(self._cuts, keys, side="right")
 
-    def extents(self, rows: NDArray[np.void]) -> NDArray[np.float64]:
+    def extents(self, rows: NDArray[Any]) -> NDArray[np.float64]:
         """Distances from the centre within which each shape is, along the longer side."""
         halves = rows["half_size"].astype(np.float64).max(axis=1, initial=0.0)
-        return halves + rows["radius"] + 0.5 * self._distance
+        extents: NDArray[np.float64] = halves + rows["radius"] + 0.5 * self._distance
+        return extents
 
-    def _limit(self, own: NDArray[np.void]) -> float:
+    def _limit(self, own: NDArray[Any]) -> float:
         """The largest extent of shapes that are not large: a power of two that few exceed, and
         several times that of most shapes."""
         _, exponents = np.frexp(np.maximum(self.extents(own), np.finfo(float).tiny))
@@ -264,7 +267,7 @@ class _Spread:
         few, median = np.argmax(above <= _MOST_LARGE), np.argmax(above <= above[0] // 2)
         return float(np.ldexp(1.0, int(max(few, median + 2)) + lowest - 1))
 
-    def near(self, small: NDArray[np.void]) -> NDArray[np.void]:
+    def near(self, small: NDArray[Any]) -> NDArray[Any]:
         """The small shapes of the ranks before this one that are near its own."""
         comm = self._comm
         extents = self.extents(small)
@@ -273,7 +276,9 @@ class _Spread:
         # A box is not wider than a cell, so its corners are in all cells that it overlaps.
         fit = self._sides.min() / max(2 * padded, np.finfo(float).tiny)
         cells = Cells(int(np.clip(fit, 1, _MOST_CELLS)), tuple(self._period > 0))
-        sizes = np.minimum(extents * (1 + self._rounding) + self._magnitude * self._rounding, padded)
+        sizes = np.minimum(
+            extents * (1 + self._rounding) + self._magnitude * self._rounding, padded
+        )
         with np.errstate(over="ignore", invalid="ignore"):
             corners = cells.corners(self._places(small["center"]), sizes[:, None] / self._sides)
         occupied = cells.ranks_of(comm, corners)

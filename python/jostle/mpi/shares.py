@@ -1,4 +1,4 @@
-"""Dividing the plane: a range of the Morton curve for each rank, and the cells that each occupies."""
+"""Dividing the plane between ranks by the Morton curve, and the cells that each rank occupies."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _spread(bits: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def cuts(comm: MPI.Intracomm, keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Keys at which the ranges of ranks begin, apart from the first, so that all get about as many."""
+    """The first keys of the ranges of all ranks but the first; all get about as many rows."""
     sample = np.full(_SAMPLES, -1, np.int64)
     if len(keys):
         sample = keys[np.linspace(0, len(keys) - 1, _SAMPLES).astype(np.int64)]
@@ -45,7 +45,8 @@ def cuts(comm: MPI.Intracomm, keys: NDArray[np.int64]) -> NDArray[np.int64]:
     order = np.argsort(samples, kind="stable")
     before = np.cumsum(weights[order])
     wanted = before[-1] * np.arange(1, comm.size) / comm.size
-    return samples[order[np.searchsorted(before, wanted)]]
+    first: NDArray[np.int64] = samples[order[np.searchsorted(before, wanted)]]
+    return first
 
 
 class Cells:
@@ -66,12 +67,10 @@ class Cells:
         indices = np.floor(places.T * self.count).astype(np.int64)
         return [
             index % self.count if wraps else np.clip(index, 0, self.count - 1)
-            for index, wraps in zip(indices, self._wraps)
+            for index, wraps in zip(indices, self._wraps, strict=True)
         ]
 
-    def ranks_of(
-        self, comm: MPI.Intracomm, corners: list[NDArray[np.int64]]
-    ) -> NDArray[np.bool_]:
+    def ranks_of(self, comm: MPI.Intracomm, corners: list[NDArray[np.int64]]) -> NDArray[np.bool_]:
         """Which ranks occupy each cell: shape (ranks, cells)."""
         occupied = np.zeros(self.count * self.count, np.bool_)
         for cells in corners:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -22,15 +23,11 @@ _VERSION = 1
 #: Particles of a chunk. Each rank has whole chunks, so that checksums do not depend on the ranks.
 _CHUNK = 1 << 14
 
-_HEAD = np.dtype(
-    [("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")]
-)
+_HEAD = np.dtype([("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")])
 
 
-def by_ids(
-    comm: MPI.Intracomm, rows: NDArray[np.void], total: int, unit: int = 1
-) -> NDArray[np.void]:
-    """Send particles to ranks so that each has a range of ids, in units of so many, in this order."""
+def by_ids(comm: MPI.Intracomm, rows: NDArray[Any], total: int, unit: int = 1) -> NDArray[Any]:
+    """Send particles to ranks so that each has a range of ids, in units of so many."""
     starts = _starts(comm.size, total, unit)
     rows = send(comm, rows, np.searchsorted(starts[1:], rows["id"], side="right"))
     return np.sort(rows, order="id")
@@ -42,7 +39,7 @@ def _starts(size: int, total: int, unit: int) -> NDArray[np.int64]:
     return np.minimum(np.arange(size) * units // size * unit, total)
 
 
-def write(comm: MPI.Intracomm, path: Path, settings: bytes, rows: NDArray[np.void]) -> None:
+def write(comm: MPI.Intracomm, path: Path, settings: bytes, rows: NDArray[Any]) -> None:
     """Write a file beside `path`, and rename it when it is complete; `settings` of rank 0 count."""
     total = int(comm.allreduce(len(rows)))
     rows = by_ids(comm, rows, total, _CHUNK)
@@ -86,9 +83,7 @@ class _all_or_none:
         self._file.Close()
 
 
-def read(
-    comm: MPI.Intracomm, path: Path, record: np.dtype[np.void]
-) -> tuple[bytes, NDArray[np.void]]:
+def read(comm: MPI.Intracomm, path: Path, record: np.dtype[np.void]) -> tuple[bytes, NDArray[Any]]:
     """Return the settings, and this rank's range of the particles."""
     with together(comm):
         with path.open("rb") as file:
@@ -116,5 +111,7 @@ def read(
             chunk = rows[number * _CHUNK : (number + 1) * _CHUNK]
             if zlib.crc32(chunk.tobytes()) != expected:
                 at = first + number * _CHUNK
-                raise ValueError(f"{path} is damaged: the particles from {at} on are not as written")
+                raise ValueError(
+                    f"{path} is damaged: the particles from {at} on are not as written"
+                )
     return settings, rows

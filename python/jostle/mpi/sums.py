@@ -26,7 +26,7 @@ def exact_sum(comm: MPI.Intracomm, numbers: NDArray[np.float64]) -> float:
         parts.append(totals(comm, sums))
     total = sum(
         ((int(high) << 27) + int(low)) << place
-        for place, (high, low) in enumerate(zip(*parts))
+        for place, (high, low) in enumerate(zip(*parts, strict=True))
         if high or low
     )
     shift = 53 - _LOWEST

@@ -40,6 +40,9 @@ RECORD = np.dtype(
     ]
 )
 
+#: Share of the last step in the mean time that a rank needs for a particle.
+_SMOOTHING = 0.1
+
 #: Settings that must be the same on all ranks.
 _SETTINGS = (
     *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
@@ -50,17 +53,17 @@ _SETTINGS = (
 class World:
     """Particles that are distributed over the ranks of a communicator.
 
-    All methods and properties except `positions` and the other columns are collective: all ranks call
-    them in the same order. The particles of all ranks have the same states, in bits, as those of one
-    `jostle.World` with all particles, whatever the number of ranks and the distribution.
+    Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
+    `momentum` and `collisions`. The particles of all ranks have the same states, in bits, as those
+    of one `jostle.World` with all of them, whatever the number of ranks and the distribution.
 
     Parameters
     ----------
     comm : mpi4py.MPI.Intracomm
         The ranks. A duplicate of it is used.
     positions, velocities : array_like, shape (n, 2)
-        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of rank 0
-        first, then those of rank 1, and so on.
+        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of
+        rank 0 first, then those of rank 1, and so on.
     radii : array_like, a number or shape (n,)
         As for `jostle.World`.
     threads : int, default 1
@@ -72,7 +75,7 @@ class World:
     Raises
     ------
     TypeError, ValueError
-        As by `jostle.World`, for what is not supported (see Notes), or if the settings of ranks differ.
+        As by `jostle.World`, for what is not supported (see Notes), or if settings of ranks differ.
     RankError
         If another rank raises one of these.
 
@@ -83,12 +86,13 @@ class World:
 
     Notes
     -----
-    Not supported are resting contacts (gravity together with a coefficient of restitution below 1),
-    merging, `track_events`, and forces other than `Thermostat`, `ThermalWalls` and
-    `AndersenThermostat`. They are refused.
+    Not supported are merging, `track_events`, islands that sleep (pass ``sleeping=False`` if
+    gravity acts and a coefficient of restitution is below 1), and forces other than `Thermostat`,
+    `ThermalWalls` and `AndersenThermostat`. They are refused.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
-    32 steps the ranges are chosen anew, by the time that ranks need, and particles move to other ranks.
+    32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
+    ranks.
 
     Examples
     --------
@@ -117,9 +121,9 @@ class World:
                 np.zeros((0, 2)) if np.size(column) == 0 else column
                 for column in (positions, velocities)
             )
-            core = jostle.World(positions, velocities, radii, threads=threads, **options)
+            core: Any = jostle.World(positions, velocities, radii, threads=threads, **options)
             core._check_distributable()
-        self._core = core
+        self._core: Any = core
         self._check_settings()
         count = len(core)
         ids = first_id(self._comm, count) + np.arange(count)
@@ -127,8 +131,8 @@ class World:
 
     def _begin(self, comm: MPI.Intracomm) -> None:
         self._comm = comm.Dup()
-        self._core: Any
         self._messages = _Messages(self._comm)
+        self._work: float | None = None
 
     def _check_settings(self) -> None:
         """Refuse settings that differ between ranks."""
@@ -153,8 +157,8 @@ class World:
         Raises
         ------
         ValueError
-            If the step is refused, as by `jostle.World.step`. Then the world is as before this step,
-            on all ranks.
+            If the step is refused, as by `jostle.World.step`. Then the world is as before this
+            step, on all ranks.
         RankError
             If another rank cannot do the step, or is interrupted.
         """
@@ -175,11 +179,14 @@ class World:
         except BaseException as error:
             raise_together(self._comm, error)
         busy = time.perf_counter() - start - (self._messages.seconds - waited)
-        self._core._set_work(busy / max(len(self), 1))
+        work = busy / max(len(self), 1)
+        # One step may be disturbed by other processes.
+        self._work = work if self._work is None else self._work + _SMOOTHING * (work - self._work)
+        self._core._set_work(self._work)
 
     def __len__(self) -> int:
         """Number of particles of this rank."""
-        return self._own()[0]
+        return int(self._core._counts()[0])
 
     def __repr__(self) -> str:
         return (
@@ -188,15 +195,17 @@ class World:
         )
 
     def _own(self) -> tuple[int, NDArray[np.int64], int, tuple[int, int, int], int]:
-        return self._core._own()
+        own: tuple[int, NDArray[np.int64], int, tuple[int, int, int], int] = self._core._own()
+        return own
 
     def _column(self, name: str) -> NDArray[Any]:
-        return getattr(self._core, name)[: len(self)]
+        column: NDArray[Any] = getattr(self._core, name)
+        return column[: len(self)]
 
     @property
     def total(self) -> int:
         """Number of particles of all ranks."""
-        return self._own()[2]
+        return int(self._core._counts()[1])
 
     @property
     def ghosts(self) -> int:
@@ -207,11 +216,11 @@ class World:
     @property
     def time(self) -> float:
         """Simulated time in seconds."""
-        return self._core.time
+        return float(self._core.time)
 
     @property
     def ids(self) -> NDArray[np.int64]:
-        """Ids of this rank's particles: ndarray of int64, shape (n,), in the order of all columns."""
+        """Ids of this rank's particles: ndarray of int64, shape (n,), in the order of columns."""
         return self._own()[1][: len(self)]
 
     @property
@@ -229,7 +238,7 @@ class World:
     @property
     def profile(self) -> dict[str, float]:
         """Milliseconds of each stage of the last step on this rank, see `jostle.World.profile`."""
-        return self._core.profile
+        return dict(self._core.profile)
 
     @property
     def kinetic_energy(self) -> float:
@@ -250,7 +259,7 @@ class World:
 
     @property
     def momentum(self) -> tuple[float, float]:
-        """Sum of mass times velocity of the movable particles of all ranks, (x, y), rounded once."""
+        """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
         rows = self._records()
         rows = rows[rows["movable"]]
         x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
@@ -258,9 +267,9 @@ class World:
 
     @property
     def contacts(self) -> jostle.WorldContacts:
-        """The pairs that touched during the last step, each on one rank, see `jostle.World.contacts`.
+        """The pairs that touched during the last step, each on one rank.
 
-        Not collective. The pairs are of ids, sorted.
+        Not collective. The pairs are of ids, sorted; see `jostle.World.contacts`.
         """
         count, ids, *_ = self._own()
         found = self._core.contacts
@@ -291,7 +300,8 @@ class World:
         found = self._core.wall_contacts
         own = np.flatnonzero(found.ids < count)
         own = own[np.lexsort((found.walls[own], ids[found.ids[own]]))]
-        return jostle.WallContacts(ids[found.ids[own]], *(column[own] for column in found[1:]))
+        columns: Any = (column[own] for column in found[1:])
+        return jostle.WallContacts(ids[found.ids[own]], *columns)
 
     @property
     def collisions(self) -> jostle.WorldCollisions:
@@ -309,8 +319,8 @@ class World:
 
         Notes
         -----
-        The particles are sent to ranks in the order of ids, and the ranks compute the hash one after
-        the other.
+        The particles are sent to ranks in the order of ids, and the ranks compute the hash one
+        after the other.
         """
         rows = self._records()
         size, total = self._comm.size, self.total
@@ -352,7 +362,8 @@ class World:
         rows = deliver(self._comm, parts)
         if self._comm.rank != root:
             return None
-        return self._core._of_records(np.sort(rows, order="id").tobytes())
+        world: jostle.World = self._core._of_records(np.sort(rows, order="id").tobytes())
+        return world
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the world into one file, in which each rank writes a part.
@@ -367,8 +378,8 @@ class World:
         OSError
             If the file cannot be written; then an existing one is unchanged.
         ValueError
-            If particles rest on others: the file has no impulses of contacts, so the world would not
-            continue with the same bits.
+            If particles may rest on others: the file has no impulses of contacts, so the world
+            would not continue with the same bits.
 
         See Also
         --------
@@ -376,7 +387,9 @@ class World:
         """
         with together(self._comm):
             if self._core._rests():
-                raise ValueError("path: a distributed world with resting contacts cannot be saved yet")
+                raise ValueError(
+                    "path: a distributed world with resting contacts cannot be saved yet"
+                )
         settings = self._core._of_records(b"").snapshot()
         write(self._comm, Path(path), settings, self._records())
 
@@ -416,13 +429,14 @@ class World:
         world._begin(comm)
         settings, rows = read(world._comm, Path(path), RECORD)
         with together(world._comm):
-            core = jostle.World.restore(settings)._of_records(rows.tobytes())
+            empty: Any = jostle.World.restore(settings)
+            core = empty._of_records(rows.tobytes())
             core.threads = threads
         world._core = core
         core._distribute(world._messages, rows["id"].copy())
         return world
 
-    def _records(self) -> NDArray[np.void]:
+    def _records(self) -> NDArray[Any]:
         """The particles of this rank."""
         return np.frombuffer(self._core._own_records(), RECORD)
 
@@ -460,8 +474,12 @@ class _Messages:
 
     def exchange(self, parts: list[bytes], counts: list[int]) -> list[bytes]:
         """Send bytes to each rank; returns those from each rank, of which there are `counts`."""
+        if not parts:
+            return []
         start = time.perf_counter()
-        sent, got = (np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts))
+        sent, got = (
+            np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts)
+        )
         ends = np.cumsum(got)
         everything = bytearray(int(got.sum()))
         self._comm.Alltoallv(
@@ -469,4 +487,4 @@ class _Messages:
             [everything, got, ends - got, MPI.BYTE],
         )
         self.seconds += time.perf_counter() - start
-        return [bytes(everything[end - count : end]) for end, count in zip(ends, got)]
+        return [bytes(everything[end - count : end]) for end, count in zip(ends, got, strict=True)]

@@ -17,7 +17,7 @@ __all__ = ["sweep"]
 
 
 def sweep(runs: list[Run], out: Path, workers: int | None, console: Console) -> bool:
-    """Do the runs that are not in the file yet; Ctrl-C ends the sweep, and the file has the runs so far.
+    """Do the runs that are not in the file yet. After Ctrl-C the file has the runs so far.
 
     Returns
     -------
@@ -32,7 +32,10 @@ def sweep(runs: list[Run], out: Path, workers: int | None, console: Console) -> 
         if before:
             console.print(f"{before} of {len(runs)} runs are in {out} already.", highlight=False)
         bar = Progress(
-            TextColumn("runs"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(),
+            TextColumn("runs"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeRemainingColumn(),
             console=console,
         )
         try:

@@ -103,7 +103,7 @@ def plan(
     count = n if n is not None else jostle.scenes.default_count(scene)
     runs = []
     for combination in itertools.product(*values):
-        settings = dict(zip(names, combination))
+        settings = dict(zip(names, combination, strict=True))
         runs += [
             Run(
                 scene,

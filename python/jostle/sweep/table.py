@@ -45,7 +45,10 @@ class Table:
         if whole != text:
             # A sweep was killed while it wrote this row.
             os.truncate(self._path, len(whole.encode("utf-8")))
-        return [dict(zip(rows[0], row)) for row in rows[1:] if len(row) == len(rows[0])]
+        columns = rows[0]
+        return [
+            dict(zip(columns, row, strict=True)) for row in rows[1:] if len(row) == len(columns)
+        ]
 
     def add(self, row: dict[str, str]) -> None:
         """Append the row of a run; it is on disk before the next one."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import multiprocessing
 import os
 from collections.abc import Iterator
-from concurrent.futures import Executor, FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
+from typing import Any
 
 from .plan import Run
 from .run import do
@@ -25,13 +26,14 @@ def is_started_by_mpi() -> bool:
 
 @contextmanager
 def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
-    """Provide an executor and its number of processes; None on ranks that work for the first one."""
+    """Provide an executor and its number of processes; None on ranks that work for another."""
     if is_started_by_mpi():
         from mpi4py import MPI
         from mpi4py.futures import MPICommExecutor
 
-        with MPICommExecutor(MPI.COMM_WORLD, root=0) as pool:
-            yield None if pool is None else (pool, MPI.COMM_WORLD.size - 1)
+        with MPICommExecutor(MPI.COMM_WORLD, root=0) as ranks:
+            first: Any = ranks
+            yield None if ranks is None else (first, MPI.COMM_WORLD.size - 1)
         return
     count = workers or os.cpu_count() or 1
     # A forked process would have no threads for steps, and could inherit locked locks.

@@ -65,6 +65,11 @@ impl PyWorld {
         }))
     }
 
+    /// The number of own particles, and that of all ranks. For `jostle.mpi`.
+    fn _counts(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
+        Ok(self.state(py)?.world.own_and_all())
+    }
+
     /// The own particles as records. For `jostle.mpi`.
     fn _own_records<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
@@ -74,6 +79,12 @@ impl PyWorld {
     fn _of_records(&self, py: Python<'_>, records: &[u8]) -> PyResult<Self> {
         let world = self.long(py, |state| state.world.of_records(records))?;
         Ok(Self::of(world.map_err(refused)?))
+    }
+
+    /// Choose domains anew after so many steps. For tests.
+    fn _rebalance_every(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
+        self.state(py)?.world.rebalance_every(steps);
+        Ok(())
     }
 
     /// Tell the time that this rank needs for each particle. For `jostle.mpi`.

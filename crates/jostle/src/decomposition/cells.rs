@@ -13,8 +13,9 @@ const MOST: f64 = 256.0;
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {
     origin: [f64; 2],
-    /// Width and height of a cell.
-    side: [f64; 2],
+    /// Cells in a unit of length.
+    per_length: [f64; 2],
+    extent: f64,
     /// Cells along each axis.
     count: usize,
     is_periodic: bool,
@@ -26,11 +27,17 @@ impl Grid {
         let count = (total as f64 / IN_A_CELL).sqrt().clamp(1.0, MOST).floor();
         let period = container.period().map(|size| size.map(f64::from));
         let origin = if period.is_some() { [0.0; 2] } else { low };
-        let side = [0, 1].map(|k| {
-            let side = period.map_or(high[k] - low[k], |size| size[k]) / count;
+        let sides = [0, 1].map(|k| {
+            let side = period.map_or(high[k] - low[k], |size| size[k]);
             if side > 0.0 && side.is_finite() { side } else { 1.0 }
         });
-        Self { origin, side, count: count as usize, is_periodic: period.is_some() }
+        Self {
+            origin,
+            per_length: sides.map(|side| count / side),
+            extent: sides[0].max(sides[1]),
+            count: count as usize,
+            is_periodic: period.is_some(),
+        }
     }
 
     /// The number of cells.
@@ -40,32 +47,48 @@ impl Grid {
 
     /// The longer side of all cells together.
     pub fn extent(&self) -> f64 {
-        self.side[0].max(self.side[1]) * self.count as f64
+        self.extent
     }
 
-    /// Calls `act` with each cell that the AABB of a circle overlaps; it may name one twice.
+    /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last of
+    /// each. On a torus the first may be behind the last.
     #[inline(always)]
-    pub fn each_cell(&self, center: [f32; 2], radius: f64, mut act: impl FnMut(usize)) {
-        let [columns, rows] = [0, 1].map(|k| {
+    pub fn range(&self, center: [f32; 2], radius: f64) -> [[u16; 2]; 2] {
+        let last_cell = self.count as f64 - 1.0;
+        [0, 1].map(|k| {
             let along = f64::from(center[k]) - self.origin[k];
-            let cells = [along - radius, along + radius].map(|v| (v / self.side[k]).floor() as i64);
-            let [first, last] = cells;
+            let ends = [along - radius, along + radius].map(|v| (v * self.per_length[k]).floor());
             if !self.is_periodic {
-                let last_cell = self.count as i64 - 1;
-                return (first.clamp(0, last_cell), last.clamp(0, last_cell));
+                return ends.map(|cell| cell.clamp(0.0, last_cell) as u16);
             }
-            // All cells, if it is wider than the torus.
-            if last.saturating_sub(first) >= self.count as i64 {
-                (0, self.count as i64 - 1)
-            } else {
-                (first, last)
+            // All cells, if it is about as wide as the torus.
+            if ends[1] - ends[0] >= last_cell || !(ends[1] - ends[0]).is_finite() {
+                return [0, last_cell as u16];
             }
-        });
-        let within = |cell: i64| cell.rem_euclid(self.count as i64) as usize;
-        for column in columns.0..=columns.1 {
-            for row in rows.0..=rows.1 {
-                act(within(column) * self.count + within(row));
+            let count = self.count as f64;
+            ends.map(|cell| (cell - count * (cell / count).floor()) as u16)
+        })
+    }
+
+    /// Calls `act` with each cell of such a range.
+    #[inline(always)]
+    pub fn each_cell(&self, range: [[u16; 2]; 2], mut act: impl FnMut(usize)) {
+        let [columns, rows] = range.map(|[first, last]| [usize::from(first), usize::from(last)]);
+        let next = |cell: usize| if cell + 1 == self.count { 0 } else { cell + 1 };
+        let mut column = columns[0];
+        loop {
+            let mut row = rows[0];
+            loop {
+                act(column * self.count + row);
+                if row == rows[1] {
+                    break;
+                }
+                row = next(row);
             }
+            if column == columns[1] {
+                break;
+            }
+            column = next(column);
         }
     }
 }
@@ -125,9 +148,8 @@ mod tests {
 
     fn cells(grid: &Grid, center: [f32; 2], radius: f64) -> Vec<usize> {
         let mut cells = Vec::new();
-        grid.each_cell(center, radius, |cell| cells.push(cell));
+        grid.each_cell(grid.range(center, radius), |cell| cells.push(cell));
         cells.sort_unstable();
-        cells.dedup();
         cells
     }
 

@@ -31,7 +31,7 @@ impl World {
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
         memory.contact_shape = contacts.shape();
         if let Some(domain) = domain {
-            let of_pairs = domain.digest_colours(contacts, lists, rows);
+            let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
             memory.contact_shape = domain.shape_of_all(memory.contact_shape)?;
             domain.add_pair_digests(of_pairs);
         }

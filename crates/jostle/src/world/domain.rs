@@ -36,6 +36,14 @@ pub(super) struct Announced {
     pub(super) distance: f32,
 }
 
+/// A hash of the contact of an own particle with a ghost.
+pub(super) struct PairDigest {
+    /// The rows of both.
+    rows: [u32; 2],
+    movable: [bool; 2],
+    hash: u64,
+}
+
 /// The distribution of a world over ranks.
 #[derive(Debug)]
 pub(super) struct Domain {
@@ -85,6 +93,8 @@ pub(super) struct Domain {
     pub(super) repeats: u64,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
+    /// Steps after which domains are chosen anew.
+    pub(super) rebalance_every: u64,
 }
 
 impl Domain {
@@ -142,6 +152,14 @@ impl Domain {
 
     /// Lists the places of own and of shared particles.
     pub(super) fn list_places(&mut self, rows: &[u32]) {
+        if rows.len() == self.own && self.sent.iter().all(Vec::is_empty) {
+            self.is_own.clear();
+            self.is_own.resize(rows.len(), true);
+            self.shared.clear();
+            let size = self.sent.len();
+            (self.sent_places, self.ghost_places) = (vec![vec![]; size], vec![vec![]; size]);
+            return;
+        }
         let mut places = vec![0; rows.len()];
         (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
         self.sent_places.resize(self.sent.len(), Vec::new());
@@ -161,37 +179,46 @@ impl Domain {
     }
 
     /// Hashes of the contacts of own particles with ghosts, and of their colours, which follow from those
-    /// of other contacts nearby: the rows of both and the hash.
+    /// of other contacts nearby.
     pub(super) fn digest_colours(
         &self,
         contacts: &Contacts,
         lists: &Lists,
+        particles: &Particles,
         rows: &[u32],
-    ) -> Vec<([u32; 2], u64)> {
+    ) -> Vec<PairDigest> {
         let mut found = Vec::new();
         contacts.each_coloured(lists, |places, [colour, kind]| {
+            let movable = places.map(|place| particles.movable[place as usize]);
             let rows = places.map(|place| rows[place as usize]);
             let [a, b] = rows.map(|row| self.ids[row as usize]);
             let colour = u64::from(colour) << 8 | u64::from(kind);
             let hash = digest(digest(digest(1, a.min(b) as u64), a.max(b) as u64), colour);
             match rows.map(|row| self.owns(row)) {
-                [true, false] => found.push((rows, hash)),
-                [false, true] => found.push(([rows[1], rows[0]], hash)),
+                [true, false] => found.push(PairDigest { rows, movable, hash }),
+                [false, true] => {
+                    let (rows, movable) = ([rows[1], rows[0]], [movable[1], movable[0]]);
+                    found.push(PairDigest { rows, movable, hash });
+                }
                 _ => {}
             }
         });
         found
     }
 
-    /// Adds these hashes to those of the step.
-    pub(super) fn add_pair_digests(&mut self, found: Vec<([u32; 2], u64)>) {
-        for ([own, ghost], hash) in found {
-            let rank = self.ghost_ranks[ghost as usize - self.own];
-            let sums = [
-                &mut self.ghost_pairs[ghost as usize],
-                self.own_pairs.entry((own, rank)).or_default(),
-            ];
-            sums.into_iter().for_each(|sum| *sum = sum.wrapping_add(hash));
+    /// Adds these hashes to those of the step. A rank need not have the neighbours of its particles that
+    /// are not movable, so the pairs of these are not compared.
+    pub(super) fn add_pair_digests(&mut self, found: Vec<PairDigest>) {
+        for PairDigest { rows: [own, ghost], movable, hash } in found {
+            if movable[1] {
+                let sum = &mut self.ghost_pairs[ghost as usize];
+                *sum = sum.wrapping_add(hash);
+            }
+            if movable[0] {
+                let rank = self.ghost_ranks[ghost as usize - self.own];
+                let sum = self.own_pairs.entry((own, rank)).or_default();
+                *sum = sum.wrapping_add(hash);
+            }
         }
     }
 
@@ -218,14 +245,21 @@ impl Domain {
     ) {
         let Memory { limits, reaches, .. } = memory;
         limits.clear();
+        if self.sent.len() < 2 {
+            return;
+        }
         for ((&row, position), &reach) in rows.iter().zip(&particles.positions).zip(&*reaches) {
             let Some(of) = self.announced.get(row as usize) else {
                 limits.push(f32::INFINITY);
                 continue;
             };
-            let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
-            let [x, y] = container.minimum_image(offset);
-            let moved = (x.hypot(y) * 1.000_01) as f32;
+            let moved = if *position == of.position {
+                0.0
+            } else {
+                let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
+                let [x, y] = container.minimum_image(offset);
+                (x.hypot(y) * 1.000_01) as f32
+            };
             let left = of.distance - moved;
             if left < reach {
                 self.far.push((row, moved + reach));
@@ -283,6 +317,7 @@ impl World {
             steps: 0,
             repeats: 0,
             work: 1.0,
+            rebalance_every: REBALANCE_EVERY,
         }));
         Ok(())
     }
@@ -325,6 +360,14 @@ impl World {
         })
     }
 
+    /// The number of own particles, and that of all ranks.
+    pub fn own_and_all(&self) -> (usize, usize) {
+        match &self.domain {
+            None => (self.len(), self.len()),
+            Some(domain) => (domain.own, domain.total),
+        }
+    }
+
     /// The own particles as records, see [`read_records`].
     pub fn own_records(&self) -> Vec<u8> {
         let Some(domain) = &self.domain else { return Vec::new() };
@@ -358,6 +401,13 @@ impl World {
             && work.is_finite()
         {
             domain.work = work;
+        }
+    }
+
+    /// Chooses domains anew after so many steps, the same number on all ranks.
+    pub fn rebalance_every(&mut self, steps: u64) {
+        if let Some(domain) = &mut self.domain {
+            domain.rebalance_every = steps.max(1);
         }
     }
 
@@ -461,7 +511,7 @@ impl World {
     /// require. There must be no ghosts.
     pub(super) fn move_to_domains(&mut self) -> Result<()> {
         let Some(domain) = &self.domain else { return Ok(()) };
-        if domain.steps.is_multiple_of(REBALANCE_EVERY) {
+        if domain.steps.is_multiple_of(domain.rebalance_every) {
             self.rebalance()?;
         }
         let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);

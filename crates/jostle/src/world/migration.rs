@@ -47,7 +47,25 @@ impl World {
         self.append_records(&records, true);
         self.take_sides(first, &sides);
         self.take_resting(first, &resting, &pushes);
+        self.renumber();
         Ok(())
+    }
+
+    /// Gives the rows the order of the places, so that what is stored by rows is near in memory to what is
+    /// stored by places.
+    fn renumber(&mut self) {
+        let Self { domain, rows, wall_impulses, .. } = self;
+        let Some(domain) = domain else { return };
+        let mut new = vec![0; rows.len()];
+        (0..).zip(&*rows).for_each(|(place, &row)| new[row as usize] = place);
+        domain.ids = rows.iter().map(|&row| domain.ids[row as usize]).collect();
+        for of in &mut domain.resting {
+            of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
+        }
+        wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
+        wall_impulses.sort_by_key(|of| (of.row, of.wall));
+        (0..).zip(rows).for_each(|(place, row)| *row = place);
+        self.forget_places();
     }
 
     /// What leaves this rank.

@@ -91,6 +91,10 @@ impl World {
         widening: f64,
         further: &HashMap<u32, f32>,
     ) -> Result<()> {
+        if self.is_alone() {
+            self.recall_resting();
+            return Ok(());
+        }
         let (grid, margin) = self.grid_and_margin(dt, widening)?;
         let arrived = {
             let Self { domain, particles, rows, settings, .. } = self;
@@ -98,12 +102,13 @@ impl World {
             domain.announced.resize(domain.own, Announced::default());
             let [gx, gy] = settings.gravity;
             let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
+            let mut group = locked(&domain.group);
+            domain.sent.resize(group.size(), Vec::new());
+            domain.sent.iter_mut().for_each(Vec::clear);
+            domain.is_sent.clear();
+            domain.is_sent.resize(domain.own, false);
             let mut marks = Marks::new(&grid);
-            let circle = |place: usize, announced: &Announced| {
-                let center = settings.container.wrap(particles.positions[place]);
-                let radius = f64::from(particles.radii[place]) + f64::from(announced.distance);
-                (center, radius * 1.000_01 + f64::from(f32::EPSILON) * grid.extent())
-            };
+            let mut cells = Vec::with_capacity(rows.len());
             for (place, &row) in rows.iter().enumerate() {
                 let [u, v] = particles.velocities[place];
                 let own = (u * u + v * v).sqrt() * dt * 1.000_01;
@@ -114,25 +119,23 @@ impl World {
                     position: particles.positions[place],
                     distance: distance + margin as f32,
                 };
+                let center = settings.container.wrap(particles.positions[place]);
+                let radius = f64::from(particles.radii[place]) + f64::from(of.distance);
+                let rounding = f64::from(f32::EPSILON) * grid.extent();
+                let range = grid.range(center, radius * 1.000_01 + rounding);
+                cells.push(range);
                 // Nothing changes the motion of others.
                 if particles.movable[place] {
-                    let (center, radius) = circle(place, of);
-                    grid.each_cell(center, radius, |cell| marks.set(cell));
+                    grid.each_cell(range, |cell| marks.set(cell));
                 }
             }
-            let mut group = locked(&domain.group);
             let all = group.share(&marks.0)?;
             let near = Near::new(&grid, &all, group.rank());
             let mut to = vec![Vec::new(); group.size()];
-            domain.sent.resize(to.len(), Vec::new());
-            domain.sent.iter_mut().for_each(Vec::clear);
-            domain.is_sent.clear();
-            domain.is_sent.resize(domain.own, false);
             let mut ranks = Vec::new();
             for (place, &row) in rows.iter().enumerate() {
-                let (center, radius) = circle(place, &domain.announced[row as usize]);
                 ranks.clear();
-                grid.each_cell(center, radius, |cell| ranks.extend_from_slice(near.of(cell)));
+                grid.each_cell(cells[place], |cell| ranks.extend_from_slice(near.of(cell)));
                 if ranks.is_empty() {
                     continue;
                 }
@@ -153,6 +156,11 @@ impl World {
         }
         self.recall_resting();
         Ok(())
+    }
+
+    /// Whether there is one rank only, which has no ghosts.
+    fn is_alone(&self) -> bool {
+        self.domain.as_ref().is_none_or(|domain| locked(&domain.group).size() < 2)
     }
 
     /// The grid of cells over all particles, and the margin around each.
@@ -209,9 +217,9 @@ impl World {
         for (place, &limit) in memory.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (memory.motions.position(place as u32), particles.positions[place]);
-            let distance = f64::from(x - u).hypot(f64::from(y - v)) as f32;
-            if distance > limit {
-                domain.far.push((rows[place], distance));
+            let square = (x - u) * (x - u) + (y - v) * (y - v);
+            if square > limit * limit {
+                domain.far.push((rows[place], square.sqrt()));
             }
         }
     }
@@ -252,6 +260,9 @@ impl World {
     fn agrees_with_other_ranks(&mut self) -> Result<bool> {
         let Some(domain) = &self.domain else { return Ok(true) };
         let mut group = locked(&domain.group);
+        if group.size() < 2 {
+            return Ok(true);
+        }
         let far = group.sum([domain.far.len() as u64])?;
         if far != [0] {
             return Ok(false);
