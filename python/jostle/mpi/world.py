@@ -208,6 +208,66 @@ class World:
         return int(self._core._counts()[1])
 
     @property
+    def positions(self) -> NDArray[Any]:
+        """Centres: ndarray of float32, shape (n, 2), in the order of `ids`."""
+        return self._column("positions")
+
+    @property
+    def velocities(self) -> NDArray[Any]:
+        """Velocities: ndarray of float32, shape (n, 2), in the order of `ids`."""
+        return self._column("velocities")
+
+    @property
+    def radii(self) -> NDArray[Any]:
+        """Radii: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("radii")
+
+    @property
+    def masses(self) -> NDArray[Any]:
+        """Masses: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("masses")
+
+    @property
+    def restitutions(self) -> NDArray[Any]:
+        """Coefficients of restitution: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("restitutions")
+
+    @property
+    def movable(self) -> NDArray[Any]:
+        """Which particles are movable: ndarray of bool, shape (n,), in the order of `ids`."""
+        return self._column("movable")
+
+    @property
+    def friction(self) -> NDArray[Any]:
+        """Coefficients of friction: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("friction")
+
+    @property
+    def angles(self) -> NDArray[Any]:
+        """Angles in radians: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("angles")
+
+    @property
+    def angular_velocities(self) -> NDArray[Any]:
+        """Angular velocities: ndarray of float32, shape (n,), in the order of `ids`."""
+        return self._column("angular_velocities")
+
+    @property
+    def categories(self) -> NDArray[Any]:
+        """Categories: ndarray of uint32, shape (n,), in the order of `ids`."""
+        return self._column("categories")
+
+    @property
+    def masks(self) -> NDArray[Any]:
+        """Masks: ndarray of uint32, shape (n,), in the order of `ids`."""
+        return self._column("masks")
+
+    @property
+    def sensors(self) -> NDArray[Any]:
+        """Which particles are sensors: ndarray of bool, shape (n,), in the order of `ids`."""
+        return self._column("sensors")
+
+    @property
     def ghosts(self) -> int:
         """Number of copies of particles of other ranks in the last step."""
         count, ids, *_ = self._own()
@@ -439,20 +499,6 @@ class World:
     def _records(self) -> NDArray[Any]:
         """The particles of this rank."""
         return np.frombuffer(self._core._own_records(), RECORD)
-
-
-def _column_of(name: str) -> property:
-    about = getattr(jostle.World, name).__doc__ or ""
-    shape = about.split(":", 1)[0].rstrip(".")
-    text = f"{shape} of this rank's particles, in the order of `ids`; see `jostle.World.{name}`."
-    return property(lambda self: self._column(name), doc=text)
-
-
-for _name in (
-    *("positions", "velocities", "radii", "masses", "restitutions", "movable", "friction"),
-    *("angles", "angular_velocities", "categories", "masks", "sensors"),
-):
-    setattr(World, _name, _column_of(_name))
 
 
 class _Messages:
