@@ -201,7 +201,7 @@ def test_columns_are_read_only():
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
         (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
         (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
-        (lambda: jostle.PairForce.particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it must"),
+        (lambda: jostle.PairForce.particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
         (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, strength=np.nan),
          "strength is NaN; it must be finite"),
         (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),

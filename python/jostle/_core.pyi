@@ -292,8 +292,7 @@ def find_pairs(
 class RankError(RuntimeError):
     """Another rank could not do its part of a call, so no rank completes it.
 
-    The rank with the cause raises the cause itself. The others raise this error with the number
-    of that rank and its message.
+    The rank with the cause raises the cause itself. The others raise this error with the number of that rank and its message.
     """
 
 def begin_hash(total: int) -> int:
@@ -415,7 +414,8 @@ def separate(
     gap : float, default 0.0
         Least distance between the surfaces of two shapes.
     bounds : array_like, shape (4,), optional
-        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside
+        entirely; with `axis`, along that axis alone.
     max_rounds : int, default 1000
         Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
         with fewer than 32, crowded regions are not enlarged.
@@ -434,7 +434,7 @@ def separate(
         centers : ndarray of float32 or float64, shape (n, 2)
             The new centres.
         rounds : int
-            Number of rounds.
+            Number of rounds, at most `max_rounds`; placing along an axis counts as one.
         overlaps : int
             Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
             are separated.
@@ -4877,7 +4877,7 @@ class PairForce:
         kinds : array_like of int, shape (n,)
             The kind of each particle, from 0 to K - 1.
         epsilon : array_like, a number or shape (K, K)
-            Depth of the potential, in units of energy.
+            Depth of the potential, in units of energy, at least 0.
         sigma : array_like, a number or shape (K, K)
             Distance at which it is 0, in units of length. The minimum is at ``2**(1/6) * sigma``.
         cutoff : float
@@ -4918,7 +4918,7 @@ class PairForce:
         kinds : array_like of int, shape (n,)
             The kind of each particle, from 0 to K - 1.
         stiffness : array_like, a number or shape (K, K)
-            Force per unit of overlap.
+            Force per unit of overlap, at least 0.
         diameters : array_like, a number or shape (K, K)
             Distance below which two kinds overlap, in units of length. The largest is the cutoff.
         damping : float, default 0.0
@@ -5224,7 +5224,8 @@ class ThermalWalls:
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
         Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-        0 is the wall of a `Circle`. If omitted, all; none if `walls` is given.
+        0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+        is given.
     seed : int, default 0
         Seed of the random numbers, below 2³².
     walls : array_like of int, shape (m,), optional
@@ -5237,7 +5238,8 @@ class ThermalWalls:
         If an argument has the wrong type.
     ValueError
         If a number is out of range, or a side or a wall is given twice. When it is assigned to
-        `World.forces`, also if a wall does not exist, or has a temperature already.
+        `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
+        not have a side. A change of `World.container` to one without it is refused, too.
 
     See Also
     --------
