@@ -4824,7 +4824,7 @@ class PairForce:
         kinds : array_like of int, shape (n,)
             The kind of each particle, from 0 to K - 1.
         epsilon : array_like, a number or shape (K, K)
-            Depth of the potential, in units of energy.
+            Depth of the potential, in units of energy, at least 0.
         sigma : array_like, a number or shape (K, K)
             Distance at which it is 0, in units of length. The minimum is at ``2**(1/6) * sigma``.
         cutoff : float
@@ -4865,7 +4865,7 @@ class PairForce:
         kinds : array_like of int, shape (n,)
             The kind of each particle, from 0 to K - 1.
         stiffness : array_like, a number or shape (K, K)
-            Force per unit of overlap.
+            Force per unit of overlap, at least 0.
         diameters : array_like, a number or shape (K, K)
             Distance below which two kinds overlap, in units of length. The largest is the cutoff.
         damping : float, default 0.0
@@ -5171,7 +5171,8 @@ class ThermalWalls:
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
         Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-        0 is the wall of a `Circle`. If omitted, all; none if `walls` is given.
+        0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+        is given.
     seed : int, default 0
         Seed of the random numbers, below 2³².
     walls : array_like of int, shape (m,), optional
@@ -5184,7 +5185,8 @@ class ThermalWalls:
         If an argument has the wrong type.
     ValueError
         If a number is out of range, or a side or a wall is given twice. When it is assigned to
-        `World.forces`, also if a wall does not exist, or has a temperature already.
+        `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
+        not have a side. A change of `World.container` to one without it is refused, too.
 
     See Also
     --------
