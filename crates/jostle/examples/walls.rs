@@ -5,6 +5,7 @@
 //! `valgrind --tool=callgrind "--toggle-collect=*among_walls*" target/local/examples/walls 3000 300 3 1 gas`,
 //! and `*step_alone*`.
 
+use std::hint::black_box;
 use std::time::Instant;
 
 use jostle::scenes::random::Random;
@@ -71,14 +72,16 @@ fn main() {
     }
 }
 
-/// Functions of their own, so that callgrind can count each.
+/// Functions of their own, so that callgrind can count each. The compiler would merge equal ones.
 #[inline(never)]
 fn step_alone(world: &mut World) -> [f64; Stage::ALL.len()] {
+    black_box("alone");
     step(world, 1)
 }
 
 #[inline(never)]
 fn step_among_walls(world: &mut World) -> [f64; Stage::ALL.len()] {
+    black_box("among walls");
     step(world, 1)
 }
 

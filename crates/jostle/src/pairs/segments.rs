@@ -7,18 +7,14 @@ use std::ops::Range;
 
 use super::output::{Budget, Output};
 use super::{Found, JoinScratch, unchanged};
-use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::parallel;
-use crate::quadtree::Quadtree;
+use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Number, Simd, Work, block, first_lanes};
 
 /// Approximate number of values read for a node.
 const NODE_WORK: usize = 8;
-
-/// Blocks with circles that are near a segment, of which the pairs are written at a time.
-const MOST_BLOCKS: usize = 32;
 
 /// Relative size of the rounding in the computation of a distance, with a reserve.
 const ROUNDING: f64 = 4e-6;
@@ -84,7 +80,8 @@ pub fn near_segments(
     scratch: &mut JoinScratch,
 ) -> Result<Found> {
     let JoinScratch { pairs, tasks } = scratch;
-    let leaves = (0..).zip(tree.nodes()).filter(|(_, node)| node.is_leaf());
+    let is_leaf = |node: &Node| node.is_leaf() && !circles.is_empty();
+    let leaves = (0..).zip(tree.nodes()).filter(|&(_, node)| is_leaf(node));
     tasks.clear();
     tasks.extend(leaves.map(|(leaf, _)| [leaf, 0]));
     let threads = parallel::worthwhile(circles.settings().threads, tree.len() + circles.len());
@@ -115,88 +112,45 @@ impl Work<f32> for Leaf<'_, '_> {
     fn run<S: Simd<f32>>(self, simd: S) {
         let Self { tree, segments, circles, leaf, stack, output } = self;
         let (own, places) = (&tree.bounds()[leaf], tree.nodes()[leaf].range());
-        // The leaves that were found are at the beginning, those to be visited at the end.
-        let mut found = 0;
-        while stack.len() > found {
+        while let Some([_, index]) = stack.pop() {
             if output.is_over(NODE_WORK) {
                 return;
             }
-            let [_, index] = stack.pop().expect("it is not empty");
             let bounds = &circles.bounds()[index as usize];
             if !own.overlaps_unfiltered(bounds, [0.0; 2], f32::NEG_INFINITY) {
                 continue;
             }
             let node = &circles.nodes()[index as usize];
-            if node.is_leaf() {
-                stack.push([index, index]);
-                let last = stack.len() - 1;
-                stack.swap(found, last);
-                found += 1;
-            } else {
+            if !node.is_leaf() {
                 stack.extend(node.children().map(|child| [0, child as u32]));
+                continue;
             }
-        }
-        for place in places {
-            let mut blocks = Blocks { place: place as u32, found: [(0, 0); MOST_BLOCKS], len: 0 };
-            let mut count = 0;
-            for at in 0..found {
-                // Without a branch, which would often be predicted wrongly.
-                let leaf = stack[at][1];
-                stack[count][0] = leaf;
-                let is_near = segments[place].may_reach(&circles.bounds()[leaf as usize]);
-                count += usize::from(is_near);
+            for place in places.clone() {
+                if segments[place].may_reach(bounds) {
+                    test(simd, &segments[place], place as u32, circles, node.range(), output);
+                }
             }
-            for &[leaf, _] in &stack[..count] {
-                let range = circles.nodes()[leaf as usize].range();
-                test(simd, &segments[place], circles.columns(), range, &mut blocks, output);
-            }
-            blocks.emit(simd, output);
         }
     }
 }
 
-/// Blocks of circles with circles that are near a segment.
-struct Blocks {
-    /// The segment.
-    place: u32,
-    /// The first circle of each block, and a bit for each that is near.
-    found: [(u32, u32); MOST_BLOCKS],
-    len: usize,
-}
-
-impl Blocks {
-    /// Appends the pairs to the output.
-    #[inline(always)]
-    fn emit<S: Simd<f32>>(&mut self, simd: S, output: &mut Output<'_>) {
-        let Some(room) = output.room(self.len * LANES) else { return };
-        let mut count = 0;
-        for &(first, bits) in &self.found[..self.len] {
-            let to = room[count..].first_chunk_mut().expect("there is room");
-            simd.pair_with_places(self.place, first, bits, to);
-            count += bits.count_ones() as usize;
-        }
-        output.accept(count);
-        self.len = 0;
-    }
-}
-
-/// Finds the circles of a range that are near a segment.
+/// Appends the circles of a range that are near a segment.
 #[inline(always)]
 fn test<S: Simd<f32>>(
     simd: S,
     segment: &LineSegment,
-    columns: &Columns<f32>,
+    place: u32,
+    circles: &Quadtree<f32>,
     range: Range<usize>,
-    blocks: &mut Blocks,
     output: &mut Output<'_>,
 ) {
+    let columns = circles.columns();
     let ([px, py], [ux, uy]) = (segment.start, segment.along);
     let [px, py, ux, uy] = [px, py, ux, uy].map(|v| simd.splat(v));
     let (zero, length) = (simd.splat(0.0), simd.splat(segment.length));
     let (least, margin) = (simd.splat(segment.least_radius), simd.splat(segment.margin));
     let scale = simd.splat(1.0 + ROUNDING as f32);
-    let mut start = range.start;
-    while start < range.end {
+    for start in range.clone().step_by(LANES) {
         let x = simd.sub(simd.load(block(&columns.x, start)), px);
         let y = simd.sub(simd.load(block(&columns.y, start)), py);
         let along = simd.add(simd.mul(x, ux), simd.mul(y, uy));
@@ -207,11 +161,12 @@ fn test<S: Simd<f32>>(
         let reach = simd.add(simd.mul(radius, scale), margin);
         let near = simd.at_most(square, simd.mul(reach, reach));
         let bits = near & first_lanes(range.end - start);
-        if blocks.len == MOST_BLOCKS {
-            blocks.emit(simd, output);
+        if bits == 0 {
+            continue;
         }
-        blocks.found[blocks.len] = (start as u32, bits);
-        blocks.len += usize::from(bits != 0);
-        start += LANES;
+        let Some(room) = output.room(LANES) else { return };
+        let to = room.first_chunk_mut().expect("there is room");
+        simd.pair_with_places(place, start as u32, bits, to);
+        output.accept(bits.count_ones() as usize);
     }
 }

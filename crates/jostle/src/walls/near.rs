@@ -228,14 +228,15 @@ impl Around<'_> {
         }
         // Not a number without displacement of a point.
         let parts = longest / (PART * radius);
+        let is_long = parts > 1.0;
         let mut search = Search { around: self, segment, until, radius, gravity, first: None };
-        if !(parts > 1.0) && self.stays_near(place, segment.position, longest) {
+        if !is_long && self.stays_near(place, segment.position, longest) {
             self.near.each(place, |wall, offset| {
                 search.test(wall, offset, [start, until], &limits);
             });
             return search.first;
         }
-        let parts = if parts > 1.0 { parts.min(MOST_PARTS).ceil() } else { 1.0 };
+        let parts = if is_long { parts.min(MOST_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
