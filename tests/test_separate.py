@@ -166,6 +166,39 @@ def test_bounds_that_are_too_small_are_reported() -> None:
     assert (np.abs(apart.centers) <= 2).all()
 
 
+def test_rounds_end_soon_if_nothing_gets_better() -> None:
+    """Fewer than ten overlaps that nothing can remove."""
+    apart = jostle.separate([(0, 0), (0.1, 0), (0, 0.1)], 1.0, bounds=(-1.5, -1.5, 1.5, 1.5))
+    assert apart.overlaps > 0 and apart.rounds < 200
+
+
+@pytest.mark.parametrize("most", [1, 3, 40])
+def test_there_are_no_more_rounds_than_asked(most: int) -> None:
+    rng = np.random.default_rng(2)
+    for axis in (None, 0, 1):
+        apart = jostle.separate(rng.normal(0, 3, (2000, 2)), 1.0, axis=axis, max_rounds=most)
+        assert apart.rounds <= most
+
+
+def test_bounds_along_an_axis() -> None:
+    # Wider than the bounds, but moved along y alone.
+    wide = jostle.separate([(0, 9), (1, 9)], half_sizes=(5, 1), axis=1, bounds=(-1, -4, 1, 4))
+    assert wide.overlaps == 0 and wide.centers[:, 0].tolist() == [0, 1]
+    assert (np.abs(wide.centers[:, 1]) <= 3).all()
+    # Too little room: all are inside nevertheless.
+    crowd = jostle.separate(np.tile((0.0, 50.0), (40, 1)), 1.0, axis=1, bounds=(-1, -4, 1, 4))
+    assert crowd.overlaps > 0 and (np.abs(crowd.centers[:, 1]) <= 3).all()
+
+
+def test_a_shape_that_is_pushed_far_in_one_round_is_found() -> None:
+    """Far beyond the margin of the lists: onto one that was not near."""
+    centers = np.array([(0, 0), (0.5, 0), (60.0, 0), *[(300.0 + 3 * k, 0) for k in range(50)]])
+    radii = np.concatenate([[50, 1, 1], np.ones(50)])
+    for rounds in range(6):
+        apart = jostle.separate(centers, radii, fixed=np.arange(53) == 0, max_rounds=rounds)
+        assert apart.overlaps == count(apart.centers, radii, np.zeros((53, 2)))
+
+
 def test_a_heap_of_labels() -> None:
     rng = np.random.default_rng(6)
     n = 10_000

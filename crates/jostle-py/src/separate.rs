@@ -39,7 +39,8 @@ use crate::shapes::{Rows, Shapes};
 /// gap : float, default 0.0
 ///     Least distance between the surfaces of two shapes.
 /// bounds : array_like, shape (4,), optional
-///     Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+///     Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside
+///     entirely; with `axis`, along that axis alone.
 /// max_rounds : int, default 1000
 ///     Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
 ///     with fewer than 32, crowded regions are not enlarged.
@@ -58,7 +59,7 @@ use crate::shapes::{Rows, Shapes};
 ///     centers : ndarray of float32 or float64, shape (n, 2)
 ///         The new centres.
 ///     rounds : int
-///         Number of rounds.
+///         Number of rounds, at most `max_rounds`; placing along an axis counts as one.
 ///     overlaps : int
 ///         Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
 ///         are separated.

@@ -2,16 +2,16 @@
 
 use std::cmp::Ordering;
 
-use super::Separation;
+use super::{Separation, near};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
-use crate::shapes::{Each, Shapes};
+use crate::shapes::Shapes;
 
-/// Maximum number of shapes in a leaf of the first tree.
-const LEAF_CAPACITY: usize = 32;
+/// Maximum number of shapes in a leaf of the tree.
+const LEAF_CAPACITY: usize = 64;
 
 /// What does not change of a shape.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,46 +50,95 @@ pub struct Bodies<T> {
     pub centers: Vec<[T; 2]>,
     /// Mean half width and half height, with radii.
     pub mean_extents: [T; 2],
+    /// Whether some are fixed.
+    pub any_fixed: bool,
 }
 
-impl<T: Scalar> Bodies<T> {
-    /// Sorts shapes, and returns the tree that sorted them.
-    pub fn sorted(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<(Self, Quadtree<T>)> {
+/// Shapes in the order of the caller's rows.
+pub struct Given<T> {
+    all: Vec<Body<T>>,
+    centers: Vec<[T; 2]>,
+    mean_extents: [T; 2],
+}
+
+impl<T: Scalar> Given<T> {
+    /// The shapes of a call.
+    pub fn of(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Self> {
         let body = |row: usize| {
             let shape = shapes.shape(row);
             let weight = if rules.fixed.at(row) { T::INFINITY } else { rules.weights.at(row) };
             Body { half: shape.core_half_size(), radius: shape.radius, weight }
         };
-        let values = |row| {
-            let Body { half, radius, weight } = body(row);
-            [radius, half[0], half[1], weight]
+        let all: Vec<Body<T>> = memory::collect((0..shapes.len()).map(body))?;
+        let mean_extents = [0, 1].map(|axis| mean(all.iter().map(|body| body.extent(axis))));
+        Ok(Self { all, centers: memory::collect(shapes.centers.iter().copied())?, mean_extents })
+    }
+
+    /// Whether near pairs can be found in float32 without many more than in float64.
+    pub fn fits_single(&self, gap: T) -> bool {
+        /// Squares of larger numbers, and of smaller ones, lose precision.
+        const RANGE: [f64; 2] = [1e-12, 1e12];
+        let margin = near::margin(self.mean_extents, gap);
+        let error = near::rounding::<T, f32>(&self.all, &self.centers, margin + gap);
+        let margin = margin.to_f64();
+        margin >= RANGE[0] && error <= 0.1 * margin && error <= RANGE[1] * f64::from(f32::EPSILON)
+    }
+}
+
+impl<T: Scalar> Bodies<T> {
+    /// Sorts shapes, and returns the tree that sorted them: that of [`near::fill_wide`].
+    pub fn sorted<K: Scalar>(
+        given: &Given<T>,
+        rules: &Separation<T>,
+    ) -> Result<(Self, Quadtree<K>)> {
+        let Given { all, centers, mean_extents } = given;
+        let mut wide = Shapes::default();
+        let wider = near::margin(*mean_extents, rules.gap) + rules.gap;
+        near::fill_wide(&mut wide, all, centers, wider)?;
+        let values = |row: usize| {
+            let (Body { half, radius, weight }, [x, y]) = (all[row], centers[row]);
+            [x, y, radius, half[0], half[1], weight]
         };
         let tie = |a: usize, b: usize| {
             let pairs = values(a).into_iter().zip(values(b));
             let by_value = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
             by_value.unwrap_or(Ordering::Equal).then(a.cmp(&b))
         };
-        let centers = memory::collect(shapes.centers.iter().copied())?;
-        let points = Shapes { centers, radii: Each::One(T::ZERO), ..Shapes::default() };
-        let mut tree = Quadtree::default();
         let settings = Settings {
             leaf_capacity: LEAF_CAPACITY,
             threads: rules.threads,
             ..Settings::default()
         };
-        tree.rebuild(&points, settings, &tie)?;
+        let mut tree = Quadtree::default();
+        tree.rebuild(&wide, settings, &tie)?;
         let rows = memory::collect(tree.rows().iter().copied())?;
-        let all: Vec<Body<T>> = memory::collect(rows.iter().map(|&row| body(row as usize)))?;
-        let centers = memory::collect(rows.iter().map(|&row| points.centers[row as usize]))?;
-        let mean_extents = [0, 1].map(|axis| {
-            let sum: f64 = all.iter().map(|body| body.extent(axis).to_f64()).sum();
-            T::from_f64(sum / all.len().max(1) as f64)
-        });
-        Ok((Self { rows, all, centers, mean_extents }, tree))
+        let all: Vec<Body<T>> = memory::collect(rows.iter().map(|&row| all[row as usize]))?;
+        let centers = memory::collect(rows.iter().map(|&row| centers[row as usize]))?;
+        let any_fixed = all.iter().any(Body::is_fixed);
+        let mean_extents = *mean_extents;
+        Ok((Self { rows, all, centers, mean_extents, any_fixed }, tree))
     }
 
     /// Number of shapes.
     pub fn len(&self) -> usize {
         self.all.len()
     }
+
+    /// Whether all are discs.
+    pub fn are_round(&self) -> bool {
+        self.all.iter().all(|body| body.half == [T::ZERO; 2])
+    }
+}
+
+/// The mean of numbers that are at least 0, to about thirty bits of the largest. Sums of integers
+/// do not depend on their order; 2^31 of them do not overflow.
+fn mean<T: Scalar>(all: impl ExactSizeIterator<Item = T> + Clone) -> T {
+    const STEPS: f64 = (1u64 << 32) as f64;
+    let count = all.len().max(1) as f64;
+    let largest = all.clone().fold(T::ZERO, T::max).to_f64();
+    if largest == 0.0 {
+        return T::ZERO;
+    }
+    let sum: u64 = all.map(|number| (number.to_f64() / largest * STEPS) as u64).sum();
+    T::from_f64(largest * (sum as f64 / STEPS / count))
 }

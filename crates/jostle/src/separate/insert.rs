@@ -12,8 +12,8 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// A search ends without a position if more shapes than this are nearby.
-const MOST_NEARBY: usize = 256;
+/// A search ends without a position if more shapes than this are nearby, and there is none.
+const MOST_NEARBY: usize = 4096;
 
 /// Positions along the width of a round shape that are tried, from its left to its right side.
 const LINES_OF_ROUND: [f64; 7] = [-1.0, -0.87, -0.5, 0.0, 0.5, 0.87, 1.0];
@@ -69,7 +69,9 @@ impl<T: Scalar> Search<T> {
             let wide = [reach + extent[0] + rules.gap, reach + extent[1] + rules.gap];
             grid.near(bodies, place, wide, &mut self.nearby)?;
             pulse.check(self.nearby.len())?;
-            let found = self.along_lines(bodies, place, reach, (pusher, rules))?;
+            let x = |place: &u32| bodies.centers[*place as usize][0];
+            self.nearby.sort_unstable_by(|a, b| x(a).total_order(&x(b)).then(a.cmp(b)));
+            let found = self.along_lines(bodies, place, reach, (pusher, rules), pulse)?;
             let all = self.nearby.len() == nearby_before;
             match found {
                 // Shapes beyond the reach may be in the way of a position beyond it.
@@ -92,6 +94,7 @@ impl<T: Scalar> Search<T> {
         place: usize,
         reach: T,
         (pusher, rules): (&Pusher<T>, &Separation<T>),
+        pulse: &mut Pulse,
     ) -> Result<Option<([T; 2], T)>> {
         let (body, wanted) = (&bodies.all[place], bodies.centers[place]);
         let limits = [0, 1].map(|axis| {
@@ -100,11 +103,13 @@ impl<T: Scalar> Search<T> {
                 [bounds[axis] + body.extent(axis), bounds[axis + 2] - body.extent(axis)]
             })
         });
+        let mut widest = T::ZERO;
         self.lines.clear();
         memory::push(&mut self.lines, (T::ZERO, wanted[0]))?;
         for &other in &self.nearby {
             let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
             let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.room();
+            widest = widest.max(needed);
             let round = body.half[0] + second.half[0] < body.radius + second.radius;
             let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
             for &share in shares {
@@ -122,7 +127,11 @@ impl<T: Scalar> Search<T> {
                 break;
             }
             self.taken.intervals.clear();
-            for &other in &self.nearby {
+            let x_of = |other: u32| bodies.centers[other as usize][0];
+            let first = self.nearby.partition_point(|&other| x_of(other) < x - widest);
+            let last = self.nearby.partition_point(|&other| x_of(other) <= x + widest);
+            pulse.check(last - first)?;
+            for &other in &self.nearby[first..last] {
                 let (second, center) =
                     (&bodies.all[other as usize], bodies.centers[other as usize]);
                 let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.room();

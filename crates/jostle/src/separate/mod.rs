@@ -1,14 +1,14 @@
 //! Moving overlapping shapes apart.
 //!
 //! The shapes are put into Morton order, ties by their values (`bodies`). If more shapes lie in a
-//! region than fit there, `spread` first enlarges the region in one pass. `rounds` then moves
-//! overlapping pairs apart in repeated passes over lists of near pairs (`near`), each pair along
-//! its contact normal (`push`). Along one axis, `sweep` places the shapes one after another
-//! where the passes do not succeed.
+//! region than fit there, `spread` first enlarges the region. `rounds` then moves overlapping pairs
+//! apart in repeated rounds over lists of near pairs (`near`), each pair along its contact normal
+//! (`push`). Along one axis, `sweep` places the shapes one after another where the rounds do not
+//! succeed.
 //!
 //! T. Dwyer, K. Marriott, P. Stuckey, *Fast Node Overlap Removal*, Graph Drawing (2005), for the
 //! task. M. Müller et al., *Position Based Dynamics*, J. Vis. Commun. Image Represent. (2007),
-//! for the passes.
+//! for the rounds.
 
 mod bodies;
 mod spread;
@@ -23,9 +23,10 @@ use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::parallel;
+use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes, check_rects};
-use bodies::Bodies;
+use bodies::{Bodies, Given};
 use push::Pusher;
 use rounds::Rounds;
 
@@ -46,9 +47,10 @@ pub struct Separation<T> {
     pub axis: Option<usize>,
     /// Least distance between the surfaces of two shapes.
     pub gap: T,
-    /// Min x, min y, max x, max y of the region in which movable shapes stay.
+    /// Min x, min y, max x, max y of the region in which movable shapes stay; with an axis, along
+    /// this axis alone.
     pub bounds: Option<[T; 4]>,
-    /// Maximum number of passes.
+    /// Maximum number of rounds.
     pub max_rounds: usize,
     /// Distance beyond touching to which overlapping shapes are moved, as a share of their size.
     pub tolerance: T,
@@ -76,13 +78,13 @@ impl<T: Scalar> Default for Separation<T> {
 pub struct Separated<T> {
     /// The new centres, one for each shape.
     pub centers: Vec<[T; 2]>,
-    /// Number of passes over all pairs.
+    /// Number of rounds over all pairs, at most the maximum. Placing along an axis counts as one.
     pub rounds: usize,
     /// Number of pairs that still overlap, without those of two fixed shapes.
     pub overlaps: usize,
 }
 
-/// Moves shapes until none overlap, or until the maximum number of passes is reached. Filters are
+/// Moves shapes until none overlap, or until the maximum number of rounds is reached. Filters are
 /// ignored, and shapes given as boxes are moved by their centres.
 ///
 /// ```
@@ -96,38 +98,49 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     check(shapes, rules)?;
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
-    let (mut bodies, tree) = Bodies::sorted(shapes, &rules)?;
+    let given = Given::of(shapes, &rules)?;
+    if given.fits_single(rules.gap) {
+        run::<T, f32>(&given, &rules)
+    } else {
+        run::<T, T>(&given, &rules)
+    }
+}
+
+/// Moves the shapes; near pairs are found in the arithmetic of `K`.
+fn run<T: Scalar, K: Scalar>(given: &Given<T>, rules: &Separation<T>) -> Result<Separated<T>> {
+    let (mut bodies, tree) = Bodies::sorted::<K>(given, rules)?;
     let crowded = spread::is_crowded(&tree, &bodies, rules.gap)?;
-    let pusher = Pusher::of(&rules);
+    let pusher = Pusher::of(rules);
     let outcome = match rules.axis {
-        Some(axis) => along_axis(&mut bodies, axis, &rules, (&pusher, crowded))?,
-        None => in_plane(&mut bodies, &rules, (&pusher, crowded))?,
+        Some(axis) => along_axis(&mut bodies, axis, rules, (&pusher, crowded, &tree))?,
+        None => in_plane(&mut bodies, rules, (&pusher, crowded, &tree))?,
     };
-    let mut centers = memory::filled(shapes.len(), [T::ZERO; 2])?;
+    let mut centers = memory::filled(bodies.len(), [T::ZERO; 2])?;
     for (&row, &center) in bodies.rows.iter().zip(&bodies.centers) {
         centers[row as usize] = center;
     }
     Ok(Separated { centers, rounds: outcome.rounds, overlaps: outcome.overlaps })
 }
 
-/// Number of passes, and of the pairs that overlap after them.
+/// Number of rounds, and of the pairs that overlap after them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcome {
     rounds: usize,
     overlaps: usize,
 }
 
-/// If passes are of little use, regions are enlarged until shapes have much room, and the rest is
+/// If rounds are of little use, regions are enlarged until shapes have much room, and the rest is
 /// put at free positions.
-fn in_plane<T: Scalar>(
+fn in_plane<T: Scalar, K: Scalar>(
     bodies: &mut Bodies<T>,
     rules: &Separation<T>,
-    (pusher, crowded): (&Pusher<T>, bool),
+    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<K>),
 ) -> Result<Outcome> {
-    if crowded && rules.max_rounds >= FEW_ROUNDS {
+    let is_spread = crowded && rules.max_rounds >= FEW_ROUNDS;
+    if is_spread {
         spread::spread(bodies, rules, spread::FULL)?;
     }
-    let mut rounds = Rounds::of(bodies, pusher, rules)?;
+    let mut rounds = Rounds::of(bodies, pusher, rules, (!is_spread).then_some(tree))?;
     let mut done = rounds.run(false)?;
     if !done && rounds.to_take_out()?.len() > shapes_worth_spreading(&rounds) {
         rounds.change(|bodies| spread::spread(bodies, rules, spread::LOOSE))?;
@@ -144,38 +157,38 @@ fn in_plane<T: Scalar>(
 /// has to be smooth.
 const FEW_ROUNDS: usize = 32;
 
-/// If more shapes than this overlap after the first passes, the whole region is enlarged.
-fn shapes_worth_spreading<T: Scalar>(rounds: &Rounds<'_, T>) -> usize {
+/// If more shapes than this overlap after the first rounds, the whole region is enlarged.
+fn shapes_worth_spreading<T: Scalar, K: Scalar>(rounds: &Rounds<'_, T, K>) -> usize {
     64 + rounds.len() / 64
 }
 
-/// Crowded shapes up to this number are moved in passes along an axis.
+/// Crowded shapes up to this number are moved in rounds along an axis.
 const FEW: usize = 1000;
 
-/// Passes keep the order along the axis; if they do not succeed, or if very many shapes are
+/// Rounds keep the order along the axis; if they do not succeed, or if very many shapes are
 /// `crowded`, `sweep` places them.
-fn along_axis<T: Scalar>(
+fn along_axis<T: Scalar, K: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
     rules: &Separation<T>,
-    (pusher, crowded): (&Pusher<T>, bool),
+    (pusher, crowded, tree): (&Pusher<T>, bool, &Quadtree<K>),
 ) -> Result<Outcome> {
     let before = memory::collect(bodies.centers.iter().copied())?;
-    let mut passes = 0;
+    let mut done = 0;
     if rules.max_rounds == 0 || !crowded || bodies.len() <= FEW {
-        let mut rounds = Rounds::of(bodies, pusher, rules)?;
+        let mut rounds = Rounds::of(bodies, pusher, rules, Some(tree))?;
         rounds.run(true)?;
         let outcome = rounds.outcome();
         if outcome.overlaps == 0 || rules.max_rounds == 0 {
             return Ok(outcome);
         }
         bodies.centers = before;
-        passes = outcome.rounds;
+        done = outcome.rounds;
     }
     let last = Separation { max_rounds: 0, ..rules.clone() };
     sweep::place(bodies, axis, pusher, rules)?;
-    let outcome = Rounds::of(bodies, pusher, &last)?.outcome();
-    Ok(Outcome { rounds: passes + 1, ..outcome })
+    let outcome = Rounds::<T, K>::of(bodies, pusher, &last, None)?.outcome();
+    Ok(Outcome { rounds: rules.max_rounds.min(done + 1), ..outcome })
 }
 
 fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
@@ -201,7 +214,7 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
     }
     let Some(bounds) = rules.bounds else { return Ok(()) };
     check_rects("bounds", &[bounds]).map_err(Error::without_row)?;
-    let too_large = |row: &usize| !rules.fixed.at(*row) && !fits(shapes, *row, bounds);
+    let too_large = |row: &usize| !rules.fixed.at(*row) && !fits(shapes, *row, rules, bounds);
     match (0..len).find(too_large) {
         None => Ok(()),
         Some(row) => {
@@ -211,10 +224,11 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
     }
 }
 
-fn fits<T: Scalar>(shapes: &Shapes<T>, row: usize, bounds: [T; 4]) -> bool {
+/// Whether a shape fits into the bounds along the axes along which it may move.
+fn fits<T: Scalar>(shapes: &Shapes<T>, row: usize, rules: &Separation<T>, bounds: [T; 4]) -> bool {
     let shape = shapes.shape(row);
     let half = shape.core_half_size();
-    (0..2).all(|axis| {
+    (0..2).filter(|&axis| rules.axis.is_none_or(|only| only == axis)).all(|axis| {
         let extent = half[axis] + shape.radius;
         bounds[axis] + extent <= bounds[axis + 2] - extent
     })

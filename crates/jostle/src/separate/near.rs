@@ -3,60 +3,80 @@
 //! L. Verlet, *Computer "Experiments" on Classical Fluids*, Phys. Rev. 159 (1967), for lists with a
 //! margin.
 
-use std::ops::Range;
-
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Body};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::pairs::{self, JoinScratch};
-use crate::parallel::CHUNK;
 use crate::quadtree::Quadtree;
 use crate::settings::{DEFAULT_MAX_PAIRS, Settings};
 use crate::shapes::Shapes;
+use crate::sorting;
 
 /// Margin, as a share of the mean extent of the shapes.
-const MARGIN: f64 = 0.25;
+const MARGIN: f64 = 0.5;
 
-/// Number of places of a block. Blocks without overlaps are skipped until something near moves.
-pub const BLOCK: usize = 32;
+/// The margin of shapes with these mean extents.
+pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
+    (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN)
+}
 
-/// For each shape the others near it. A pair within one chunk of [`CHUNK`] places is listed for
-/// its first shape, another pair for both.
+/// Upper bound of the errors by which a gap in the arithmetic of `K` between shapes at `centers`
+/// differs from that in `T`; 0 if both are the same.
+pub fn rounding<T: Scalar, K: Scalar>(bodies: &[Body<T>], centers: &[[T; 2]], wider: T) -> f64 {
+    if size_of::<T>() == size_of::<K>() {
+        return 0.0;
+    }
+    let far = centers.as_flattened().iter().fold(T::ZERO, |most, v| most.max(v.abs()));
+    let wide =
+        bodies.iter().fold(T::ZERO, |most, body| most.max(body.extent(0)).max(body.extent(1)));
+    (far.to_f64() + wide.to_f64() + wider.to_f64()) * 4.0 * K::EPSILON.to_f64()
+}
+
+/// Writes shapes that overlap if the gap between two bodies is below `wider`.
+pub fn fill_wide<T: Scalar, K: Scalar>(
+    shapes: &mut Shapes<K>,
+    bodies: &[Body<T>],
+    centers: &[[T; 2]],
+    wider: T,
+) -> Result<()> {
+    let more = wider.to_f64() * 0.5 + rounding::<T, K>(bodies, centers, wider);
+    let key = |v: T| K::from_f64(v.to_f64());
+    shapes.centers.clear();
+    memory::reserve(&mut shapes.centers, centers.len())?;
+    shapes.centers.extend(centers.iter().map(|center| center.map(key)));
+    let radii = shapes.radii.rows_mut();
+    radii.clear();
+    memory::reserve(radii, bodies.len())?;
+    radii.extend(bodies.iter().map(|body| K::from_f64(body.radius.to_f64() + more)));
+    if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
+        let halves = shapes.half_sizes.get_or_insert_default().rows_mut();
+        halves.clear();
+        memory::reserve(halves, bodies.len())?;
+        halves.extend(bodies.iter().map(|body| body.half.map(key)));
+    }
+    Ok(())
+}
+
+/// For each shape the others near it, ascending; not the pairs of two fixed shapes. They are found
+/// in the arithmetic of `K`.
 #[derive(Clone, Debug, Default)]
-pub struct Near<T> {
+pub struct Near<T, K> {
     ends: Vec<u32>,
     others: Vec<u32>,
-    /// For each block the blocks with shapes listed for its own.
-    block_ends: Vec<u32>,
-    blocks: Vec<u32>,
-    /// For each block the last one for which it was listed.
-    listed_for: Vec<u32>,
     /// The centres for which the lists were made.
     pub origins: Vec<[T; 2]>,
     margin: T,
-    shapes: Shapes<T>,
-    tree: Quadtree<T>,
+    gap: T,
+    shapes: Shapes<K>,
+    tree: Quadtree<K>,
     scratch: JoinScratch,
 }
 
-impl<T: Scalar> Near<T> {
+impl<T: Scalar, K: Scalar> Near<T, K> {
     /// Empty lists for `bodies`.
-    pub fn of(bodies: &Bodies<T>, gap: T) -> Result<Self> {
-        let [x, y] = bodies.mean_extents;
-        let half = T::from_f64(0.5);
-        let margin = (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN);
-        let wider = (margin + gap) * half;
-        let mut shapes = Shapes::default();
-        let radii = shapes.radii.rows_mut();
-        memory::reserve(radii, bodies.len())?;
-        radii.extend(bodies.all.iter().map(|body| body.radius + wider));
-        if bodies.all.iter().any(|body| body.half != [T::ZERO; 2]) {
-            let halves = shapes.half_sizes.get_or_insert_default().rows_mut();
-            memory::reserve(halves, bodies.len())?;
-            halves.extend(bodies.all.iter().map(|body| body.half));
-        }
-        Ok(Self { margin, shapes, ..Self::default() })
+    pub fn of(bodies: &Bodies<T>, gap: T) -> Self {
+        Self { margin: margin(bodies.mean_extents, gap), gap, ..Self::default() }
     }
 
     /// The distance from its origin up to which a shape may move; slightly less than half the
@@ -67,20 +87,31 @@ impl<T: Scalar> Near<T> {
 
     /// Makes the lists for the current centres.
     pub fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
-        self.shapes.centers.clear();
-        memory::reserve(&mut self.shapes.centers, bodies.len())?;
-        self.shapes.centers.extend(&bodies.centers);
-        let settings = Settings { threads, ..Settings::default() };
-        self.tree.fill_unordered(&self.shapes, settings)?;
-        let mut found =
-            pairs::places_within(&self.tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
-        let rows = self.tree.rows();
-        for pair in &mut found {
-            let [i, j] = pair.map(|place| rows[place as usize]);
-            *pair = [i.min(j), i.max(j)];
+        fill_wide(&mut self.shapes, &bodies.all, &bodies.centers, self.margin + self.gap)?;
+        let mut tree = std::mem::take(&mut self.tree);
+        tree.fill_unordered(&self.shapes, Settings { threads, ..Settings::default() })?;
+        self.find_in(&tree, Some(tree.rows()), bodies)?;
+        self.tree = tree;
+        Ok(())
+    }
+
+    /// Makes the lists from a tree of the shapes, [`fill_wide`], with the current centres. `rows`
+    /// are the bodies in its order, if that is not theirs.
+    pub fn find_in(
+        &mut self,
+        tree: &Quadtree<K>,
+        rows: Option<&[u32]>,
+        bodies: &Bodies<T>,
+    ) -> Result<()> {
+        let mut found = pairs::places_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
+        if let Some(rows) = rows {
+            found.iter_mut().for_each(|pair| *pair = pair.map(|place| rows[place as usize]));
         }
-        self.list(&found, bodies)?;
-        self.list_blocks(bodies.len())?;
+        let is_fixed = |place: u32| bodies.all[place as usize].is_fixed();
+        if bodies.any_fixed {
+            found.retain(|&[i, j]| !(is_fixed(i) && is_fixed(j)));
+        }
+        self.list(&found, bodies.len())?;
         self.scratch.keep(found);
         self.origins.clear();
         memory::reserve(&mut self.origins, bodies.len())?;
@@ -88,80 +119,34 @@ impl<T: Scalar> Near<T> {
         Ok(())
     }
 
-    /// Counting sort of the pairs by the shapes for which they are listed.
-    fn list(&mut self, found: &[[u32; 2]], bodies: &Bodies<T>) -> Result<()> {
-        let listed = |[i, j]: [u32; 2]| {
-            let fixed = [i, j].map(|place| bodies.all[place as usize].is_fixed());
-            let first = fixed != [true; 2];
-            (i, j, first, first && chunk(i) != chunk(j))
-        };
-        self.ends.clear();
-        memory::resize(&mut self.ends, bodies.len() + 1, 0)?;
-        for &pair in found {
-            let (i, j, first, second) = listed(pair);
-            self.ends[i as usize + 1] += u32::from(first);
-            self.ends[j as usize + 1] += u32::from(second);
-        }
-        let mut total = 0;
-        for end in &mut self.ends {
-            total += *end;
-            *end = total - *end;
-        }
-        memory::resize(&mut self.others, total as usize, 0)?;
-        for &pair in found {
-            let (i, j, first, second) = listed(pair);
-            for (own, other, wanted) in [(i, j, first), (j, i, second)] {
-                if wanted {
-                    let end = &mut self.ends[own as usize + 1];
-                    self.others[*end as usize] = other;
-                    *end += 1;
-                }
+    /// Counting sort of the pairs by both of their shapes.
+    fn list(&mut self, found: &[[u32; 2]], len: usize) -> Result<()> {
+        let Self { ends, others, .. } = self;
+        ends.clear();
+        memory::resize(ends, len, 0)?;
+        found.as_flattened().iter().for_each(|&place| ends[place as usize] += 1);
+        sorting::prefix_sum(ends);
+        memory::resize(others, 2 * found.len(), 0)?;
+        for &[i, j] in found {
+            for [own, other] in [[i, j], [j, i]] {
+                let end = &mut ends[own as usize];
+                others[*end as usize] = other;
+                *end += 1;
             }
         }
-        Ok(())
-    }
-
-    fn list_blocks(&mut self, len: usize) -> Result<()> {
-        let count = len.div_ceil(BLOCK);
-        self.listed_for.clear();
-        memory::resize(&mut self.listed_for, count, u32::MAX)?;
-        self.block_ends.clear();
-        memory::resize(&mut self.block_ends, count + 1, 0)?;
-        self.blocks.clear();
-        for block in 0..count {
-            let places = block * BLOCK..len.min((block + 1) * BLOCK);
-            let others = self.ends[places.start] as usize..self.ends[places.end] as usize;
-            self.listed_for[block] = block as u32;
-            memory::push(&mut self.blocks, block as u32)?;
-            for &other in &self.others[others] {
-                let near = other as usize / BLOCK;
-                if std::mem::replace(&mut self.listed_for[near], block as u32) != block as u32 {
-                    memory::push(&mut self.blocks, near as u32)?;
-                }
-            }
-            self.block_ends[block + 1] = self.blocks.len() as u32;
+        // The order in which the pairs were found may depend on threads.
+        let mut start = 0;
+        for &end in &*ends {
+            others[start..end as usize].sort_unstable();
+            start = end as usize;
         }
         Ok(())
-    }
-
-    /// The block and the blocks with shapes that are listed for its own.
-    #[inline(always)]
-    pub fn of_block(&self, block: usize) -> &[u32] {
-        &self.blocks[self.block_ends[block] as usize..self.block_ends[block + 1] as usize]
     }
 
     /// The places of the shapes listed for the one at `place`.
     #[inline(always)]
     pub fn of_place(&self, place: usize) -> &[u32] {
-        &self.others[self.ends[place] as usize..self.ends[place + 1] as usize]
+        let start = if place == 0 { 0 } else { self.ends[place - 1] };
+        &self.others[start as usize..self.ends[place] as usize]
     }
-}
-
-fn chunk(place: u32) -> usize {
-    place as usize / CHUNK
-}
-
-/// The places of a chunk.
-pub fn places_of(chunk: usize, len: usize) -> Range<usize> {
-    chunk * CHUNK..len.min((chunk + 1) * CHUNK)
 }

@@ -1,13 +1,14 @@
-//! Passes over the near pairs.
+//! Rounds over the near pairs.
 //!
 //! Within a chunk of places, each pair is moved as soon as it is tested (Gauss-Seidel). Of a pair
-//! in two chunks, each moves its own part, and takes the other where it was before the pass
+//! in two chunks, each moves its own part, and takes the other where it was before the round
 //! (Jacobi). Chunks depend on the order of the shapes alone, so results do not depend on threads.
 
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 use super::bodies::Bodies;
-use super::near::{BLOCK, Near, places_of};
+use super::near::Near;
 use super::push::Pusher;
 use super::{Outcome, Separation};
 use crate::error::Result;
@@ -15,76 +16,127 @@ use crate::geometry::Scalar;
 use crate::interrupt;
 use crate::memory;
 use crate::parallel::{self, CHUNK, locked};
+use crate::quadtree::Quadtree;
 
-/// After so many passes the number of overlaps must have fallen by a tenth; otherwise passes end.
+/// After so many rounds the number of overlaps must have fallen by a tenth; otherwise they end.
 const PATIENCE: usize = 32;
 
-/// A chunk of shapes during a pass.
+/// A set of places of a chunk, one bit each.
+#[derive(Clone)]
+struct Places(Vec<u64>);
+
+impl Places {
+    /// No place of a chunk of `len`.
+    fn none(len: usize) -> Result<Self> {
+        memory::filled(len.div_ceil(64), 0).map(Self)
+    }
+
+    /// All places of a chunk of `len`.
+    fn fill(&mut self, len: usize) {
+        self.0.fill(u64::MAX);
+        if let Some(last) = self.0.last_mut().filter(|_| !len.is_multiple_of(64)) {
+            *last = (1 << (len % 64)) - 1;
+        }
+    }
+
+    #[inline(always)]
+    fn insert(&mut self, at: usize) {
+        self.0[at / 64] |= 1 << (at % 64);
+    }
+
+    #[inline(always)]
+    fn remove(&mut self, at: usize) {
+        self.0[at / 64] &= !(1 << (at % 64));
+    }
+
+    /// The first place at `from` or after it.
+    #[inline(always)]
+    fn next(&self, from: usize) -> Option<usize> {
+        let mut word = from / 64;
+        let mut bits = *self.0.get(word)? & (u64::MAX << (from % 64));
+        while bits == 0 {
+            word += 1;
+            bits = *self.0.get(word)?;
+        }
+        Some(64 * word + bits.trailing_zeros() as usize)
+    }
+
+    /// The places, ascending.
+    fn iter(&self) -> impl Iterator<Item = usize> {
+        std::iter::successors(self.next(0), |&at| self.next(at + 1))
+    }
+}
+
+/// A chunk of shapes.
 struct Part<T> {
-    /// Their centres.
+    /// Their centres; the same as those of the bodies between rounds.
     centers: Vec<[T; 2]>,
-    /// Whether a shape of each block has moved in this pass.
-    changed: Vec<bool>,
+    /// The shapes whose pairs with later ones, or with those of other chunks, may overlap. All other
+    /// pairs did not when one of both moved the last time.
+    stale: Places,
+    /// The shapes that have moved in this round.
+    moved: Places,
     /// Pairs that overlapped when they were tested.
     overlaps: usize,
-    /// Whether a centre has changed.
-    moved: bool,
+    /// Whether a centre is another one than before the round.
+    changed: bool,
     /// Whether a shape is beyond the reach of its list.
     left: bool,
 }
 
-/// The passes of a call.
-pub struct Rounds<'a, T> {
+/// The rounds of a call.
+pub struct Rounds<'a, T, K> {
     bodies: &'a mut Bodies<T>,
     pusher: Pusher<T>,
     rules: &'a Separation<T>,
-    near: Near<T>,
-    /// Whether a shape of each block has moved in the last pass, or may overlap since then.
-    changed: Vec<bool>,
+    near: Near<T, K>,
+    are_round: bool,
     parts: Vec<Mutex<Part<T>>>,
-    /// Number of passes.
+    /// Number of rounds.
     count: usize,
 }
 
-impl<'a, T: Scalar> Rounds<'a, T> {
-    /// Lists the near pairs.
+impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
+    /// Lists the near pairs. `tree` is that of the shapes where they are.
     pub fn of(
         bodies: &'a mut Bodies<T>,
         pusher: &'a Pusher<T>,
         rules: &'a Separation<T>,
+        tree: Option<&Quadtree<K>>,
     ) -> Result<Self> {
         let len = bodies.len();
         let part = |index| {
             let len = places_of(index, len).len();
             let centers = memory::filled(len, [T::ZERO; 2])?;
-            let changed = memory::filled(len.div_ceil(BLOCK), false)?;
-            Ok(Mutex::new(Part { centers, changed, overlaps: 0, moved: false, left: false }))
+            let (stale, moved) = (Places::none(len)?, Places::none(len)?);
+            Ok(Mutex::new(Part { centers, stale, moved, overlaps: 0, changed: false, left: false }))
         };
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
-        let near = Near::of(bodies, rules.gap)?;
-        let changed = memory::filled(len.div_ceil(BLOCK), true)?;
-        let mut rounds = Self { bodies, pusher: *pusher, rules, near, changed, parts, count: 0 };
-        if rules.max_rounds > 0 {
-            rounds.enter_bounds();
+        let (near, are_round) = (Near::of(bodies, rules.gap), bodies.are_round());
+        let mut rounds = Self { bodies, pusher: *pusher, rules, near, are_round, parts, count: 0 };
+        let entered = rules.max_rounds > 0 && rounds.enter_bounds();
+        rounds.restart();
+        match tree.filter(|_| !entered) {
+            Some(tree) => rounds.near.find_in(tree, None, rounds.bodies)?,
+            None => rounds.near.find(rounds.bodies, rules.threads)?,
         }
-        rounds.find_near()?;
         Ok(rounds)
     }
 
-    /// Moves shapes until none overlap or for `max_rounds` passes in all; returns false if it
-    /// ends earlier, because passes are of little use. It does not if it is `patient`.
+    /// Moves shapes until none overlap or for `max_rounds` rounds in all; returns false if it
+    /// ends earlier, because rounds are of little use. It does not if it is `patient`.
     pub fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {
             interrupt::check()?;
-            self.pusher = self.pusher.in_pass(self.count);
+            self.pusher = self.pusher.in_round(self.count);
             self.count += 1;
-            let (overlaps, moved) = self.pass()?;
-            if overlaps == 0 && !moved {
+            let (overlaps, changed) = self.round()?;
+            if overlaps == 0 && !changed {
                 return Ok(true);
             }
             let is_due = !patient && self.count.is_multiple_of(PATIENCE);
-            if !moved || (is_due && overlaps > before - before / 10) {
+            if !changed || (is_due && overlaps > before - before.div_ceil(10)) {
                 return Ok(false);
             }
             if is_due {
@@ -98,10 +150,11 @@ impl<'a, T: Scalar> Rounds<'a, T> {
     pub fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
         act(self.bodies)?;
         self.enter_bounds();
-        self.find_near()
+        self.restart();
+        self.near.find(self.bodies, self.rules.threads)
     }
 
-    /// The number of passes, and of the pairs that overlap.
+    /// The number of rounds, and of the pairs that overlap.
     pub fn outcome(&self) -> Outcome {
         Outcome { rounds: self.count, overlaps: self.overlaps() }
     }
@@ -111,99 +164,145 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         self.bodies.len()
     }
 
-    fn find_near(&mut self) -> Result<()> {
-        self.changed.fill(true);
-        self.near.find(self.bodies, self.rules.threads)
+    /// Lets all parts begin with the current centres.
+    fn restart(&mut self) {
+        let len = self.bodies.len();
+        for (index, part) in self.parts.iter_mut().enumerate() {
+            let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
+            let places = places_of(index, len);
+            part.stale.fill(places.len());
+            part.centers.copy_from_slice(&self.bodies.centers[places]);
+        }
     }
 
-    /// One pass; returns the number of overlaps that it met, and whether a shape has moved.
-    fn pass(&mut self) -> Result<(usize, bool)> {
+    /// One round; returns the number of overlaps that it met, and whether a shape has moved.
+    fn round(&mut self) -> Result<(usize, bool)> {
         let this = &*self;
         parallel::for_tasks(self.rules.threads, self.parts.len(), |index| {
-            this.pass_over(index, &mut locked(&this.parts[index]));
-        });
-        let (mut overlaps, mut moved, mut left) = (0, false, false);
-        for (index, part) in self.parts.iter_mut().enumerate() {
-            let part = part.get_mut().unwrap_or_else(std::sync::PoisonError::into_inner);
-            overlaps += part.overlaps;
-            moved |= part.moved;
-            left |= part.left;
-            let places = places_of(index, self.bodies.centers.len());
-            let blocks = places.start / BLOCK..places.end.div_ceil(BLOCK);
-            self.bodies.centers[places].copy_from_slice(&part.centers);
-            self.changed[blocks].copy_from_slice(&part.changed);
-        }
-        if left {
-            self.find_near()?;
-        }
-        Ok((overlaps, moved))
-    }
-
-    fn pass_over(&self, index: usize, part: &mut Part<T>) {
-        let places = places_of(index, self.bodies.len());
-        let first = places.start;
-        part.centers.copy_from_slice(&self.bodies.centers[places]);
-        part.changed.fill(false);
-        part.overlaps = 0;
-        for block in 0..part.changed.len() {
-            let near = self.near.of_block(first / BLOCK + block);
-            let is_changed = |&other: &u32| {
-                let other = other as usize;
-                let own = part.changed.get(other.wrapping_sub(first / BLOCK));
-                self.changed[other] || own.is_some_and(|changed| *changed)
-            };
-            // Otherwise no pair of the block overlapped when it was tested, and none has moved.
-            if near.iter().any(is_changed) {
-                self.pass_over_block(first + block * BLOCK, first, part);
+            let part = &mut locked(&this.parts[index]);
+            let first = index * CHUNK;
+            if this.are_round {
+                this.round_over::<true>(first, part);
+            } else {
+                this.round_over::<false>(first, part);
             }
-        }
-        self.end_pass(index, part);
-    }
-
-    /// Moves the pairs of a block of a chunk, whose first places are given.
-    fn pass_over_block(&self, start: usize, first: usize, part: &mut Part<T>) {
-        let Bodies { all, centers, .. } = &*self.bodies;
-        let own = &mut part.centers[..];
-        for i in start..(start + BLOCK).min(first + own.len()) {
-            let a = &all[i];
-            let mut center = own[i - first];
-            for &other in self.near.of_place(i) {
-                let j = other as usize;
-                let b = &all[j];
-                let here = j.wrapping_sub(first) < own.len();
-                let at = if here { own[j - first] } else { centers[j] };
-                let offset = [at[0] - center[0], at[1] - center[1]];
-                if !self.pusher.overlaps(a, b, offset) {
+            this.end_round(first, part);
+        });
+        let (mut overlaps, mut changed, mut left) = (0, false, false);
+        for index in 0..self.parts.len() {
+            let part = locked(&self.parts[index]);
+            overlaps += part.overlaps;
+            changed |= part.changed;
+            left |= part.left;
+            for at in part.moved.iter() {
+                let place = index * CHUNK + at;
+                self.bodies.centers[place] = part.centers[at];
+                let near = self.near.of_place(place);
+                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk(o) == index);
+                if is_within(near.first()) && is_within(near.last()) {
                     continue;
                 }
-                part.overlaps += 1;
-                part.changed[(i - first) / BLOCK] = true;
-                let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
-                let share = share(a.weight, b.weight);
-                center = [center[0] - push[0] * share, center[1] - push[1] * share];
-                if here {
-                    let rest = T::ONE - share;
-                    own[j - first] = [at[0] + push[0] * rest, at[1] + push[1] * rest];
-                    part.changed[(j - first) / BLOCK] = true;
+                for &other in near.iter().filter(|&&other| chunk(other) != index) {
+                    locked(&self.parts[chunk(other)]).stale.insert(other as usize % CHUNK);
                 }
             }
-            own[i - first] = center;
+        }
+        if left {
+            // A shape may have moved so far that it overlaps one that was not listed.
+            self.near.find(self.bodies, self.rules.threads)?;
+            self.restart();
+        }
+        Ok((overlaps, changed))
+    }
+
+    /// Moves the pairs of the chunk that starts at the place `first`.
+    fn round_over<const ROUND: bool>(&self, first: usize, part: &mut Part<T>) {
+        let Bodies { all, centers, .. } = &*self.bodies;
+        let Part { centers: own, stale, moved, overlaps, .. } = part;
+        moved.0.fill(0);
+        *overlaps = 0;
+        let mut next = stale.next(0);
+        while let Some(at) = next {
+            stale.remove(at);
+            let i = first + at;
+            let (a, mut from, mut is_moved) = (&all[i], own[at], false);
+            for &other in self.near.of_place(i) {
+                let j = other as usize;
+                // Of a pair in the chunk the later one; any place of another chunk.
+                let other_at = j.wrapping_sub(first);
+                if other_at < at {
+                    continue;
+                }
+                let is_here = other_at < own.len();
+                let (b, to) = (&all[j], if is_here { own[other_at] } else { centers[j] });
+                let offset = [to[0] - from[0], to[1] - from[1]];
+                if !self.pusher.overlaps::<ROUND>(a, b, offset) {
+                    continue;
+                }
+                *overlaps += 1;
+                let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
+                let share = share(a.weight, b.weight);
+                if !a.is_fixed() {
+                    from = [from[0] - push[0] * share, from[1] - push[1] * share];
+                    is_moved = true;
+                }
+                if is_here && !b.is_fixed() {
+                    let rest = T::ONE - share;
+                    own[other_at] = [to[0] + push[0] * rest, to[1] + push[1] * rest];
+                    moved.insert(other_at);
+                    self.mark_stale::<ROUND>(first, other_at, own, stale);
+                }
+            }
+            if is_moved {
+                own[at] = from;
+                moved.insert(at);
+                self.mark_stale::<ROUND>(first, at, own, stale);
+            }
+            next = stale.next(at + 1);
         }
     }
 
-    /// Moves the shapes of a chunk into the bounds, and compares with the state before the pass.
-    fn end_pass(&self, index: usize, part: &mut Part<T>) {
-        let places = places_of(index, self.bodies.len());
+    /// Marks the pairs that a shape, at a place of the chunk that starts at `first`, overlaps after
+    /// it has moved.
+    #[inline(always)]
+    fn mark_stale<const ROUND: bool>(
+        &self,
+        first: usize,
+        at: usize,
+        own: &[[T; 2]],
+        stale: &mut Places,
+    ) {
+        let Bodies { all, centers, .. } = &*self.bodies;
+        let (a, from) = (&all[first + at], own[at]);
+        for &other in self.near.of_place(first + at) {
+            let j = other as usize;
+            let other_at = j.wrapping_sub(first);
+            let to = if other_at < own.len() { own[other_at] } else { centers[j] };
+            if self.pusher.overlaps::<ROUND>(a, &all[j], [to[0] - from[0], to[1] - from[1]]) {
+                stale.insert(at.min(other_at));
+            }
+        }
+    }
+
+    /// Moves the shapes of a chunk into the bounds, and compares with the state before the round.
+    fn end_round(&self, first: usize, part: &mut Part<T>) {
         let reach = self.near.reach();
-        (part.moved, part.left) = (false, false);
-        for (place, center) in places.clone().zip(&mut part.centers) {
-            let inside = self.inside(place, *center);
-            part.changed[(place - places.start) / BLOCK] |= inside != *center;
-            *center = inside;
+        let Part { centers, stale, moved, changed, left, .. } = part;
+        (*changed, *left) = (false, false);
+        for at in moved.iter() {
+            let place = first + at;
+            let center = self.inside(place, centers[at]);
+            if center != centers[at] {
+                centers[at] = center;
+                stale.insert(at);
+                let lower =
+                    self.near.of_place(place).iter().map(|&o| (o as usize).wrapping_sub(first));
+                lower.filter(|&other| other < at).for_each(|other| stale.insert(other));
+            }
             let origin = self.near.origins[place];
-            let away = [center[0] - origin[0], center[1] - origin[1]].map(T::abs);
-            part.moved |= *center != self.bodies.centers[place];
-            part.left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
+            let away = [center[0] - origin[0], center[1] - origin[1]];
+            *changed |= center != self.bodies.centers[place];
+            *left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
         }
     }
 
@@ -223,47 +322,66 @@ impl<'a, T: Scalar> Rounds<'a, T> {
         })
     }
 
-    fn enter_bounds(&mut self) {
-        for place in 0..self.bodies.len() {
-            self.bodies.centers[place] = self.inside(place, self.bodies.centers[place]);
+    /// Returns whether a shape was outside.
+    fn enter_bounds(&mut self) -> bool {
+        if self.rules.bounds.is_none() {
+            return false;
         }
+        let mut entered = false;
+        for place in 0..self.bodies.len() {
+            let center = self.inside(place, self.bodies.centers[place]);
+            entered |= center != self.bodies.centers[place];
+            self.bodies.centers[place] = center;
+        }
+        entered
     }
 
     /// Shapes without which no pair would overlap: of each pair the lighter one, of equal ones
     /// the later. The lists must be those of the current centres.
     pub fn to_take_out(&self) -> Result<Vec<u32>> {
-        let Bodies { all, centers, .. } = &*self.bodies;
-        let mut is_out = memory::filled(all.len(), false)?;
-        for (i, a) in all.iter().enumerate() {
-            for &other in self.near.of_place(i) {
-                let j = other as usize;
-                let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                if is_out[i] || is_out[j] || !self.pusher.overlaps(a, &all[j], offset) {
-                    continue;
-                }
-                let (a, b) = (a.weight, all[j].weight);
-                is_out[if b < a || (b == a && j > i) { j } else { i }] = true;
+        let mut is_out = memory::filled(self.len(), false)?;
+        let all = &self.bodies.all;
+        self.each_overlap(|i, j| {
+            if !(is_out[i] || is_out[j]) {
+                is_out[if all[i].weight < all[j].weight { i } else { j }] = true;
             }
-        }
+        });
         let mut places: Vec<u32> = memory::with_room(is_out.iter().filter(|out| **out).count())?;
-        places.extend((0..all.len() as u32).filter(|&place| is_out[place as usize]));
+        places.extend((0..is_out.len() as u32).filter(|&place| is_out[place as usize]));
         Ok(places)
     }
 
     /// Number of pairs that overlap. The lists must be those of the current centres.
     fn overlaps(&self) -> usize {
+        let mut count = 0;
+        self.each_overlap(|_, _| count += 1);
+        count
+    }
+
+    /// Calls `act` with each pair that overlaps, ascending.
+    fn each_overlap(&self, mut act: impl FnMut(usize, usize)) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let mut twice = 0;
-        for (i, a) in all.iter().enumerate() {
-            for &other in self.near.of_place(i) {
-                let j = other as usize;
-                let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                let counted = if i / CHUNK == j / CHUNK { 2 } else { 1 };
-                twice += usize::from(self.pusher.overlaps(a, &all[j], offset)) * counted;
+        for (index, part) in self.parts.iter().enumerate() {
+            for at in locked(part).stale.iter() {
+                let i = index * CHUNK + at;
+                for j in self.near.of_place(i).iter().map(|&other| other as usize) {
+                    let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
+                    if j > i && self.pusher.overlaps::<false>(&all[i], &all[j], offset) {
+                        act(i, j);
+                    }
+                }
             }
         }
-        twice / 2
     }
+}
+
+fn chunk(place: u32) -> usize {
+    place as usize / CHUNK
+}
+
+/// The places of a chunk of `len` shapes.
+fn places_of(chunk: usize, len: usize) -> Range<usize> {
+    chunk * CHUNK..len.min((chunk + 1) * CHUNK)
 }
 
 /// The push of a pair, the same from both of its shapes.

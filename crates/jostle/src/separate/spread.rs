@@ -1,4 +1,4 @@
-//! Enlarging regions in which the shapes do not have enough room, in one pass.
+//! Enlarging regions in which the shapes do not have enough room.
 //!
 //! The set of movable shapes is halved at the median of its longer side, and so on (a k-d tree).
 //! Each part has a box. If a half has more area of shapes than its box, the dividing line moves
@@ -25,14 +25,18 @@ const FEWEST: usize = 24;
 /// Regions are enlarged in which shapes have more than this share of the area: more than fits.
 pub const FULL: f64 = 1.0;
 
-/// As [`FULL`], if passes do not succeed with less room.
+/// As [`FULL`], if rounds do not succeed with less room.
 pub const LOOSE: f64 = 0.6;
 
 /// Share of its area that shapes have in a region that has been enlarged.
 const FILL: f64 = 0.5;
 
 /// Whether a node of the tree of the centres has less area than its shapes.
-pub fn is_crowded<T: Scalar>(tree: &Quadtree<T>, bodies: &Bodies<T>, gap: T) -> Result<bool> {
+pub fn is_crowded<T: Scalar, K: Scalar>(
+    tree: &Quadtree<K>,
+    bodies: &Bodies<T>,
+    gap: T,
+) -> Result<bool> {
     let mut sums = memory::with_room(bodies.len() + 1)?;
     let mut sum = [0.0; 3];
     sums.push(sum);

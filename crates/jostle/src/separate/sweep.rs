@@ -13,7 +13,7 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// Places all movable shapes; one without a free position in the bounds stays.
+/// Places all movable shapes; one without a free position in the bounds is put into them.
 pub fn place<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
@@ -62,9 +62,9 @@ pub fn place<T: Scalar>(
             let extent = body.extent(axis);
             [bounds[axis] + extent, bounds[axis + 2] - extent]
         });
-        if let Some(free) = taken.nearest_free(center[axis], limits) {
-            bodies.centers[own][axis] = free;
-        }
+        let [low, high] = limits.unwrap_or([-T::INFINITY, T::INFINITY]);
+        let free = taken.nearest_free(center[axis], limits);
+        bodies.centers[own][axis] = free.unwrap_or(center[axis].min(high).max(low));
         placed[own] = true;
     }
     Ok(())
