@@ -181,18 +181,30 @@ def test_columns_are_read_only():
         (lambda: jostle.PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
         (lambda: jostle.PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0), "kinds[1] is 1"),
+        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
+         "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
         (lambda: jostle.PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
-        (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[1] is NaN"),
+        (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
+        (lambda: jostle.PairForce.particle_life([0], [[1, 0], [np.nan, 0]], 1.0),
+         "matrix[1, 0] is NaN"),
+        (lambda: jostle.PairForce.particle_life([0], [[1]], 1.0, strength=np.inf),
+         "strength is inf"),
+        (lambda: jostle.PairForce.particle_life([0], np.zeros((65, 65)), 1.0),
+         "matrix is of 65 kinds; there may be 1 to 64 kinds"),
+        (lambda: jostle.PairForce.lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0),
+         "epsilon[1, 0] is inf"),
+        (lambda: jostle.PairForce.lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0),
+         "sigma[1, 0] is -2"),
+        (lambda: jostle.PairForce.soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
         (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
         (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
         (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
-        (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma[0] is 0"),
+        (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
         (lambda: jostle.PairForce.lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0),
          "a number or (2, 2)"),
-        (lambda: jostle.PairForce.soft_discs([0], 1.0, -1.0), "diameters[0] is -1"),
+        (lambda: jostle.PairForce.soft_discs([0], 1.0, -1.0), "diameters is -1"),
         (lambda: jostle.Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
         (lambda: jostle.Flocking(1, -1, 1, 1, 1), "separation is -1"),
         (lambda: jostle.Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
@@ -203,6 +215,25 @@ def test_wrong_numbers_are_refused(make, words):
     with pytest.raises(ValueError) as error:
         make()
     assert words in str(error.value)
+
+
+def test_errors_of_life_name_the_argument():
+    fluid = jostle.PairForce.lennard_jones([0], 1.0, 1.0, 2.5)
+    for make, words in (
+        (lambda: life.random_matrix(np.random.default_rng(0), 0), "kinds is 0"),
+        (lambda: life.random_matrix(np.random.default_rng(0), 65), "kinds is 65"),
+        (lambda: life.core_of(fluid), "force is <jostle.PairForce of 1 particle of 1 kind"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            make()
+    for make, words in (
+        (lambda: life.random_matrix(5), "rng must be a numpy.random.Generator, not int"),
+        (lambda: life.random_matrix(np.random.default_rng(0), 2.5), "kinds must be an integer"),
+        (lambda: life.core_of(5), "force must be a PairForce, not int"),
+        (lambda: life.matrix_of(5), "force must be a PairForce, not int"),
+    ):
+        with pytest.raises(TypeError, match=words):
+            make()
 
 
 def test_wrong_types_are_refused():
@@ -219,7 +250,7 @@ def test_wrong_types_are_refused():
 def test_a_force_must_fit_the_world():
     torus = jostle.Torus(10, 10)
     world = jostle.World([(1, 1)], [(0, 0)], 0.5, container=torus)
-    with pytest.raises(ValueError, match="a kind for each of the 1 particles"):
+    with pytest.raises(ValueError, match=r"needs one for each of 1 particle$"):
         world.forces = [FORCES[0]]
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -37,18 +39,22 @@ def test_kinds_are_merged_apart() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error"),
+    ("arguments", "error", "words"),
     [
-        (([1, 0],), ValueError),
-        (([[0.5]],), TypeError),
-        (([[1]], 0), ValueError),
-        (([[1]], (1, 2, 3)), ValueError),
-        (([[1]], float("nan")), ValueError),
-        (([[1]], 1, (0, float("inf"))), ValueError),
+        (([1, 0],), ValueError, "grid has shape (2,)"),
+        (([[0.5]],), TypeError, "grid must hold booleans or integers, not float64"),
+        (([[1], [1, 0]],), ValueError, "grid is no array"),
+        (([[1]], 0), ValueError, "size is (0.0, 0.0); both must be above 0"),
+        (([[1]], (1, 2, 3)), ValueError, "size has shape (3,)"),
+        (([[1]], [1, [2]]), ValueError, "size is no array"),
+        (([[1]], "a"), TypeError, "size must hold real numbers"),
+        (([[1]], float("nan")), ValueError, "size is nan; it must be finite"),
+        (([[1]], 1, (0, float("inf"))), ValueError, "origin is (0, inf)"),
+        (([[1]], 1, None), TypeError, "origin must hold real numbers"),
     ],
 )
-def test_bad_arguments(arguments, error) -> None:
-    with pytest.raises(error):
+def test_bad_arguments(arguments, error, words) -> None:
+    with pytest.raises(error, match="^" + re.escape(words)):
         jostle.tiles(*arguments)
 
 

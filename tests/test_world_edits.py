@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import jostle
 
 STEP = 1 / 60
-COLUMNS = jostle.WorldParticles._fields
+COLUMNS = jostle.WorldParticles._fields[:-1]  # kinds are a column of a PairForce
 DTYPES = {"movable": bool, "sensors": bool, "categories": np.uint32, "masks": np.uint32}
 
 
@@ -87,6 +87,26 @@ def test_what_is_read_can_be_added_and_set() -> None:
     world.set([6, 3], **some._asdict())
     for old, new in zip(some, world.read([6, 3]), strict=True):
         np.testing.assert_array_equal(new, old)
+
+
+def test_kinds_are_read_added_and_set() -> None:
+    force = jostle.PairForce([0, 2, 1], np.zeros((3, 3, 2)), 5.0)
+    world = jostle.World([(0, 0), (9, 0), (18, 0)], [(0, 0)] * 3, 1.0, forces=[force])
+    world.remove(0)
+    assert world.read([2, 1]).kinds.tolist() == [1, 2] and world.read(1).kinds == 2
+    assert type(world.read(1).kinds) is int and world.read([]).kinds.dtype == np.uint8
+    copy = world.add(**world.read(1)._replace(positions=(30, 0))._asdict())
+    assert world.read(copy).kinds == 2
+    world.set([copy, 1], kinds=[1, 0], masses=2.0)
+    assert world.forces[0].kinds.tolist() == [0, 1, 1]
+    world.set(1, kinds=1)
+    with pytest.raises(ValueError, match="kinds is 3; the table has 3 kinds, from 0 to 2"):
+        world.set(1, kinds=3, masses=5.0)
+    assert world.read(1).masses == 2 and world.read(1).kinds == 1
+    plain = jostle.World.restore(WORLD)
+    assert plain.read(5).kinds is None and plain.read([5]).kinds is None
+    with pytest.raises(ValueError, match="kinds is 1 kind; the world has no PairForce"):
+        plain.set(5, kinds=0)
 
 
 def test_ids_that_no_particle_has_are_refused() -> None:

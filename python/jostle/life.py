@@ -16,10 +16,15 @@ True
 
 from __future__ import annotations
 
+import operator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from jostle._core import PairForce
+
+#: The largest number of kinds of a `PairForce`.
+MOST_KINDS = 64
 
 __all__ = ["MATRICES", "core_of", "matrix_of", "random_matrix"]
 
@@ -101,7 +106,7 @@ def random_matrix(
     rng : numpy.random.Generator
         The source of random numbers.
     kinds : int, default 6
-        Number of kinds K.
+        Number of kinds K, at most 64.
     symmetric : bool, default False
         Whether all kinds attract each other mutually. Then everything comes to rest.
 
@@ -110,6 +115,13 @@ def random_matrix(
     ndarray of float64, shape (K, K)
         Numbers from -1 to 1, in steps of 0.1.
 
+    Raises
+    ------
+    TypeError
+        If an argument has the wrong type.
+    ValueError
+        If the number of kinds is out of range.
+
     Examples
     --------
     >>> import jostle.life
@@ -117,7 +129,15 @@ def random_matrix(
     array([[ 0. ,  0.9],
            [-0.7,  0.9]])
     """
-    matrix = np.round(rng.uniform(-1, 1, (kinds, kinds)), 1) + 0.0
+    if not isinstance(rng, np.random.Generator):
+        raise TypeError(f"rng must be a numpy.random.Generator, not {type(rng).__name__}")
+    try:
+        count = operator.index(kinds)
+    except TypeError:
+        raise TypeError(f"kinds must be an integer, not {type(kinds).__name__}") from None
+    if not 1 <= count <= MOST_KINDS:
+        raise ValueError(f"kinds is {count}; it must be between 1 and {MOST_KINDS}")
+    matrix = np.round(rng.uniform(-1, 1, (count, count)), 1) + 0.0
     if symmetric:
         upper = np.triu(matrix)
         matrix = upper + np.triu(matrix, 1).T
@@ -137,14 +157,34 @@ def core_of(force: PairForce) -> float:
     float
         The share of the cutoff within which all particles repel each other.
 
+    Raises
+    ------
+    TypeError
+        If it is no `PairForce`.
+    ValueError
+        If it is another force than that of particle life.
+
     Examples
     --------
     >>> import jostle, jostle.life
     >>> jostle.life.core_of(jostle.PairForce.particle_life([0], [[1]], 5.0, core=0.25))
     0.25
     """
+    core = _core(force)
+    if core is None:
+        raise ValueError(f"force is {force!r}; it must be a force of particle life")
+    return core
+
+
+def _core(force: PairForce) -> float | None:
+    """Where the repulsion at short distance ends, as a share of the cutoff, or None."""
+    if not isinstance(force, PairForce):
+        raise TypeError(f"force must be a PairForce, not {type(force).__name__}")
     first = force.table[0, 0].astype(np.float64)
-    return round(float(first[0] / (first[0] - first[1]) / (len(first) - 1)), 6)
+    if not first[0] > first[1] or force.damping:
+        return None
+    core = round(float(first[0] / (first[0] - first[1]) / (len(first) - 1)), 6)
+    return core if 0 < core < 1 else None
 
 
 def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
@@ -167,13 +207,11 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
     array([[ 1. ,  0. ],
            [-0.5,  1. ]])
     """
+    core = _core(force)
+    if core is None:
+        return None
     table = force.table.astype(np.float64)
     strength = table[0, 0, 0]
-    if not strength > table[0, 0, 1] or force.damping:
-        return None
-    core = core_of(force)
-    if not 0 < core < 1:
-        return None
     share = round((0.5 + 0.5 * core) * (table.shape[2] - 1)) / (table.shape[2] - 1)
     height = 1 - abs(2 * share - 1 - core) / (1 - core)
     if not height > 0:

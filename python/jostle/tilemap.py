@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,7 +38,7 @@ def tiles(
     Raises
     ------
     TypeError
-        If `grid` holds neither booleans nor integers.
+        If `grid` holds neither booleans nor integers, or another argument does not hold numbers.
     ValueError
         If `grid` is not two-dimensional, or a number is not finite or a size not above 0.
 
@@ -51,7 +52,7 @@ def tiles(
     array([[ 0.,  0., 32., 32.],
            [32., 16., 48., 32.]])
     """
-    filled = np.asarray(grid)
+    filled = _array("grid", grid)
     if filled.ndim != 2:
         raise ValueError(f"grid has shape {filled.shape}; it must be (rows, columns)")
     if filled.size and filled.dtype.kind not in "biu":
@@ -67,13 +68,23 @@ def tiles(
 
 def _pair(name: str, value: float | Sequence[float]) -> tuple[float, float]:
     """Two finite numbers; one number stands for both."""
-    pair = np.asarray(value, np.float64)
+    pair = _array(name, value)
+    if pair.size and pair.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must hold real numbers, not {pair.dtype}")
     if pair.shape not in ((), (2,)):
         raise ValueError(f"{name} has shape {pair.shape}; it must be a number or (2,)")
     if not np.isfinite(pair).all():
         raise ValueError(f"{name} is {value}; it must be finite")
     x, y = np.broadcast_to(pair, 2)
     return float(x), float(y)
+
+
+def _array(name: str, value: ArrayLike) -> NDArray[Any]:
+    """An array of the value of an argument."""
+    try:
+        return np.asarray(value)
+    except ValueError as error:  # rows of different lengths
+        raise ValueError(f"{name} is no array: {error}") from None
 
 
 def _rectangles(left: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:

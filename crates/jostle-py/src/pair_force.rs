@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use jostle::Error;
+use jostle::error::counted;
 use jostle::forces::pair::{MAX_KINDS, check_kinds};
 use jostle::forces::{Flocking, PairForce, PairTable};
 use numpy::ndarray::Array3;
@@ -207,9 +209,11 @@ impl PyPairForce {
         cutoff: &Bound<'_, PyAny>,
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let (count, [epsilon, sigma]) = squares(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
+        let squares = Squares::read(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
+        let (count, [epsilon, sigma]) = (squares.count, &squares.all);
         let cutoff = number("cutoff", cutoff)? as f32;
-        Self::of(kinds, PairTable::lennard_jones(count, &epsilon, &sigma, cutoff))
+        let table = PairTable::lennard_jones(count, epsilon, sigma, cutoff);
+        Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
     }
 
     /// Soft discs, which repel each other with a force proportional to their overlap.
@@ -254,10 +258,11 @@ impl PyPairForce {
         damping: Given<'_>,
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
-        let (count, [stiffness, diameters]) =
-            squares(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
+        let squares = Squares::read(&kinds, [("stiffness", stiffness), ("diameters", diameters)])?;
+        let (count, [stiffness, diameters]) = (squares.count, &squares.all);
         let damping = optional("damping", &damping, 0.0)?;
-        Self::of(kinds, PairTable::soft_discs(count, &stiffness, &diameters, damping))
+        let table = PairTable::soft_discs(count, stiffness, diameters, damping);
+        Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
     }
 
     /// The kind of each particle: read-only ndarray of uint8, shape (n,).
@@ -300,8 +305,9 @@ impl PyPairForce {
 
     fn __repr__(&self) -> String {
         let PairForce { kinds, table } = &self.0;
-        let (count, len, cutoff) = (table.kinds(), kinds.len(), self.cutoff());
-        format!("<jostle.PairForce between {count} kinds of {len} particles, cutoff {cutoff:?}>")
+        let (kinds_of_table, cutoff) = (counted(table.kinds(), "kind"), self.cutoff());
+        let particles = counted(kinds.len(), "particle");
+        format!("<jostle.PairForce of {particles} of {kinds_of_table}, cutoff {cutoff:?}>")
     }
 }
 
@@ -313,16 +319,34 @@ impl PyPairForce {
     }
 }
 
-/// Two arguments with a number for each pair of kinds, or one for all, with the number of kinds.
-fn squares(
-    kinds: &[u8],
-    arguments: [(&'static str, &Bound<'_, PyAny>); 2],
-) -> PyResult<(usize, [Vec<f32>; 2])> {
-    let [a, b] = arguments.map(|(name, value)| Argument::reals(name, value));
-    let [a, b] = [a?, b?];
-    let largest = kinds.iter().copied().max().unwrap_or(0);
-    let count = a.side().or(b.side()).unwrap_or(usize::from(largest) + 1);
-    Ok((count, [a.square(Some(count))?.1, b.square(Some(count))?.1]))
+/// Two matrices, each of which may be given as one number for all pairs of kinds.
+struct Squares {
+    /// Number of kinds: the size of a matrix, otherwise by the largest kind.
+    count: usize,
+    all: [Vec<f32>; 2],
+    /// The arguments that are given as a number.
+    numbers: Vec<&'static str>,
+}
+
+impl Squares {
+    fn read(kinds: &[u8], arguments: [(&'static str, &Bound<'_, PyAny>); 2]) -> PyResult<Self> {
+        let [a, b] = arguments.map(|(name, value)| Argument::reals(name, value));
+        let [a, b] = [a?, b?];
+        let largest = kinds.iter().copied().max().unwrap_or(0);
+        let count = a.side().or(b.side()).unwrap_or(usize::from(largest) + 1);
+        let all = [a.square(Some(count))?.1, b.square(Some(count))?.1];
+        let names = arguments.iter().zip([a, b]);
+        let numbers = names.filter(|(_, value)| value.is_scalar()).map(|((name, _), _)| *name);
+        Ok(Self { count, all, numbers: numbers.collect() })
+    }
+
+    /// An error without an index, if it is about an argument that is a number.
+    fn of_numbers(&self, error: Error) -> Error {
+        match &error {
+            Error::Entry { argument, .. } if self.numbers.contains(argument) => error.without_row(),
+            _ => error,
+        }
+    }
 }
 
 /// A number, or its default.
@@ -481,14 +505,14 @@ impl PyFlocking {
     }
 }
 
-/// The kinds of new particles.
-pub fn kinds_of_new(value: Option<&Bound<'_, PyAny>>, len: usize) -> PyResult<Option<Vec<u8>>> {
+/// The kinds of `len` particles.
+pub fn kinds_of_each(value: Option<&Bound<'_, PyAny>>, len: usize) -> PyResult<Option<Vec<u8>>> {
     let Some(value) = value else { return Ok(None) };
     let argument = Argument::integers("kinds", value)?;
     let kinds = argument.kinds()?;
     match kinds.len() {
         1 if argument.is_scalar() => Ok(Some(vec![kinds[0]; len])),
         found if found == len && !argument.is_scalar() => Ok(Some(kinds)),
-        found => Err(value_error("kinds", format!("{found} kinds"), &format!("one or {len}"))),
+        found => Err(value_error("kinds", counted(found, "kind"), &format!("one or {len}"))),
     }
 }

@@ -6,6 +6,7 @@ use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
 use jostle::{Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
 use numpy::Element;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
@@ -58,7 +59,11 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
 }
 
 /// `jostle.WorldParticles`.
-pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_particles(
+    py: Python<'_>,
+    all: Particles,
+    kinds: Option<Vec<u8>>,
+) -> PyResult<Bound<'_, PyAny>> {
     static PARTICLES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let rows = 0..all.len();
     let spins = || rows.clone().map(|row| all.spin(row));
@@ -74,6 +79,7 @@ pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyA
         column(py, categories).into_any(),
         column(py, masks).into_any(),
         column(py, rows.clone().map(|row| all.is_sensor(row)).collect::<Vec<bool>>()).into_any(),
+        kinds.map(|kinds| column(py, kinds)).into_bound_py_any(py)?,
     ];
     let first = [
         table(py, all.positions)?.into_any(),
@@ -88,24 +94,29 @@ pub fn world_particles(py: Python<'_>, all: Particles) -> PyResult<Bound<'_, PyA
 }
 
 /// `jostle.WorldParticle`.
-pub fn world_particle(py: Python<'_>, one: Particles) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_particle(
+    py: Python<'_>,
+    one: Particles,
+    kinds: Option<Vec<u8>>,
+) -> PyResult<Bound<'_, PyAny>> {
     static PARTICLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let (spin, filter) = (one.spin(0), one.filter(0));
-    let fields = (
-        column(py, one.positions[0].to_vec()),
-        column(py, one.velocities[0].to_vec()),
-        decimal(one.radii[0]),
-        decimal(one.masses[0]),
-        decimal(one.restitutions[0]),
-        one.movable[0],
-        decimal(spin.friction),
-        decimal(spin.rounded_angle()),
-        decimal(spin.velocity),
-        filter.category,
-        filter.mask,
-        one.is_sensor(0),
-    );
-    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(fields)
+    let fields = [
+        column(py, one.positions[0].to_vec()).into_any(),
+        column(py, one.velocities[0].to_vec()).into_any(),
+        decimal(one.radii[0]).into_bound_py_any(py)?,
+        decimal(one.masses[0]).into_bound_py_any(py)?,
+        decimal(one.restitutions[0]).into_bound_py_any(py)?,
+        one.movable[0].into_bound_py_any(py)?,
+        decimal(spin.friction).into_bound_py_any(py)?,
+        decimal(spin.rounded_angle()).into_bound_py_any(py)?,
+        decimal(spin.velocity).into_bound_py_any(py)?,
+        filter.category.into_bound_py_any(py)?,
+        filter.mask.into_bound_py_any(py)?,
+        one.is_sensor(0).into_bound_py_any(py)?,
+        kinds.map(|kinds| kinds[0]).into_bound_py_any(py)?,
+    ];
+    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(PyTuple::new(py, fields)?)
 }
 
 /// `jostle.WorldEvents`.

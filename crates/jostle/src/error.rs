@@ -25,6 +25,17 @@ pub enum Error {
         /// The rule for valid values.
         rule: String,
     },
+    /// One entry of an array with several axes breaks the rule of its argument.
+    Entry {
+        /// Name of the argument in the public API.
+        argument: &'static str,
+        /// Its index along each axis.
+        indices: Vec<usize>,
+        /// The value as text.
+        value: String,
+        /// The rule for valid values.
+        rule: String,
+    },
     /// An argument has the wrong number of rows.
     Length {
         /// Name of the argument.
@@ -68,6 +79,24 @@ impl Error {
         Self::Value { argument, index: Some(index), value: printed(value), rule: rule.to_string() }
     }
 
+    /// An error about an entry of `argument`, whose entries are in row-major order; `shape` is that
+    /// of the axes but the first.
+    pub fn in_array(
+        argument: &'static str,
+        index: usize,
+        shape: &[usize],
+        value: impl fmt::Display,
+        rule: &str,
+    ) -> Self {
+        let (mut left, mut indices) = (index, Vec::new());
+        for size in shape.iter().rev() {
+            indices.insert(0, left % size);
+            left /= size;
+        }
+        indices.insert(0, left);
+        Self::Entry { argument, indices, value: printed(value), rule: rule.to_string() }
+    }
+
     /// The same error about the value in `row`.
     pub fn in_row(self, row: usize) -> Self {
         match self {
@@ -81,7 +110,8 @@ impl Error {
     /// The same error without a row, for an argument that is a single value.
     pub fn without_row(self) -> Self {
         match self {
-            Self::Value { argument, value, rule, .. } => {
+            Self::Value { argument, value, rule, .. }
+            | Self::Entry { argument, value, rule, .. } => {
                 Self::Value { argument, index: None, value, rule }
             }
             other => other,
@@ -121,6 +151,10 @@ impl fmt::Display for Error {
             Self::Value { argument, index: None, value, rule } => {
                 write!(f, "{argument} is {value}; {rule}")
             }
+            Self::Entry { argument, indices, value, rule } => {
+                let indices: Vec<String> = indices.iter().map(usize::to_string).collect();
+                write!(f, "{argument}[{}] is {value}; {rule}", indices.join(", "))
+            }
             Self::Length { argument, found, expected } => {
                 write!(
                     f,
@@ -155,6 +189,11 @@ impl std::error::Error for Error {}
 
 /// Numbers with more characters are printed with an exponent.
 const MAX_CHARACTERS: usize = 20;
+
+/// A number with the noun that it counts: "1 kind", "2 kinds".
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
 
 /// The text of a value, with an exponent if it is a long number.
 fn printed(value: impl fmt::Display) -> String {
@@ -198,6 +237,14 @@ mod tests {
             format!("ids[2] is {}; no", i64::MIN)
         );
         assert_eq!(Error::of("drag", 1e-30_f32, "no").to_string(), "drag is 1e-30; no");
+    }
+
+    #[test]
+    fn an_entry_has_an_index_for_each_axis() {
+        let text = |index| Error::in_array("table", index, &[2, 3], 0.5, "no").to_string();
+        assert_eq!(text(0), "table[0, 0, 0] is 0.5; no");
+        assert_eq!(text(10), "table[1, 1, 1] is 0.5; no");
+        assert_eq!(counted(1, "kind") + &counted(0, "kind"), "1 kind0 kinds");
     }
 
     #[test]

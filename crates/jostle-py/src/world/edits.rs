@@ -12,7 +12,7 @@ use super::{PyWorld, State};
 use crate::arrays::{column, read_only, reals, table};
 use crate::error::refused;
 use crate::ids::Ids;
-use crate::pair_force::kinds_of_new;
+use crate::pair_force::kinds_of_each;
 use crate::particles::{Arguments, Draft, only_vector, vectors};
 use crate::queries::result_of;
 use crate::results;
@@ -117,7 +117,7 @@ impl PyWorld {
             sensors,
         };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
-        let kinds = kinds_of_new(kinds, len)?;
+        let kinds = kinds_of_each(kinds, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
@@ -185,6 +185,8 @@ impl PyWorld {
     ///     Bit sets of 32 bits.
     /// sensors : array_like of bool, one or shape (k,), optional
     ///     Whether the particle is a sensor.
+    /// kinds : array_like of int, a number or shape (k,), optional
+    ///     Their kind in each `PairForce` of the world.
     ///
     /// Raises
     /// ------
@@ -208,7 +210,7 @@ impl PyWorld {
     #[pyo3(signature = (
         ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
         movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
-        masks=None, sensors=None,
+        masks=None, sensors=None, kinds=None,
     ))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn set(
@@ -227,6 +229,7 @@ impl PyWorld {
         categories: Option<&Bound<'_, PyAny>>,
         masks: Option<&Bound<'_, PyAny>>,
         sensors: Option<&Bound<'_, PyAny>>,
+        kinds: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
@@ -248,7 +251,8 @@ impl PyWorld {
             sensors,
         };
         let changes = arguments.read(len, columns)?;
-        ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
+        let kinds = kinds_of_each(kinds, len)?;
+        ids.result_of(self.long(py, |state| state.set(&ids.all, &changes, kinds.as_deref()))?)
     }
 
     /// Read all columns of one particle or some, without those of the others.
@@ -262,7 +266,8 @@ impl PyWorld {
     /// -------
     /// WorldParticles or WorldParticle
     ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
-    ///     `add` and `set`, with a row for each id; single values for one id. The cost depends on the
+    ///     `add` and `set`, with a row for each id; single values for one id. `kinds` are those of the
+    ///     first `PairForce`, None if there is none. The cost depends on the
     ///     number of ids alone, except that the first call after a step reads all row numbers.
     ///
     /// Raises
@@ -293,11 +298,13 @@ impl PyWorld {
     /// 2
     fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
-        let copy = ids.result_of(self.long(py, |state| state.world.read(&ids.all))?)?;
+        let read = self
+            .long(py, |state| Ok((state.world.read(&ids.all)?, state.world.kinds_of(&ids.all)?)))?;
+        let (copy, kinds) = ids.result_of(read)?;
         if ids.single {
-            results::world_particle(py, copy)
+            results::world_particle(py, copy, kinds)
         } else {
-            results::world_particles(py, copy)
+            results::world_particles(py, copy, kinds)
         }
     }
 
@@ -501,6 +508,14 @@ impl State {
             self.world.set_kinds(&ids.clone().collect::<Vec<Id>>(), &kinds)?;
         }
         Ok(ids)
+    }
+
+    fn set(&mut self, ids: &[Id], changes: &Changes, kinds: Option<&[u8]>) -> jostle::Result<()> {
+        if let Some(kinds) = kinds {
+            self.world.check_kinds(kinds)?;
+        }
+        self.world.set(ids, changes)?;
+        kinds.map_or(Ok(()), |kinds| self.world.set_kinds(ids, kinds))
     }
 }
 

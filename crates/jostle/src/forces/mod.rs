@@ -33,7 +33,7 @@ use std::collections::HashSet;
 use std::fmt::Display;
 
 use crate::container::Container;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, counted};
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
 use crate::settings::Method;
@@ -121,8 +121,9 @@ pub fn validate(forces: &[Force], len: usize, exists: impl Fn(Id) -> bool) -> Re
         if let Force::Pair(PairForce { kinds, .. }) = force
             && kinds.len() != len
         {
-            let rule = format!("a PairForce needs a kind for each of the {len} particles");
-            return Err(Error::at("forces", index, format!("{} kinds", kinds.len()), &rule));
+            let (found, particles) = (counted(kinds.len(), "kind"), counted(len, "particle"));
+            let rule = format!("a PairForce needs one for each of {particles}");
+            return Err(Error::at("forces", index, format!("a PairForce of {found}"), &rule));
         }
         thermostats += usize::from(matches!(force, Force::Thermostat(_)));
         if thermostats > 1 {
@@ -207,7 +208,7 @@ pub fn compare_kinds(forces: &[Force], a: u32, b: u32) -> Ordering {
 }
 
 /// The forces between kinds among them.
-fn pairs(forces: &[Force]) -> impl Iterator<Item = &PairForce> {
+pub fn pairs(forces: &[Force]) -> impl Iterator<Item = &PairForce> {
     forces.iter().filter_map(|force| match force {
         Force::Pair(pair) => Some(pair),
         _ => None,

@@ -11,7 +11,7 @@ use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::{Bodies, check_number};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, counted};
 use crate::particles::FARTHEST;
 use crate::simd::{LANES, PairPlaces, Simd, block};
 
@@ -66,18 +66,15 @@ impl PairTable {
     /// a relative speed of 1 along the line between two particles at distance 0; it decreases as
     /// (1 − d/cutoff)².
     pub fn new(kinds: usize, values: Vec<f32>, cutoff: f32, damping: f32) -> Result<Self> {
-        check_kinds_of_table(kinds)?;
+        check_kinds_of_table("table", kinds)?;
         let points = values.len() / (kinds * kinds);
         if points < 2 || values.len() != kinds * kinds * points || values.len() > MAX_ENTRIES {
             let rule = format!(
                 "it must have the shape (K, K, m) with m at least 2 and at most {MAX_ENTRIES} entries"
             );
-            return Err(Error::of("table", format!("{} numbers", values.len()), &rule));
+            return Err(Error::of("table", counted(values.len(), "number"), &rule));
         }
-        if let Some(index) = values.iter().position(|value| !is_allowed(*value)) {
-            let rule = format!("forces must be finite and within ±{FARTHEST:e}");
-            return Err(Error::at("table", index, values[index], &rule));
-        }
+        check_entries("table", &values, &[kinds, points])?;
         check_cutoff(cutoff)?;
         check_number("damping", damping, 0.0)?;
         let mut table = Self {
@@ -162,19 +159,32 @@ pub fn check_kinds(kinds: &[u8], count: usize) -> Result<()> {
     match kinds.iter().position(|&kind| usize::from(kind) >= count) {
         None => Ok(()),
         Some(index) => {
-            let rule = format!("the table has {count} kinds, from 0 to {}", count - 1);
+            let (kinds_of_table, last) = (counted(count, "kind"), count - 1);
+            let rule = format!("the table has {kinds_of_table}, from 0 to {last}");
             Err(Error::at("kinds", index, kinds[index], &rule))
         }
     }
 }
 
-/// Refuses a number of kinds that no table has.
-pub(super) fn check_kinds_of_table(kinds: usize) -> Result<()> {
+/// Refuses a number of kinds that no table has; `argument` is the array that has it.
+pub(super) fn check_kinds_of_table(argument: &'static str, kinds: usize) -> Result<()> {
     if (1..=MAX_KINDS).contains(&kinds) {
         return Ok(());
     }
-    let rule = format!("a table has 1 to {MAX_KINDS} kinds");
-    Err(Error::of("table", format!("{kinds} kinds"), &rule))
+    let rule = format!("there may be 1 to {MAX_KINDS} kinds");
+    Err(Error::of(argument, format!("of {}", counted(kinds, "kind")), &rule))
+}
+
+/// Refuses entries of an array that are not finite or out of range; `shape` is that of its axes but
+/// the first.
+pub(super) fn check_entries(argument: &'static str, all: &[f32], shape: &[usize]) -> Result<()> {
+    match all.iter().position(|&value| value.is_nan() || value.abs() > FARTHEST) {
+        None => Ok(()),
+        Some(index) => {
+            let rule = format!("it must be finite and within ±{FARTHEST:e}");
+            Err(Error::in_array(argument, index, shape, all[index], &rule))
+        }
+    }
 }
 
 /// Refuses a cutoff out of range.
@@ -184,10 +194,6 @@ pub(super) fn check_cutoff(cutoff: f32) -> Result<()> {
     }
     let rule = format!("it must lie between {MIN_CUTOFF:e} and {FARTHEST:e}");
     Err(Error::of("cutoff", cutoff, &rule))
-}
-
-fn is_allowed(force: f32) -> bool {
-    force.abs() <= FARTHEST
 }
 
 /// The segments of the forces of one pair of kinds.

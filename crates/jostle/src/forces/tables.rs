@@ -1,7 +1,9 @@
 //! Tables of well-known forces between kinds.
 
-use super::pair::{PairTable, check_cutoff, check_kinds_of_table};
+use super::check_number;
+use super::pair::{PairTable, check_cutoff, check_entries, check_kinds_of_table};
 use crate::error::{Error, Result};
+use crate::particles::FARTHEST;
 
 /// Points of a table whose pieces are not straight.
 const POINTS: usize = 2049;
@@ -24,10 +26,11 @@ impl PairTable {
         core: f32,
         strength: f32,
     ) -> Result<Self> {
-        check_square("matrix", kinds, matrix.len())?;
+        check_square("matrix", kinds, matrix)?;
         if !(0.0..1.0).contains(&core) || core == 0.0 {
             return Err(Error::of("core", core, "it must lie between 0 and 1"));
         }
+        check_number("strength", strength, -FARTHEST)?;
         check_cutoff(cutoff)?;
         let (core, strength) = (f64::from(core), f64::from(strength));
         let force = |pull: f32, share: f64| {
@@ -53,7 +56,7 @@ impl PairTable {
         sigma: &[f32],
         cutoff: f32,
     ) -> Result<Self> {
-        check_square("epsilon", kinds, epsilon.len())?;
+        check_square("epsilon", kinds, epsilon)?;
         check_positive("sigma", kinds, sigma)?;
         check_cutoff(cutoff)?;
         let force = |pair: usize, distance: f64| {
@@ -74,7 +77,7 @@ impl PairTable {
         diameters: &[f32],
         damping: f32,
     ) -> Result<Self> {
-        check_square("stiffness", kinds, stiffness.len())?;
+        check_square("stiffness", kinds, stiffness)?;
         check_positive("diameters", kinds, diameters)?;
         let cutoff = diameters.iter().copied().fold(0.0, f32::max);
         check_cutoff(cutoff)?;
@@ -111,20 +114,22 @@ fn segments_with_corners(corners: [f64; 2]) -> usize {
     (2..MOST_SEGMENTS).find(fits).unwrap_or(MOST_SEGMENTS)
 }
 
-/// Refuses an array that has not one number for each pair of kinds.
-fn check_square(argument: &'static str, kinds: usize, len: usize) -> Result<()> {
-    check_kinds_of_table(kinds)?;
-    if len == kinds * kinds {
-        return Ok(());
+/// Refuses an array that has not one finite number for each pair of kinds.
+fn check_square(argument: &'static str, kinds: usize, all: &[f32]) -> Result<()> {
+    check_kinds_of_table(argument, kinds)?;
+    if all.len() != kinds * kinds {
+        return Err(Error::Length { argument, found: all.len(), expected: kinds * kinds });
     }
-    Err(Error::Length { argument, found: len, expected: kinds * kinds })
+    check_entries(argument, all, &[kinds])
 }
 
-/// Refuses lengths that are not finite or not above 0.
+/// As [`check_square`]; numbers must be above 0 too.
 fn check_positive(argument: &'static str, kinds: usize, all: &[f32]) -> Result<()> {
-    check_square(argument, kinds, all.len())?;
-    match all.iter().position(|&value| !(value > 0.0 && value.is_finite())) {
+    check_square(argument, kinds, all)?;
+    match all.iter().position(|&value| value <= 0.0) {
         None => Ok(()),
-        Some(index) => Err(Error::at(argument, index, all[index], "it must be finite and above 0")),
+        Some(index) => {
+            Err(Error::in_array(argument, index, &[kinds], all[index], "it must be above 0"))
+        }
     }
 }

@@ -38,7 +38,7 @@ use std::sync::OnceLock;
 
 use crate::contacts::Contacts;
 use crate::correction::Correction;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, counted};
 use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force, HotWalls};
@@ -337,13 +337,20 @@ impl World {
         Ok(())
     }
 
+    /// The kinds of some particles in the first force between kinds; None if there is no such force.
+    pub fn kinds_of(&self, ids: &[Id]) -> Result<Option<Vec<u8>>> {
+        let rows = self.rows_of(ids)?;
+        let pair = forces::pairs(&self.forces).next();
+        Ok(pair.map(|pair| rows.iter().map(|&row| pair.kinds[row as usize]).collect()))
+    }
+
     /// Refuses kinds that [`World::set_kinds`] would refuse.
     pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
         match forces::kind_count(&self.forces) {
             Some(count) => forces::pair::check_kinds(kinds, count),
             None => {
                 let rule = "the world has no PairForce";
-                Err(Error::of("kinds", format!("{} kinds", kinds.len()), rule))
+                Err(Error::of("kinds", counted(kinds.len(), "kind"), rule))
             }
         }
     }
