@@ -36,7 +36,7 @@ const PINNED: [(&str, u64); 24] = [
     ("piston", 0xec36_bf00_0d63_c92c),
     ("pinball", 0x8ad1_d105_5b1a_b4a2),
     ("life", 0xf6b8_12be_fc85_cf14),
-    ("flock", 0x99fe_66e4_4238_ab4f),
+    ("flock", 0x47f9_7fb8_f454_0e81),
     ("fluid", 0x8186_c339_02c1_1670),
 ];
 

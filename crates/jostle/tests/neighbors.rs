@@ -160,6 +160,20 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
 }
 
 #[test]
+fn a_fast_flock_aligns_by_the_differences_of_velocities() {
+    let mut state = State::random(700, 1);
+    state.velocities.iter_mut().for_each(|[u, _]| *u += 1e5);
+    let force = flocking(20.0);
+    let found = state.feel(&force, Container::None, Method::Quadtree, 2);
+    for (found, expected) in found.iter().zip(oracle(&state, &force, Container::None)) {
+        for k in 0..2 {
+            let error = (f64::from(found[k]) - expected[k]).abs();
+            assert!(error < 1e-5 * expected[k].abs().max(10.0), "{found:?} {expected:?}");
+        }
+    }
+}
+
+#[test]
 fn sums_are_those_over_all_pairs() {
     let state = State::random(700, 1);
     for force in [any_table(9.0, 0.0), any_table(9.0, 3.0), any_table(40.0, 0.5), flocking(8.0)] {
@@ -416,7 +430,10 @@ fn forces_that_do_not_fit_are_refused() {
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
     let short = refused(&mut world, pair(table(), vec![0; 2]));
-    assert_eq!(short, "forces[0] is 2 kinds; a PairForce needs a kind for each of the 3 particles");
+    assert_eq!(
+        short,
+        "forces[0] is a PairForce of 2 kinds; a PairForce needs one for each of 3 particles"
+    );
     world.set_forces(vec![pair(table(), vec![0; 3])]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
@@ -428,11 +445,16 @@ fn forces_that_do_not_fit_are_refused() {
     let wrong = |found: jostle::Result<PairTable>| found.unwrap_err().to_string();
     assert!(wrong(PairTable::new(0, vec![], 1.0, 0.0)).contains("1 to 64 kinds"));
     assert!(wrong(PairTable::new(1, vec![0.0], 1.0, 0.0)).contains("(K, K, m)"));
-    assert!(wrong(PairTable::new(1, vec![0.0, f32::NAN], 1.0, 0.0)).starts_with("table[1] is NaN"));
+    assert!(
+        wrong(PairTable::new(1, vec![0.0, f32::NAN], 1.0, 0.0))
+            .starts_with("table[0, 0, 1] is NaN")
+    );
     for cutoff in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-20] {
         assert!(wrong(PairTable::new(1, vec![0.0; 2], cutoff, 0.0)).starts_with("cutoff is"));
     }
     assert!(wrong(PairTable::new(1, vec![0.0; 2], 1.0, -1.0)).starts_with("damping is -1"));
     assert!(wrong(PairTable::particle_life(1, &[1.0], 1.0, 1.0, 1.0)).starts_with("core is 1"));
-    assert!(wrong(PairTable::lennard_jones(1, &[1.0], &[0.0], 1.0)).starts_with("sigma[0] is 0"));
+    assert!(
+        wrong(PairTable::lennard_jones(1, &[1.0], &[0.0], 1.0)).starts_with("sigma[0, 0] is 0")
+    );
 }

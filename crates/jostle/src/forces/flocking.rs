@@ -85,6 +85,7 @@ impl Law for Flocking {
         }
         let Flocking { cutoff, separation, alignment, cohesion, .. } = *self;
         let (one, zero) = (simd.splat(1.0), simd.splat(0.0));
+        let own = [0, 1].map(|k| simd.splat(own.of(k)));
         let (least, per_cutoff) = (simd.splat(MIN_SQUARE), simd.splat(1.0 / cutoff));
         let [mut away_x, mut away_y] = [zero; 2];
         let [mut sum_x, mut sum_y, mut sum_u, mut sum_v] = [zero; 4];
@@ -100,16 +101,18 @@ impl Law for Flocking {
             away_y = simd.add(away_y, simd.mul(weight, y));
             sum_x = simd.add(sum_x, x);
             sum_y = simd.add(sum_y, y);
-            sum_u = simd.add(sum_u, simd.load(block(&found.columns[0], start)));
-            sum_v = simd.add(sum_v, simd.load(block(&found.columns[1], start)));
+            // Differences, because the velocities of a fast flock are large and nearly equal.
+            let [u, v] =
+                [0, 1].map(|k| simd.sub(simd.load(block(&found.columns[k], start)), own[k]));
+            sum_u = simd.add(sum_u, u);
+            sum_v = simd.add(sum_v, v);
             start += LANES;
         }
         let (away, offset) = ([away_x, away_y], [sum_x, sum_y]);
         let velocity = [sum_u, sum_v];
         let mut by = [0.0f64; 2];
         for k in 0..2 {
-            let all_own = f64::from(own.of(k)) * found.len as f64;
-            let sum = f64::from(alignment) * (total(simd, velocity[k]) - all_own)
+            let sum = f64::from(alignment) * total(simd, velocity[k])
                 + f64::from(cohesion) * total(simd, offset[k])
                 - f64::from(separation) * total(simd, away[k]);
             by[k] = sum / others as f64;

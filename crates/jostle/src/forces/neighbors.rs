@@ -50,7 +50,8 @@ impl Own<'_> {
     }
 }
 
-/// The neighbours of a body, with itself: dense columns whose last block is filled up with zeros.
+/// The neighbours of a body, with itself: dense columns whose last block is filled up with the
+/// numbers of the body, and offsets of 0.
 #[derive(Debug, Default)]
 pub struct Found {
     /// Offsets from the body.
@@ -274,8 +275,9 @@ impl Search<'_> {
         found.len = len;
         *block_mut(&mut found.x, len) = [0.0; LANES];
         *block_mut(&mut found.y, len) = [0.0; LANES];
-        for to in &mut found.columns[..self.columns.len()] {
-            *block_mut(to, len) = [0.0; LANES];
+        // So that differences from its own numbers are 0.
+        for (from, to) in self.columns.iter().zip(&mut found.columns) {
+            *block_mut(to, len) = [from[place]; LANES];
         }
     }
 
