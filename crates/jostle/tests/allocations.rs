@@ -1,11 +1,14 @@
-//! A step in a world that has made some steps allocates no memory, nor a pass that moves shapes apart,
+//! A step in a world that has made some steps allocates no memory, nor a round that moves shapes apart,
 //! and a change of one particle little.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use jostle::scenes::{self, STEP};
-use jostle::{Changes, Each, Particles, Separation, Shapes, separate};
+use jostle::{
+    Changes, Container, Each, Particles, Separation, Settings, Shapes, World, WorldSettings,
+    separate,
+};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
@@ -56,7 +59,7 @@ fn allocated_bytes(act: impl FnOnce()) -> usize {
 }
 
 #[test]
-fn passes_that_move_shapes_apart_allocate_nothing() {
+fn rounds_that_move_shapes_apart_allocate_nothing() {
     // Few overlap, so that one list of pairs lasts, and it is far too little room for success.
     let at = |k: u32| [f64::from(k % 40) * 1.99, f64::from(k / 40) * 1.99];
     let shapes = Shapes::circles((0..1600).map(at).collect(), Each::One(1.0)).unwrap();
@@ -124,11 +127,39 @@ fn a_step_allocates_nothing_after_some_steps() {
         world.edit(roughen).unwrap();
         let mut settings = *world.settings();
         settings.tree.threads = Some(1);
-        // What falls asleep moves to lists of its own, which grow.
+        // What falls asleep or wakes moves to other lists, which grow.
         settings.sleeping = false;
         world.configure(settings).unwrap();
         world.step(STEP, 150).unwrap();
         let found = allocations(|| world.step(STEP, 20).unwrap());
         assert!(found <= RARE, "{name}: {found} allocations in 20 steps");
     }
+}
+
+/// Discs that move near sleeping ones, and do not touch them.
+#[test]
+fn a_step_near_sleepers_allocates_nothing() {
+    let at = |k: u16| [f32::from(k) * 2.5, 1.0];
+    let discs = |positions: Vec<[f32; 2]>| {
+        let len = positions.len();
+        Particles::new(positions, vec![[0.0; 2]; len], vec![1.0; len], 1.0)
+    };
+    let settings = WorldSettings {
+        gravity: [0.0, -9.8],
+        restitution: 0.3,
+        container: Container::Box { min: [-50.0, 0.0], max: [500.0, 100.0] },
+        tree: Settings { threads: Some(1), ..Settings::default() },
+        ..WorldSettings::default()
+    };
+    let mut world = World::new(discs((0..150).map(at).collect()), settings).unwrap();
+    world.step(STEP, 120).unwrap();
+    assert_eq!(world.asleep().iter().filter(|asleep| **asleep).count(), 150);
+    // Kinematic discs move above them.
+    let mut more = discs((0..20).map(|k| [at(7 * k)[0], 4.0]).collect());
+    more.velocities.fill([0.5, 0.0]);
+    more.movable.fill(false);
+    world.add(more).unwrap();
+    world.step(STEP, 150).unwrap();
+    assert_eq!(world.asleep().iter().filter(|asleep| **asleep).count(), 150);
+    assert_eq!(allocations(|| world.step(STEP, 60).unwrap()), 0);
 }

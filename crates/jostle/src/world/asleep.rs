@@ -190,17 +190,17 @@ impl Asleep {
         Ok(())
     }
 
-    /// The islands of which a particle overlaps one of the circles in a tree, ascending; only
-    /// circles for whose rows `counts` returns true. All islands, if there are too many pairs to
-    /// list.
+    /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
+    /// ascending; only circles for whose rows `counts` returns true. All islands, if there are too
+    /// many pairs to list.
     pub(super) fn touched(
         &self,
         circles: &Quadtree<f32>,
         counts: impl Fn(u32) -> bool,
         settings: &WorldSettings,
-        join: &mut JoinScratch,
-    ) -> Result<Vec<u32>> {
-        let mut islands = Vec::new();
+        (join, islands): (&mut JoinScratch, &mut Vec<u32>),
+    ) -> Result<()> {
+        islands.clear();
         let images = settings.container.images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
         for image in iter::once([0.0; 2]).chain(images) {
             for Layer { first, tree } in &self.layers {
@@ -215,7 +215,11 @@ impl Asleep {
                     }
                 };
                 let found = match found {
-                    Err(Error::TooManyPairs { .. }) => return Ok(self.islands().collect()),
+                    Err(Error::TooManyPairs { .. }) => {
+                        islands.clear();
+                        islands.extend(self.islands());
+                        return Ok(());
+                    }
                     other => other?,
                 };
                 let new =
@@ -228,7 +232,7 @@ impl Asleep {
         }
         islands.sort_unstable();
         islands.dedup();
-        Ok(islands)
+        Ok(())
     }
 
     /// The islands that touch one of some rows, which are sorted; ascending.

@@ -111,6 +111,8 @@ impl World {
                 touched = self.asleep.islands().collect();
             }
             self.wake(&touched);
+            touched.clear();
+            self.memory.touched = touched;
         }
         Ok(())
     }

@@ -47,8 +47,8 @@ impl World {
         }
         let Self { asleep, particles, memory, settings, .. } = self;
         let moves = |place: u32| !particles.is_static(place as usize);
-        let join = &mut memory.waking.join;
-        memory.touched = asleep.touched(&memory.tree, moves, settings, join)?;
+        let scratch = (&mut memory.waking.join, &mut memory.touched);
+        asleep.touched(&memory.tree, moves, settings, scratch)?;
         Ok(!memory.touched.is_empty())
     }
 
@@ -82,7 +82,7 @@ impl World {
         let filters = filters.iter().map(|of| particles.filter(place(of)));
         fill_filters(filters, &mut shapes.filters);
         tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
-        memory.touched = asleep.touched(tree, |_| true, settings, join)?;
+        asleep.touched(tree, |_| true, settings, (join, &mut memory.touched))?;
         Ok(!memory.touched.is_empty())
     }
 
