@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -261,6 +264,192 @@ def test_moving_platforms_carry() -> None:
     assert wall not in space.move_and_slide(walker, (0, 0)).hits
 
 
+WAYS = [lambda space: pickle.loads(pickle.dumps(space)), copy.copy, copy.deepcopy]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_copies_keep_riders_and_walls(way) -> None:
+    space = jostle.Space()
+    space.walls = jostle.polyline([(-9, 0), (0, 0), (9, -9)])
+    platform = space.add(boxes=(-5, -20, 5, -19))
+    walker = space.add((0, -22), half_sizes=(0.5, 1.0))
+    space.move_and_slide(walker, (0, 5))
+    twin = way(space)
+    np.testing.assert_array_equal(twin.walls, space.walls)
+    twin.move(platform, twin.centers(platform) + np.array((3, -1)))
+    assert twin.move_and_slide(walker, (0, 0.1)).displacement == pytest.approx([3, -1])
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2], [2, 1, 0]])
+def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
+    """A lift with a crate on it, and a walker on the crate."""
+    space = jostle.Space()
+    lift = space.add((0, 0), half_sizes=(5, 0.5))
+    crate = space.add((0, -2), half_sizes=(2, 1))
+    walker = space.add((0, -5), half_sizes=(0.5, 1.0))
+    ids = np.array([lift, crate, walker])
+    for _ in range(3):
+        space.move_and_slide(ids, [(0, 0), (0, 2), (0, 2)])
+    before = space.centers(ids)
+    for steps in ([(3, -1), (0, 0.1), (0, 0.1)], [(-2, 30), (0, 0.1), (0.5, 0.1)]):
+        slides = space.move_and_slide(ids[order], np.array(steps)[order])
+        moved = slides.displacements[np.argsort(order)]
+        assert moved[0] == pytest.approx(steps[0])
+        assert moved[1] == pytest.approx(moved[0], abs=1e-9)
+        assert moved[2] == pytest.approx(moved[0] + (steps[2][0], 0), abs=1e-9)
+        assert len(space.pairs()) == 0
+    assert not (space.centers(ids) == before).all()
+
+
+def test_landing_on_a_floor_that_moves_later_in_the_call() -> None:
+    space = jostle.Space()
+    lift, walker = space.add([(0, 0), (0, -3)], half_sizes=[(5, 1), (0.5, 1)])
+    space.move_and_slide([walker, lift], [(0, 5), (2, 0)])
+    assert space.centers(walker)[0] == 0
+    space.move_and_slide(walker, (0, 0.1))  # what the floor has moved since
+    assert space.centers(walker)[0] == pytest.approx(2)
+
+
+def test_what_stops_a_carried_or_pushed_walker_is_in_the_hits() -> None:
+    space = jostle.Space()
+    platform = space.add(boxes=(-5, 0, 5, 1))
+    wall = space.add(boxes=(3, -9, 4, -0.1))
+    walker = space.add((0, -2), half_sizes=(0.5, 1.0))
+    space.move_and_slide(walker, (0, 5))
+    space.move(platform, space.centers(platform) + np.array((9, 0)))
+    carried = space.move_and_slide(walker, (0, 0.1))
+    assert wall in carried.hits and carried.on_wall and carried.on_floor is False
+    assert carried.displacement[0] == pytest.approx(2.5)
+    piston = space.add(boxes=(-20, -9, 2.2, -0.1))  # it leaves a gap of 0.8 for a width of 1
+    pushed = space.move_and_slide(walker, (0, 0), mask=0xFFFFFFFF)
+    assert wall in pushed.hits and piston not in pushed.hits
+
+
+def test_a_deep_overlap_does_not_depend_on_the_order() -> None:
+    """One walker leaves a large box, and comes to another one far away."""
+    results = []
+    for order in ([0, 1], [1, 0]):
+        space = jostle.Space()
+        space.add(boxes=(0, -100, 100, 100))
+        ids = space.add([(30, 0), (-3, 0.5)], 1.0)
+        steps = np.array([(0.0, 0.0), (0.0, 2.0)])
+        space.move_and_slide(ids[order], steps[order], up=(0, 0))
+        assert len(space.pairs()) == 0
+        results.append(space.centers(ids))
+    # The second one moves out of the way before or after the first one comes.
+    np.testing.assert_allclose(results[0][1], results[1][1], atol=3)
+
+
+def test_ties_do_not_depend_on_the_history_of_the_space() -> None:
+    """The same shapes, added in another order, one of them moved before."""
+    boxes = np.array([(5, -2, 6, 0), (5, 0, 6, 2), (5, -2, 8, 2), (-9, 5, 9, 6)], float)
+    found = []
+    for order in ([0, 1, 2, 3], [2, 0, 3, 1], [3, 2, 1, 0]):
+        for moves in (False, True):
+            space = jostle.Space(leaf_capacity=1)
+            ids = space.add(boxes=boxes[order] + 100 * moves)
+            walker = space.add((0, 0), half_sizes=(1, 1))
+            if moves:
+                space.update()
+                space.move(ids, boxes=boxes[order])
+            slide = space.move_and_slide(walker, (30, 30))
+            found.append([boxes[order][list(ids).index(hit)].tolist() for hit in slide.hits])
+            found[-1].append(slide.displacement.tolist())
+    assert all(one == found[0] for one in found)
+
+
+def test_a_crowd_at_one_place() -> None:
+    """So many walkers whose paths all may meet that a list of their pairs would be too long."""
+    space = jostle.Space()
+    n = 20_000
+    ids = space.add(np.stack(np.divmod(np.arange(n), 200), 1) * 4.0, 1.0)
+    space.move_and_slide(ids, np.tile((1000.0, 0.5), (n, 1)), up=(0, 0))
+    assert len(space.pairs()) == 0
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("shape", ["disc", "box", "rounded"])
+def test_slopes_are_climbed_up_to_the_floor_angle(shape: str, dtype: str) -> None:
+    radius = {"disc": 1.0, "box": 0.0, "rounded": 0.4}[shape]
+    half = {"disc": 0.0, "box": 1.0, "rounded": 0.6}[shape]
+    for degrees, climbs in ((20, True), (44.9, True), (45.1, False), (80, False)):
+        angle = np.radians(degrees)
+        space = jostle.Space(dtype=dtype)
+        space.walls = jostle.polyline(
+            [(-50, 0), (0, 0), (100 * np.cos(angle), -100 * np.sin(angle))]
+        )
+        walker = space.add((-10, -1.0), radius, (half, half))
+        for _ in range(40):
+            slide = space.move_and_slide(walker, (1.0, 0.5))
+        assert (space.centers(walker)[1] < -5) == climbs
+        assert slide.on_floor and slide.on_wall == (not climbs)
+        if climbs:
+            before = space.centers(walker)
+            for _ in range(20):  # it stands
+                assert space.move_and_slide(walker, (0, 0.5)).floor == -3
+            assert np.abs(space.centers(walker) - before).max() < 5e-3
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]))
+def test_nothing_leaves_a_polygon_of_walls(seed: int, dtype: str) -> None:
+    """Discs, boxes and rounded boxes, at speeds from a thousandth to a billion."""
+    rng = np.random.default_rng(seed)
+    corners = int(rng.integers(3, 9))
+    angles = np.arange(corners) * 2 * np.pi / corners + rng.uniform(0, 6)
+    outline = 10 * np.stack([np.cos(angles), np.sin(angles)], 1)  # convex
+    space = jostle.Space(dtype=dtype)
+    space.walls = jostle.polyline(outline, closed=True)
+    walls = space.walls.astype(float)
+    shapes = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
+    ids = [space.add(np.zeros(2), radius, half) for radius, half in shapes]
+    masks = [1 << k for k in range(3)]
+    space.set_filter(ids, masks=masks, categories=masks)
+    along = walls[:, 1] - walls[:, 0]
+    for _ in range(40):
+        steps = rng.normal(0, 1, (3, 2)) * 10 ** rng.uniform(-3, 9)
+        space.move_and_slide(ids, steps, up=[(0, 0), (0, -1)][int(rng.integers(2))])
+        for (radius, half), center in zip(shapes, space.centers(ids).astype(float), strict=True):
+            away = center - walls[:, 0]
+            cross = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
+            distance = np.abs(cross) / np.linalg.norm(along, axis=1)
+            winding = np.sign(cross)
+            assert (winding == winding[0]).all(), "it is outside"
+            normal = np.stack([-along[:, 1], along[:, 0]], 1)
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            reach = radius + np.abs(normal) @ np.array(half, float)
+            assert (distance >= reach - (1e-9 if dtype == "float64" else 1e-3)).all()
+
+
+def test_the_joints_of_walls_do_not_stop_a_walker() -> None:
+    x = np.linspace(0, 100, 301)
+    space = jostle.Space()
+    space.walls = jostle.polyline(np.stack([x, 2 * np.sin(x / 3)], 1))
+    disc = space.add((3, -3), 0.5)
+    box = space.add((3, -3), 0.0, (0.3, 0.5))
+    space.set_filter([disc, box], categories=[1, 2], masks=[1, 2])
+    for _ in range(300):
+        slides = space.move_and_slide([disc, box], [(0.3, 0.2)] * 2, floor_angle=1.0)
+        assert not slides.on_wall.any()
+    assert (space.centers([disc, box])[:, 0] > 60).all()
+
+
+def test_bad_walls_change_nothing() -> None:
+    space = jostle.Space(dtype="float32")
+    space.walls = [[(0, 0), (1, 1)]]
+    assert space.walls.dtype == np.float32 and not space.walls.flags.writeable
+    for walls, message in (
+        ([[(0, 0), (1, np.nan)]], r"walls\[0\] is \(\(0, 0\), \(1, NaN\)\)"),
+        ([(0, 0), (1, 1)], "walls has shape"),
+        ([[(-1e38, 0), (1e38, 1)]], r"walls\[0\] is"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            space.walls = walls
+    assert space.walls.tolist() == [[[0, 0], [1, 1]]]
+    space.walls = None
+    assert space.walls.shape == (0, 2, 2)
+
+
 def test_a_walker_inside_an_obstacle_is_moved_out() -> None:
     space = jostle.Space()
     space.add(boxes=(0, 0, 10, 10))
@@ -299,6 +488,7 @@ def test_many_and_one() -> None:
         (([0], [(0, 0), (1, 1)]), r"displacements has shape \(2, 2\)"),
         ((0, [(0, 0)]), "displacements has shape"),
         (([0], [(0, 0)], {"max_slides": 0}), "max_slides is 0"),
+        (([0], [(0, 0)], {"max_slides": 1001}), "max_slides is 1001; it must be at most 1000"),
         (([0], [(0, 0)], {"up": (0, np.inf)}), "up is"),
         (([0], [(0, 0)], {"floor_angle": 2.0}), "floor_angle is 2"),
     ],

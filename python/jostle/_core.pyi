@@ -401,7 +401,8 @@ def separate(
     gap : float, default 0.0
         Least distance between the surfaces of two shapes.
     bounds : array_like, shape (4,), optional
-        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside entirely.
+        Region as min_x, min_y, max_x, max_y: all shapes that are not fixed are moved inside
+        entirely; with `axis`, along that axis alone.
     max_rounds : int, default 1000
         Maximum number of rounds. A small number, such as 8, spreads motion over several calls;
         with fewer than 32, crowded regions are not enlarged.
@@ -420,7 +421,7 @@ def separate(
         centers : ndarray of float32 or float64, shape (n, 2)
             The new centres.
         rounds : int
-            Number of rounds.
+            Number of rounds, at most `max_rounds`; placing along an axis counts as one.
         overlaps : int
             Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
             are separated.
@@ -1717,8 +1718,7 @@ class Space:
         on. The time of impact is computed along the whole path, so nothing passes through an
         obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
         joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
-        boxes and rounded boxes. Boxes are axis-aligned, so slopes are arcs: those of discs and
-        of the corners of rounded boxes; a wall is a thin box.
+        boxes, rounded boxes and the line segments of `walls`.
 
         Parameters
         ----------
@@ -1731,7 +1731,8 @@ class Space:
             The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
             that may not pair by their own categories and masks are no obstacles either.
         max_slides : int, default 4
-            Maximum number of obstacles that a shape meets; it stops at the last one.
+            Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
+            last one.
         up : array_like, shape (2,), default (0, -1)
             The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
             from above, every obstacle is a wall.
@@ -1747,8 +1748,8 @@ class Space:
             One `Slide` for one id. displacements : how far each shape has moved; remaining : the
             displacements without their components into the obstacles, for the velocity of the next
             step; hits : the ids of the obstacles that each has met; normals : one for each hit;
-            on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the floor, or
-            -1.
+            on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the last
+            floor, or -1. A wall has the number -2 minus its index.
 
         Raises
         ------
@@ -1761,6 +1762,7 @@ class Space:
         See Also
         --------
         move : Sets centres, also where other shapes are.
+        walls : Line segments, for slopes and outlines of polygons.
         tiles : Merges the tiles of a grid into few boxes.
 
         Notes
@@ -1768,8 +1770,8 @@ class Space:
         Shapes of one call that may meet move one after another, in the order of `ids`; the order
         of others has no effect. A shape that overlaps obstacles at the start, because they have
         moved, is first moved out of them; those that it cannot leave do not stop it. A shape that
-        met a floor in its last call is carried by it: if the floor has moved since, the shape
-        moves by the same vector first.
+        met a floor in its last call is carried by it: if the floor has moved since, also in the
+        same call, the shape moves by the same vector first. What stops it then is in `hits` too.
 
         Examples
         --------
@@ -2895,6 +2897,40 @@ class Space:
     @overload
     def masks(self, ids: _Undecided) -> int | NDArray[np.uint32] | Any: ...
     @property
+    def walls(self) -> NDArray[np.floating[Any]]:
+        """Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
+        line segments in units of length.
+
+        They are obstacles of `move_and_slide`, solid from both sides, and nothing else: pairs and
+        queries ignore them, and they have neither ids nor categories. Assign an array of this shape,
+        or None for no walls. In the `hits` and `floors` of `move_and_slide` the wall with the index
+        k has the number -2 - k.
+
+        Raises
+        ------
+        ValueError
+            If the shape is wrong, or a coordinate is not finite.
+
+        See Also
+        --------
+        jostle.polyline : Walls between consecutive points.
+        move_and_slide : Moves shapes along walls.
+
+        Examples
+        --------
+        A character walks up a slope.
+
+        >>> import jostle
+        >>> space = jostle.Space()
+        >>> space.walls = jostle.polyline([(-10, 0), (0, 0), (40, -30)])
+        >>> player = space.add((-5, -2), radii=2.0)
+        >>> slide = space.move_and_slide(player, (25, 1))
+        >>> slide.on_floor, slide.floor
+        (True, -3)
+        """
+    @walls.setter
+    def walls(self, value: ArrayLike | None) -> None: ...
+    @property
     def ids(self) -> _Ids:
         """The ids of all shapes, ascending: ndarray of int64, shape (n,)."""
     @property
@@ -3367,6 +3403,7 @@ class World:
         categories: ArrayLike | None = None,
         masks: ArrayLike | None = None,
         sensors: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
     ) -> None:
         """Change some columns of some particles.
 
@@ -3388,6 +3425,8 @@ class World:
             Bit sets of 32 bits.
         sensors : array_like of bool, one or shape (k,), optional
             Whether the particle is a sensor.
+        kinds : array_like of int, a number or shape (k,), optional
+            Their kind in each `PairForce` of the world.
 
         Raises
         ------
@@ -3513,7 +3552,8 @@ class World:
         -------
         WorldParticles or WorldParticle
             Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
-            `add` and `set`, with a row for each id; single values for one id. The cost depends on the
+            `add` and `set`, with a row for each id; single values for one id. `kinds` are those of the
+            first `PairForce`, None if there is none. The cost depends on the
             number of ids alone, except that the first call after a step reads all row numbers.
 
         Raises

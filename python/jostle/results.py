@@ -230,7 +230,7 @@ class Separated(NamedTuple):
     centers : ndarray of float32 or float64, shape (n, 2)
         The new centres.
     rounds : int
-        Number of rounds.
+        Number of rounds; placing along an axis counts as one.
     overlaps : int
         Number of pairs that still overlap; 0 if the shapes are separated.
 
@@ -259,9 +259,10 @@ class Slide(NamedTuple):
     on_floor, on_wall, on_ceiling : bool
         Whether it met a surface that faces up, sideways or down.
     hits : ndarray of int64, shape (m,)
-        Ids of the obstacles, in the order in which it met them.
+        Ids of the obstacles, in the order in which it met them; -2 - k is the wall with the
+        index k.
     floor : int
-        Id of the last floor that it met; -1 if there is none.
+        Id of the last floor that it met; -1 if there is none, a wall as in `hits`.
 
     See Also
     --------
@@ -294,9 +295,10 @@ class Slides(NamedTuple):
     on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
         Whether each met a surface that faces up, sideways or down.
     hits : Hits
-        Ids of the obstacles of each, in the order in which it met them.
+        Ids of the obstacles of each, in the order in which it met them; -2 - k is the wall with
+        the index k.
     floors : ndarray of int64, shape (k,)
-        Id of the last floor that each met; -1 if there is none.
+        Id of the last floor that each met; -1 if there is none, a wall as in `hits`.
 
     See Also
     --------
@@ -420,6 +422,8 @@ class WorldParticles(NamedTuple):
         Bit sets of 32 bits.
     sensors : ndarray of bool, shape (k,)
         Whether the particle is a sensor.
+    kinds : ndarray of uint8, shape (k,), or None
+        Kinds in the first `PairForce` of the world; None if there is none.
 
     See Also
     --------
@@ -439,6 +443,7 @@ class WorldParticles(NamedTuple):
     categories: NDArray[np.uint32]
     masks: NDArray[np.uint32]
     sensors: NDArray[np.bool_]
+    kinds: NDArray[np.uint8] | None
 
 
 class WorldParticle(NamedTuple):
@@ -458,6 +463,8 @@ class WorldParticle(NamedTuple):
         Bit sets of 32 bits.
     sensors : bool
         Whether the particle is a sensor.
+    kinds : int or None
+        Kind in the first `PairForce` of the world; None if there is none.
 
     See Also
     --------
@@ -477,6 +484,7 @@ class WorldParticle(NamedTuple):
     categories: int
     masks: int
     sensors: bool
+    kinds: int | None
 
 
 class WallContacts(NamedTuple):

@@ -12,8 +12,8 @@ use jostle::shapes::MOST_ROWS;
 use jostle::{Each, Id, Scalar, memory};
 use numpy::ndarray::Array2;
 use numpy::{
-    Element, IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
-    PyUntypedArray, PyUntypedArrayMethods, dtype,
+    Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDescrMethods, PyArrayDyn,
+    PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -682,6 +682,14 @@ pub fn table<V: Element, const N: usize>(
 ) -> PyResult<Bound<'_, PyArray2<V>>> {
     let shape = (rows.len(), N);
     matrix(py, rows.into_flattened(), shape)
+}
+
+/// Line segments as an array of shape (m, 2, 2).
+pub fn segments<'py, T: Element + Copy>(
+    py: Python<'py>,
+    all: &[[[T; 2]; 2]],
+) -> PyResult<Bound<'py, PyArray3<T>>> {
+    table(py, all.as_flattened().to_vec())?.reshape([all.len(), 2, 2])
 }
 
 /// Numbers as a two-dimensional array, without a copy.

@@ -11,7 +11,9 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::arrays::{Argument, Given, bit_sets, column, number, reals, table, truth};
+use crate::arrays::{
+    Argument, Given, bit_sets, column, number, read_only, reals, segments, table, truth,
+};
 use crate::error::{refused, value_error};
 use crate::events::{PyEvents, Reduced};
 use crate::ids::{Ids, one_id};
@@ -291,8 +293,7 @@ impl PySpace {
     /// on. The time of impact is computed along the whole path, so nothing passes through an
     /// obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
     /// joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
-    /// boxes and rounded boxes. Boxes are axis-aligned, so slopes are arcs: those of discs and
-    /// of the corners of rounded boxes; a wall is a thin box.
+    /// boxes, rounded boxes and the line segments of `walls`.
     ///
     /// Parameters
     /// ----------
@@ -305,7 +306,8 @@ impl PySpace {
     ///     The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
     ///     that may not pair by their own categories and masks are no obstacles either.
     /// max_slides : int, default 4
-    ///     Maximum number of obstacles that a shape meets; it stops at the last one.
+    ///     Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
+    ///     last one.
     /// up : array_like, shape (2,), default (0, -1)
     ///     The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
     ///     from above, every obstacle is a wall.
@@ -321,8 +323,8 @@ impl PySpace {
     ///     One `Slide` for one id. displacements : how far each shape has moved; remaining : the
     ///     displacements without their components into the obstacles, for the velocity of the next
     ///     step; hits : the ids of the obstacles that each has met; normals : one for each hit;
-    ///     on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the floor, or
-    ///     -1.
+    ///     on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the last
+    ///     floor, or -1. A wall has the number -2 minus its index.
     ///
     /// Raises
     /// ------
@@ -335,6 +337,7 @@ impl PySpace {
     /// See Also
     /// --------
     /// move : Sets centres, also where other shapes are.
+    /// walls : Line segments, for slopes and outlines of polygons.
     /// tiles : Merges the tiles of a grid into few boxes.
     ///
     /// Notes
@@ -342,8 +345,8 @@ impl PySpace {
     /// Shapes of one call that may meet move one after another, in the order of `ids`; the order
     /// of others has no effect. A shape that overlaps obstacles at the start, because they have
     /// moved, is first moved out of them; those that it cannot leave do not stop it. A shape that
-    /// met a floor in its last call is carried by it: if the floor has moved since, the shape
-    /// moves by the same vector first.
+    /// met a floor in its last call is carried by it: if the floor has moved since, also in the
+    /// same call, the shape moves by the same vector first. What stops it then is in `hits` too.
     ///
     /// Examples
     /// --------
@@ -870,6 +873,52 @@ impl PySpace {
         with_space!(self, space => read_bits(py, space, ids, |shape| shape.mask))
     }
 
+    /// Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
+    /// line segments in units of length.
+    ///
+    /// They are obstacles of `move_and_slide`, solid from both sides, and nothing else: pairs and
+    /// queries ignore them, and they have neither ids nor categories. Assign an array of this shape,
+    /// or None for no walls. In the `hits` and `floors` of `move_and_slide` the wall with the index
+    /// k has the number -2 - k.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the shape is wrong, or a coordinate is not finite.
+    ///
+    /// See Also
+    /// --------
+    /// jostle.polyline : Walls between consecutive points.
+    /// move_and_slide : Moves shapes along walls.
+    ///
+    /// Examples
+    /// --------
+    /// A character walks up a slope.
+    ///
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> space.walls = jostle.polyline([(-10, 0), (0, 0), (40, -30)])
+    /// >>> player = space.add((-5, -2), radii=2.0)
+    /// >>> slide = space.move_and_slide(player, (25, 1))
+    /// >>> slide.on_floor, slide.floor
+    /// (True, -3)
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let walls = long(py, space, |space| space.walls().to_vec())?;
+            Ok(read_only(segments(py, &walls)?).into_any())
+        })
+    }
+
+    #[setter]
+    fn set_walls(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        with_space!(self, space => {
+            let value = value.map(|value| Argument::reals("walls", value)).transpose()?;
+            let ends = value.map_or(Ok(Vec::new()), |value| value.segments())?;
+            long(py, space, |space| space.set_walls(ends))?.map_err(refused)
+        })
+    }
+
     /// The ids of all shapes, ascending: ndarray of int64, shape (n,).
     #[getter]
     fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
@@ -991,6 +1040,9 @@ fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bo
         column(py, saved.changed).into_any(),
         column(py, saved.leaving).into_any(),
         saved.updates.into_bound_py_any(py)?,
+        table(py, saved.rides)?.into_any(),
+        table(py, saved.ride_centers)?.into_any(),
+        segments(py, &saved.walls)?.into_any(),
     ];
     PyTuple::new(py, columns)
 }
@@ -1034,6 +1086,7 @@ fn restored<T: Scalar + Element>(
     let corners = Argument::reals("state", &item(0)?)?;
     let count = corners.boxes_len()?;
     let half_sizes = Argument::reals("state", &item(2)?)?;
+    let rides = Argument::integers("state", &item(10)?)?.id_pairs()?;
     let saved = Saved {
         corners: corners.boxes(count)?,
         radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
@@ -1045,6 +1098,9 @@ fn restored<T: Scalar + Element>(
         changed: list(7)?,
         leaving: list(8)?,
         updates: item(9)?.extract()?,
+        ride_centers: Argument::reals("state", &item(11)?)?.pairs(rides.len())?,
+        rides,
+        walls: Argument::reals("state", &item(12)?)?.segments()?,
     };
     let restore = || Space::restore(settings, settings::period_in(period)?, saved);
     Ok(shared(detached(py, restore)?.map_err(refused)?))

@@ -1,10 +1,10 @@
 //! The walls of a world as arrays.
 
 use jostle::{Each, Error, Wall};
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Given, column, read_only, reals, table};
+use crate::arrays::{Argument, Given, column, read_only, reals, segments, table};
 use crate::error::refused;
 
 /// Elastic walls with the friction of the particles, from an array of shape (m, 2, 2) or None.
@@ -54,8 +54,8 @@ pub fn set_friction(walls: &mut [Wall], value: Option<&Bound<'_, PyAny>>) -> PyR
 
 /// The ends of walls, shape (m, 2, 2).
 pub fn ends<'py>(py: Python<'py>, walls: &[Wall]) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    let points = walls.iter().flat_map(|wall| wall.ends).collect();
-    Ok(read_only(table(py, points)?.reshape([walls.len(), 2, 2])?))
+    let ends: Vec<_> = walls.iter().map(|wall| wall.ends).collect();
+    Ok(read_only(segments(py, &ends)?))
 }
 
 /// Their velocities.

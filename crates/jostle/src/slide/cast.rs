@@ -70,7 +70,7 @@ fn into_box<T: Scalar>(x: [T; 2], y: [T; 2], v: [T; 2]) -> Option<(T, [T; 2])> {
 }
 
 /// The share of `v` at which the point (0, 0), which is outside, enters a disc.
-fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, [T; 2])> {
+pub fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, [T; 2])> {
     let length = (v[0] * v[0] + v[1] * v[1]).sqrt();
     if length == T::ZERO {
         return None;

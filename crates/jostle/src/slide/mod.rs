@@ -1,8 +1,8 @@
 //! Motion of one shape among others that it cannot enter: it slides along them.
 //!
-//! The first time of impact along the displacement is computed (`cast`). The shape moves there,
-//! the rest of the displacement loses its component into the obstacle, and so on (collide and
-//! slide). `walker` guarantees that the shape does not overlap an obstacle after any of these
+//! The first time of impact along the displacement is computed (`cast`, and `segment` for line
+//! segments; `solid` chooses). The shape moves there, the rest of the displacement loses its
+//! component into the obstacle, and so on (collide and slide). `walker` guarantees that the shape does not overlap an obstacle after any of these
 //! motions, by the formula of [`geometry::overlap`](crate::geometry::overlap).
 //!
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapter 5.5 (moving shapes). P. Dickinson,
@@ -10,14 +10,21 @@
 //! (1996), for sliding.
 
 mod cast;
+mod segment;
+mod solid;
 mod walker;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar, Shape};
-pub use walker::Walker;
+use crate::geometry::{Bounds, Scalar};
+pub use solid::{Obstacle, Solid};
+pub use walker::{Walker, contains};
 
 /// Default of [`SlideRules::max_slides`].
 pub const DEFAULT_MAX_SLIDES: usize = 4;
+
+/// The largest [`SlideRules::max_slides`]. A shape between two walls at a sharp angle meets them in
+/// turn, without end.
+pub const MOST_SLIDES: usize = 1000;
 
 /// How shapes slide.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +50,10 @@ impl<T: Scalar> SlideRules<T> {
         floor_angle: f64,
         one_way: u32,
     ) -> Result<Self> {
+        if max_slides > MOST_SLIDES {
+            let rule = format!("it must be at most {MOST_SLIDES}");
+            return Err(Error::of("max_slides", max_slides, &rule));
+        }
         if !(up[0].is_finite() && up[1].is_finite()) {
             let text = crate::shapes::tuple(&up);
             return Err(Error::of("up", text, "both components must be finite"));
@@ -103,15 +114,6 @@ pub enum Surface {
     Ceiling,
 }
 
-/// A shape that others cannot enter.
-#[derive(Clone, Copy, Debug)]
-pub struct Obstacle<T> {
-    /// The shape.
-    pub shape: Shape<T>,
-    /// Its number for the caller.
-    pub slot: u32,
-}
-
 /// An obstacle that a shape met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlideHit<T> {
@@ -121,7 +123,7 @@ pub struct SlideHit<T> {
     pub normal: [T; 2],
 }
 
-/// Lists the obstacles that overlap a region.
+/// Lists the obstacles that may overlap a region.
 pub type FindObstacles<'a, T> = dyn FnMut(&Bounds<T>, &mut Vec<Obstacle<T>>) + 'a;
 
 #[inline(always)]

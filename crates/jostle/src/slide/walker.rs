@@ -1,8 +1,9 @@
 //! A shape that moves among obstacles, and never ends a motion inside one.
 
-use super::cast::enters;
+use std::cmp::Ordering;
+
 use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surface, dot};
-use crate::geometry::{self, Bounds, Scalar, Shape, gap, overlap};
+use crate::geometry::{Bounds, Scalar, Shape};
 
 /// Roundings of a position, in units in the last place of the largest number involved. Deeper than
 /// this a path enters an obstacle.
@@ -22,6 +23,8 @@ pub struct Walker<'a, T> {
     near: &'a mut Vec<Obstacle<T>>,
     /// The region whose obstacles are in `near`: lower and upper corner.
     known: Option<[[T; 2]; 2]>,
+    /// The region whose obstacles had an effect: lower and upper corner.
+    pub seen: [[T; 2]; 2],
     /// The obstacles met.
     pub hits: Vec<SlideHit<T>>,
     /// The displacement without its components into the obstacles met.
@@ -36,7 +39,9 @@ impl<'a, T: Scalar> Walker<'a, T> {
         near: &'a mut Vec<Obstacle<T>>,
         find: &'a mut FindObstacles<'a, T>,
     ) -> Self {
-        Self { rules, find, body, near, known: None, hits: Vec::new(), remaining: [T::ZERO; 2] }
+        let seen = [body.min; 2];
+        let (hits, remaining) = (Vec::new(), [T::ZERO; 2]);
+        Self { rules, find, body, near, known: None, seen, hits, remaining }
     }
 
     /// Its centre.
@@ -47,8 +52,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// Moves it with the obstacle on which it stands, which has moved by `displacement`; other
     /// obstacles stop it.
     pub fn carry(&mut self, displacement: [T; 2], floor: u32) {
-        self.look(displacement);
-        self.advance(displacement, Some(floor));
+        self.shift(displacement, Some(floor));
     }
 
     /// Moves it out of the obstacles that it overlaps, the deepest overlap first, as far as others
@@ -56,19 +60,21 @@ impl<'a, T: Scalar> Walker<'a, T> {
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
             self.look([T::ZERO; 2]);
-            let body = self.body;
-            let inside = self.near.iter().filter(|near| {
-                near.shape.category & self.rules.one_way == 0 && overlaps(&body, &near.shape)
-            });
-            let contacts = inside.map(|near| geometry::contact(&body, &near.shape));
-            let Some((normal, depth)) = contacts.reduce(|a, b| if b.1 > a.1 { b } else { a })
-            else {
-                return;
-            };
+            let one_way = self.rules.one_way;
+            let is_solid = |near: &Obstacle<T>| near.shape_of(one_way).is_none();
+            let Some((normal, depth, _)) = self.deepest(&self.body, &is_solid) else { return };
             let out = -(depth + self.slop(depth));
-            let displacement = [normal[0] * out, normal[1] * out];
-            self.look(displacement);
-            self.advance(displacement, None);
+            self.shift([normal[0] * out, normal[1] * out], None);
+        }
+    }
+
+    /// Moves it by a displacement that is not its own, up to the first obstacle.
+    fn shift(&mut self, displacement: [T; 2], except: Option<u32>) {
+        self.look(displacement);
+        if let Some((_, hit)) = self.advance(displacement, except)
+            && self.hits.iter().all(|before| before.slot != hit.slot)
+        {
+            self.hits.push(hit);
         }
     }
 
@@ -76,7 +82,10 @@ impl<'a, T: Scalar> Walker<'a, T> {
     pub fn slide(&mut self, displacement: [T; 2]) {
         self.remaining = displacement;
         let mut rest = displacement;
-        while rest != [T::ZERO; 2] && self.hits.len() < self.rules.max_slides {
+        for _ in 0..self.rules.max_slides {
+            if rest == [T::ZERO; 2] {
+                return;
+            }
             self.look(rest);
             let Some((share, hit)) = self.advance(rest, None) else { return };
             self.hits.push(hit);
@@ -100,10 +109,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let low = |axis: usize| center[axis] + displacement[axis].min(T::ZERO) - margin[axis];
         let high = |axis: usize| center[axis] + displacement[axis].max(T::ZERO) + margin[axis];
         let (min, max) = ([low(0), low(1)], [high(0), high(1)]);
-        let is_within = |[low, high]: [[T; 2]; 2]| {
-            (0..2).all(|axis| low[axis] <= min[axis] && max[axis] <= high[axis])
-        };
-        if self.known.is_some_and(is_within) {
+        for axis in 0..2 {
+            self.seen[0][axis] = self.seen[0][axis].min(min[axis]);
+            self.seen[1][axis] = self.seen[1][axis].max(max[axis]);
+        }
+        if self.known.is_some_and(|known| contains(known, [min, max])) {
             return;
         }
         let length = length(displacement);
@@ -139,35 +149,49 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let rules = self.rules;
         let is_solid = |obstacle: &Obstacle<T>| {
             Some(obstacle.slot) != except
-                && !overlaps(&start, &obstacle.shape)
-                && (obstacle.shape.category & rules.one_way == 0
-                    || is_above(rules, &start, &obstacle.shape, close))
+                && !obstacle.overlaps(&start)
+                && obstacle
+                    .shape_of(rules.one_way)
+                    .is_none_or(|shape| is_above(rules, &start, shape, close))
         };
-        let mut first: Option<(T, SlideHit<T>)> = None;
-        for obstacle in self.near.iter().filter(|obstacle| is_solid(obstacle)) {
+        let impact = |obstacle: &'_ Obstacle<T>| {
             // Rounding errors grow with the distance of the obstacle, not with the displacement.
-            let [x, y] = gaps(&start, &obstacle.shape).map(|gap| gap.max(T::ZERO));
-            let slop = self.slop(x + y);
-            let Some((share, normal)) = enters(&start, displacement, &obstacle.shape, slop) else {
-                continue;
-            };
-            let hit = SlideHit { slot: obstacle.slot, normal };
-            let is_first = first.is_none_or(|(nearest, before)| {
-                // A floor before a wall, so that the joints of tiles do not stop a shape.
-                let height = |hit: &SlideHit<T>| dot(hit.normal, rules.up);
-                share < nearest
-                    || (share == nearest
-                        && (height(&before), hit.slot) < (height(&hit), before.slot))
-            });
-            if is_first {
-                first = Some((share, hit));
-            }
-        }
+            let slop = self.slop(obstacle.span(&start));
+            let (share, normal) = obstacle.enters(&start, displacement, slop)?;
+            // −0 becomes 0.
+            Some((share + T::ZERO, normal))
+        };
+        let solid = self.near.iter().filter(|obstacle| is_solid(obstacle));
+        let impacts = solid.filter_map(|obstacle| Some((impact(obstacle)?, obstacle)));
+        // A floor before a wall, so that the joints of tiles do not stop a shape.
+        let height = |normal: [T; 2]| dot(normal, rules.up) + T::ZERO;
+        let first = impacts.min_by(|((a, a_normal), a_of), ((b, b_normal), b_of)| {
+            a.total_order(b)
+                .then_with(|| height(*b_normal).total_order(&height(*a_normal)))
+                .then_with(|| a_of.order(b_of))
+        });
+        let first = first
+            .map(|((share, normal), obstacle)| (share, SlideHit { slot: obstacle.slot, normal }));
         let share = first.map_or(T::ONE, |(share, _)| share);
         let end = self.free_end(displacement, share, &is_solid);
         self.body.min = end;
         self.body.max = end;
         first
+    }
+
+    /// The deepest overlap of a shape with a solid obstacle: the unit normal towards the obstacle,
+    /// the depth, and the upper bound of its rounding errors.
+    fn deepest(
+        &self,
+        body: &Shape<T>,
+        is_solid: &impl Fn(&Obstacle<T>) -> bool,
+    ) -> Option<([T; 2], T, T)> {
+        let inside = self.near.iter().filter(|near| near.overlaps(body) && is_solid(near));
+        let deepest = inside.map(|near| (near.contact(body), near)).reduce(|a, b| {
+            let order = b.0.1.total_order(&a.0.1).then_with(|| a.1.order(b.1));
+            if order == Ordering::Greater { b } else { a }
+        });
+        deepest.map(|((normal, depth), near)| (normal, depth, self.slop(near.span(body))))
     }
 
     /// The position after a share of a displacement, changed by rounding errors only, at which
@@ -179,25 +203,24 @@ impl<'a, T: Scalar> Walker<'a, T> {
         is_solid: &impl Fn(&Obstacle<T>) -> bool,
     ) -> [T; 2] {
         let start = self.body.min;
-        let slop = self.slop(length(displacement) * share);
+        let path = length(displacement) * share;
+        let slop = self.slop(path);
         let at =
             |share: T| [start[0] + displacement[0] * share, start[1] + displacement[1] * share];
         let overlapped = |center: [T; 2]| {
-            let body = Shape { min: center, max: center, ..self.body };
-            let solid = self.near.iter().filter(|obstacle| is_solid(obstacle));
-            let mut inside = solid.filter(|obstacle| overlaps(&body, &obstacle.shape));
-            inside.next().map(|obstacle| geometry::contact(&body, &obstacle.shape))
+            self.deepest(&Shape { min: center, max: center, ..self.body }, is_solid)
         };
         let mut center = at(share);
-        let mut extra = slop * T::from_f64(1.0 / 64.0);
+        let mut factor = T::from_f64(1.0 / 64.0);
         for _ in 0..ATTEMPTS {
-            let Some((normal, depth)) = overlapped(center) else { return center };
+            let Some((normal, depth, close)) = overlapped(center) else { return center };
+            let slop = slop.max(close);
             if depth > slop + slop + slop + slop {
                 break;
             }
-            let out = depth + extra;
+            let out = depth + slop * factor;
             center = [center[0] - normal[0] * out, center[1] - normal[1] * out];
-            extra = extra + extra;
+            factor = factor + factor;
         }
         let (mut share, mut back) = (share, T::EPSILON);
         loop {
@@ -231,21 +254,9 @@ fn length<T: Scalar>(v: [T; 2]) -> T {
     v[0].abs() + v[1].abs()
 }
 
-/// The gaps between the cores of two shapes along each axis.
-#[inline(always)]
-fn gaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> [T; 2] {
-    let along = |axis: usize| {
-        let own = [body.min[axis], body.max[axis]];
-        gap(own, [obstacle.min[axis], obstacle.max[axis]])
-            - (body.half_size[axis] + obstacle.half_size[axis])
-    };
-    [along(0), along(1)]
-}
-
-/// Whether two shapes overlap, by the formula of all queries.
-#[inline(always)]
-fn overlaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> bool {
-    overlap(gaps(body, obstacle), body.radius + obstacle.radius)
+/// Whether a region, as lower and upper corner, contains another.
+pub fn contains<T: Scalar>(outer: [[T; 2]; 2], inner: [[T; 2]; 2]) -> bool {
+    (0..2).all(|axis| outer[0][axis] <= inner[0][axis] && inner[1][axis] <= outer[1][axis])
 }
 
 /// Whether a shape is above an obstacle, as seen from `up`.

@@ -3,9 +3,13 @@
 //! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
-//! along others.
+//! along others and along `walls`; those that may meet form `islands`, and in an island a `crowd`
+//! finds them by `cells`.
 
+mod cells;
+mod crowd;
 mod events;
+mod islands;
 mod keys;
 mod layers;
 mod links;
@@ -15,6 +19,7 @@ mod saved;
 mod slots;
 mod touching;
 mod walking;
+mod walls;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
@@ -52,6 +57,7 @@ pub struct Space<T> {
     touching: Touching,
     changes: events::Changes,
     rides: walking::Rides<T>,
+    walls: walls::Walls<T>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -71,6 +77,7 @@ impl<T: Scalar> Space<T> {
             touching: Touching::default(),
             changes: events::Changes::default(),
             rides: walking::Rides::default(),
+            walls: walls::Walls::default(),
         })
     }
 
@@ -253,6 +260,7 @@ impl<T: Scalar> Space<T> {
             + self.touching.memory_bytes()
             + self.changes.memory_bytes()
             + self.rides.memory_bytes()
+            + self.walls.memory_bytes()
     }
 
     /// Says what is wrong with it, if anything is. For tests: it looks at everything.

@@ -4,14 +4,18 @@ use super::Space;
 use super::events::Changes;
 use super::keys::{Key, key_of, slots_of};
 use super::layers::Layers;
-use super::slots::Slots;
+use super::slots::{Id, Slots};
 use super::touching::Touching;
+use super::walking::Rides;
+use super::walls::Walls;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::period::Period;
 use crate::settings::Settings;
-use crate::shapes::{Each, MOST_ROWS, check_boxes, check_each_half_size, check_radii};
+use crate::shapes::{
+    Each, MOST_ROWS, check_boxes, check_each_half_size, check_finite, check_radii,
+};
 
 /// The columns of a space, with a row for each slot, and the state of its last update.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,6 +40,12 @@ pub struct Saved<T> {
     pub leaving: Vec<u32>,
     /// Number of updates.
     pub updates: u64,
+    /// For each shape that stood on another one after its last motion, the ids of both.
+    pub rides: Vec<[Id; 2]>,
+    /// The centre of the lower shape of each of these at that time.
+    pub ride_centers: Vec<[T; 2]>,
+    /// The ends of the line segments.
+    pub walls: Vec<[[T; 2]; 2]>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -46,11 +56,13 @@ impl<T: Scalar> Space<T> {
         saved.changed = memory::collect(self.changes.slots().iter().copied())?;
         saved.leaving = memory::collect(self.changes.leaving.iter().copied())?;
         saved.updates = self.changes.updates();
+        (saved.rides, saved.ride_centers) = self.rides.save()?;
+        saved.walls = memory::collect(self.walls().iter().copied())?;
         Ok(saved)
     }
 
     /// The space with these contents. Refuses contents that no space can have.
-    pub fn restore(settings: Settings, period: Period<T>, saved: Saved<T>) -> Result<Self> {
+    pub fn restore(settings: Settings, period: Period<T>, mut saved: Saved<T>) -> Result<Self> {
         settings.validate()?;
         if !is_consistent(&saved) {
             let rule = "it must be the state of a space, as pickle stores it";
@@ -68,13 +80,16 @@ impl<T: Scalar> Space<T> {
         saved.changed.iter().for_each(|&slot| changes.note(slot));
         changes.leaving.extend(&saved.leaving);
         changes.set_updates(saved.updates);
+        check_finite("state", &saved.ride_centers)?;
+        let rides = Rides::restore(&saved, count)?;
+        let walls = Walls::new(std::mem::take(&mut saved.walls), settings)?;
         let slots = Slots::restore(saved)?;
         let mut layers = Layers::of(period);
         layers.widen(count)?;
         layers.reserve_fresh(slots.len())?;
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
-        Ok(Self { settings, period, slots, layers, touching, changes, rides: Default::default() })
+        Ok(Self { settings, period, slots, layers, touching, changes, rides, walls })
     }
 }
 
@@ -83,7 +98,8 @@ fn is_consistent<T>(saved: &Saved<T>) -> bool {
     const VACANT: u32 = 1 << 31;
     let count = saved.generations.len();
     let fits = |len: usize| len == count;
-    let same = fits(saved.corners.len())
+    let same = saved.rides.len() == saved.ride_centers.len()
+        && fits(saved.corners.len())
         && fits(saved.radii.len())
         && (saved.half_sizes.is_empty() || fits(saved.half_sizes.len()))
         && (saved.filters.is_empty() || fits(saved.filters.len()));

@@ -1,23 +1,26 @@
 //! Shapes of a space that move and slide along others.
 //!
-//! Shapes whose paths may meet form an island. The shapes of an island move one after another, in
-//! the order of the call, and islands move in parallel. So results do not depend on threads,
-//! nor on the order of shapes that do not meet.
+//! Shapes whose paths may meet form an island, and so do a shape and the moving floor on which it
+//! stands. The shapes of an island move one after another, in the order of the call, but a floor
+//! before what stands on it. Islands move in parallel. So results do not depend on threads, nor on
+//! the order of shapes that do not meet.
 
 use super::Space;
+use super::crowd::Crowd;
+use super::islands::{Islands, join_overlapping};
 use super::layers::Layers;
+use super::saved::Saved;
 use super::slots::{Id, Slots};
+use super::walls::Walls;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
-use crate::pairs;
 use crate::parallel;
 use crate::query::each_overlap;
-use crate::settings::DEFAULT_MAX_PAIRS;
-use crate::shapes::{Each, Shapes, check_finite};
-use crate::slide::{Obstacle, SlideHit, SlideRules, Surface, Walker};
+use crate::shapes::check_finite;
+use crate::slide::{Obstacle, SlideHit, SlideRules, Solid, Surface, Walker, contains};
 
 /// Number of islands of a task.
 const ISLANDS_PER_TASK: usize = 32;
@@ -28,6 +31,18 @@ const WORTH_WAKING: usize = 512;
 
 /// With more fresh obstacles than this, a tree of them is faster than testing each.
 const FEW: usize = 64;
+
+/// Work of a walk, in the units of [`Pulse`].
+const WORK: usize = 256;
+
+/// Shapes that stand on each other, up to this number, do not stop the lowest one.
+const MOST_STACKED: usize = 64;
+
+/// The bit of a number of an obstacle that is the index of a wall and not a slot.
+const WALL: u32 = 1 << 31;
+
+/// A slot that is no walker.
+const NONE: u32 = u32::MAX;
 
 /// The result of [`Space::move_and_slide`]; one value for each shape, in the order of the call.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,11 +57,12 @@ pub struct Slides<T> {
     pub on_wall: Vec<bool>,
     /// Whether a ceiling was met.
     pub on_ceiling: Vec<bool>,
-    /// The last floor met; −1 if there is none.
+    /// The last floor met; −1 if there is none. The wall with the index k has the number −2 − k.
     pub floors: Vec<Id>,
     /// Index of the first hit of each shape, and the total number of hits.
     pub offsets: Vec<usize>,
-    /// The ids of the obstacles met by each shape, in the order in which they were met.
+    /// The ids of the obstacles met by each shape, in the order in which they were met, walls as
+    /// in `floors`.
     pub ids: Vec<Id>,
     /// The normal of each obstacle where it was met.
     pub normals: Vec<[T; 2]>,
@@ -54,17 +70,45 @@ pub struct Slides<T> {
 
 /// The floors on which shapes stood after they moved, so that moving floors carry them.
 #[derive(Clone, Debug)]
-pub(super) struct Rides<T>(Vec<Option<Ride<T>>>);
+pub(super) struct Rides<T> {
+    /// For each slot.
+    all: Vec<Option<Ride<T>>>,
+    /// The row of each slot in a call; [`NONE`] between calls.
+    rows: Vec<u32>,
+}
 
 impl<T> Default for Rides<T> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self { all: Vec::new(), rows: Vec::new() }
     }
 }
 
-impl<T> Rides<T> {
+impl<T: Scalar> Rides<T> {
     pub(super) fn memory_bytes(&self) -> usize {
-        self.0.capacity() * size_of::<Option<Ride<T>>>()
+        self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
+    }
+
+    /// The ids of each shape and its floor, and the centres of the floors.
+    pub(super) fn save(&self) -> Result<(Vec<[Id; 2]>, Vec<[T; 2]>)> {
+        let (mut ids, mut centers) = (Vec::new(), Vec::new());
+        for ride in self.all.iter().flatten() {
+            memory::push(&mut ids, [ride.id, ride.floor])?;
+            memory::push(&mut centers, ride.center)?;
+        }
+        Ok((ids, centers))
+    }
+
+    /// What [`save`](Self::save) has returned. The ids of shapes that are gone have no effect.
+    pub(super) fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
+        let mut rides = Self::default();
+        memory::lengthen(&mut rides.all, count, None)?;
+        for (&[id, floor], &center) in saved.rides.iter().zip(&saved.ride_centers) {
+            // The slot is in the low bits of an id.
+            if let Some(ride) = rides.all.get_mut(id as u32 as usize) {
+                *ride = Some(Ride { id, floor, center });
+            }
+        }
+        Ok(rides)
     }
 }
 
@@ -82,20 +126,23 @@ struct Walk<T> {
     center: [T; 2],
     remaining: [T; 2],
     hits: Vec<SlideHit<T>>,
-    floor: Option<u32>,
+    /// The last floor, and the centre of that shape at this time.
+    floor: Option<(u32, [T; 2])>,
     kinds: [bool; 3],
+    /// The region whose obstacles had an effect.
+    seen: [[T; 2]; 2],
 }
 
 /// What all islands of a call have in common.
 struct Call<'a, T> {
     slots: &'a Slots<T>,
     layers: &'a Layers<T>,
-    rides: &'a [Option<Ride<T>>],
+    walls: &'a Walls<T>,
+    rides: &'a Rides<T>,
     rules: &'a SlideRules<T>,
     /// The shapes that move, with their displacements.
     walkers: &'a [u32],
     displacements: &'a [[T; 2]],
-    is_walker: &'a [bool],
     /// Obstacles that are in no tree.
     fresh: &'a [u32],
 }
@@ -120,11 +167,26 @@ impl<T: Scalar> Space<T> {
         check_displacements(ids, displacements)?;
         let walkers = self.slots.find(ids)?;
         self.reserve_changes(walkers.len())?;
-        memory::lengthen(&mut self.rides.0, self.slots.count(), None)?;
-        let mut is_walker = memory::filled(self.slots.count(), false)?;
-        walkers.iter().for_each(|&slot| is_walker[slot as usize] = true);
+        memory::lengthen(&mut self.rides.all, self.slots.count(), None)?;
+        memory::lengthen(&mut self.rides.rows, self.slots.count(), NONE)?;
+        for (row, &slot) in walkers.iter().enumerate() {
+            self.rides.rows[slot as usize] = row as u32;
+        }
+        let walks = self.walk(&walkers, displacements, rules);
+        walkers.iter().for_each(|&slot| self.rides.rows[slot as usize] = NONE);
+        self.finish(&walkers, walks?)
+    }
+
+    /// Computes the motions.
+    fn walk(
+        &mut self,
+        walkers: &[u32],
+        displacements: &[[T; 2]],
+        rules: &SlideRules<T>,
+    ) -> Result<Vec<Walk<T>>> {
         let mut fresh: Vec<u32> = memory::with_room(self.layers.fresh_listed())?;
-        fresh.extend(self.layers.fresh().filter(|&slot| !is_walker[slot as usize]));
+        let is_walker = |slot: u32| self.rides.rows[slot as usize] != NONE;
+        fresh.extend(self.layers.fresh().filter(|&slot| !is_walker(slot)));
         if fresh.len() > FEW {
             self.layers.fold(&self.slots, self.settings)?;
             fresh.clear();
@@ -132,15 +194,19 @@ impl<T: Scalar> Space<T> {
         let call = Call {
             slots: &self.slots,
             layers: &self.layers,
-            rides: &self.rides.0,
+            walls: &self.walls,
+            rides: &self.rides,
             rules,
-            walkers: &walkers,
+            walkers,
             displacements,
-            is_walker: &is_walker,
             fresh: &fresh,
         };
-        let walks = call.run(self.settings.threads)?;
-        self.finish(&walkers, walks)
+        call.run(self.settings.threads)
+    }
+
+    /// The id of what a shape has met.
+    fn id_of_met(&self, slot: u32) -> Id {
+        if slot & WALL == 0 { self.slots.id(slot) } else { -2 - Id::from(slot & !WALL) }
     }
 
     /// Stores the new positions; nothing here fails after the first change.
@@ -171,85 +237,105 @@ impl<T: Scalar> Space<T> {
             all.on_floor.push(floor);
             all.on_wall.push(wall);
             all.on_ceiling.push(ceiling);
-            all.floors.push(walk.floor.map_or(-1, |floor| self.slots.id(floor)));
-            all.ids.extend(walk.hits.iter().map(|hit| self.slots.id(hit.slot)));
+            all.floors.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
+            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.slot)));
             all.normals.extend(walk.hits.iter().map(|hit| hit.normal));
             all.offsets.push(all.ids.len());
         }
         for (walk, &slot) in walks.iter().zip(walkers) {
-            self.rides.0[slot as usize] = walk.floor.map(|floor| Ride {
+            let ride = |(floor, center)| Ride {
                 id: self.slots.id(slot),
                 floor: self.slots.id(floor),
-                center: self.slots.shape(floor).center(),
-            });
+                center,
+            };
+            let floor = walk.floor.filter(|(floor, _)| floor & WALL == 0);
+            self.rides.all[slot as usize] = floor.map(ride);
         }
         Ok(all)
     }
 }
 
 impl<T: Scalar> Call<'_, T> {
+    /// Moves all shapes. If one gets beyond the region by which its island was chosen, because it
+    /// was deep inside an obstacle or its floor moved far, its region grows and all is repeated.
     fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
-        let (ends, members) = self.islands()?;
-        let threads =
-            parallel::threads_for(threads, self.walkers.len(), WORTH_SHARING, WORTH_WAKING);
+        let meets = |&slot: &u32| self.slots.shape(slot).category & self.rules.mask != 0;
+        let may_meet = self.walkers.len() > 1 && self.walkers.iter().any(meets);
+        let rows = if may_meet { self.walkers.len() } else { 0 };
+        let mut regions = memory::collect((0..rows).map(|row| self.region(row)))?;
+        let mut sets = self.riders();
+        loop {
+            join_overlapping(&mut sets, &regions)?;
+            let islands = Islands::of(&mut sets, self.walkers.len())?;
+            let walks = self.walk_islands(&islands, threads)?;
+            let mut is_done = true;
+            for walk in walks.iter().filter(|_| may_meet) {
+                let region = &mut regions[walk.row];
+                if !contains(*region, walk.seen) {
+                    is_done = false;
+                    for axis in 0..2 {
+                        region[0][axis] = region[0][axis].min(walk.seen[0][axis]);
+                        region[1][axis] = region[1][axis].max(walk.seen[1][axis]);
+                    }
+                }
+            }
+            if is_done {
+                return Ok(walks);
+            }
+        }
+    }
+
+    fn walk_islands(&self, islands: &Islands, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
+        let len = self.walkers.len();
+        let threads = parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING);
         let stop = Stop::current();
-        let parts = parallel::map(threads, ends.len().div_ceil(ISLANDS_PER_TASK), |part| {
+        let parts = parallel::map(threads, islands.len().div_ceil(ISLANDS_PER_TASK), |part| {
             let mut pulse = Pulse::of(&stop);
             let mut walks = Vec::new();
             let mut memory = Memory::default();
             let first = part * ISLANDS_PER_TASK;
-            for island in first..ends.len().min(first + ISLANDS_PER_TASK) {
-                let start = if island == 0 { 0 } else { ends[island - 1] as usize };
-                let rows = &members[start..ends[island] as usize];
-                pulse.check(64 * rows.len())?;
-                self.walk_island(rows, &mut memory, &mut walks);
+            for island in first..islands.len().min(first + ISLANDS_PER_TASK) {
+                self.walk_island(islands.rows(island), (&mut memory, &mut pulse), &mut walks)?;
             }
             Ok(walks)
         });
-        let mut all = memory::with_room(self.walkers.len())?;
+        let mut all = memory::with_room(len)?;
         for part in parts {
             all.extend(part?);
         }
         Ok(all)
     }
 
-    /// Rows of the call by island, ascending in each, and the end of each island.
-    fn islands(&self) -> Result<(Vec<u32>, Vec<u32>)> {
+    /// The sets of the walkers that stand on each other.
+    fn riders(&self) -> DisjointSets {
         let len = self.walkers.len();
         let mut sets = DisjointSets::default();
         sets.reset(len);
-        let meets = |&slot: &u32| self.slots.shape(slot).category & self.rules.mask != 0;
-        if len > 1 && self.walkers.iter().any(meets) {
-            let rows = 0..len;
-            let boxes = memory::collect(rows.map(|row| self.region(row)))?;
-            let regions = Shapes::from_boxes(boxes, Each::One(T::ZERO), None)?;
-            for [a, b] in pairs::find(&regions, None, Some(1), DEFAULT_MAX_PAIRS)?.pairs {
-                sets.join(a, b);
+        for row in 0..len {
+            if let Some(floor) = self.moving_floor(row) {
+                sets.join(row as u32, floor);
             }
         }
-        let mut members: Vec<u32> = memory::collect(0..len as u32)?;
-        let roots: Vec<u32> = memory::collect((0..len as u32).map(|row| sets.root(row)))?;
-        members.sort_by_key(|&row| roots[row as usize]);
-        let mut ends: Vec<u32> = memory::with_room(len)?;
-        let root = |index: usize| roots[members[index] as usize];
-        ends.extend(
-            (1..=len).filter(|&end| end == len || root(end) != root(end - 1)).map(|e| e as u32),
-        );
-        Ok((ends, members))
+        sets
     }
 
-    /// A box that contains all positions that a shape may take, with room for its rounding and
-    /// for leaving obstacles.
-    fn region(&self, row: usize) -> [T; 4] {
+    /// A box that contains all positions that a shape may take, with room for its rounding, unless
+    /// it leaves an obstacle from far inside, or its floor is carried too.
+    fn region(&self, row: usize) -> [[T; 2]; 2] {
         let (shape, displacement) = (self.body(row), self.displacements[row]);
-        let ride = self.ride(row).map_or([T::ZERO; 2], |(carried, _)| carried);
-        let length = displacement[0].abs() + displacement[1].abs() + ride[0].abs() + ride[1].abs();
+        let sum = |v: [T; 2]| v[0].abs() + v[1].abs();
+        let carried = self.ride(row).map_or(T::ZERO, |(floor, before)| {
+            let now = self.slots.shape(floor).center();
+            let own = self.moving_floor(row).map(|row| sum(self.displacements[row as usize]));
+            sum([now[0] - before[0], now[1] - before[1]]) + own.unwrap_or(T::ZERO)
+        });
+        let length = sum(displacement) + carried;
         let extent = [0, 1].map(|axis| shape.half_size[axis] + shape.radius);
         let size = shape.min[0].abs().max(shape.min[1].abs()) + length + extent[0] + extent[1];
         let room = length + extent[0] + extent[1] + size * T::EPSILON * T::from_f64(256.0);
         let [x, y] = shape.min;
         let reach = [extent[0] + room, extent[1] + room];
-        [x - reach[0], y - reach[1], x + reach[0], y + reach[1]]
+        [[x - reach[0], y - reach[1]], [x + reach[0], y + reach[1]]]
     }
 
     /// The shape of a row, by its centre.
@@ -259,34 +345,69 @@ impl<T: Scalar> Call<'_, T> {
         Shape { min: center, max: center, half_size: shape.core_half_size(), ..shape }
     }
 
-    /// By how much the floor of a row has moved since the row's last motion, and the floor.
-    fn ride(&self, row: usize) -> Option<([T; 2], u32)> {
+    /// The floor on which a row stood after its last motion, and its centre then.
+    fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
         let slot = self.walkers[row];
-        let ride = self.rides[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
-        let floor = self.slots.slot(ride.floor)?;
-        let now = self.slots.shape(floor).center();
-        let moved = [now[0] - ride.center[0], now[1] - ride.center[1]];
-        (moved != [T::ZERO; 2]).then_some((moved, floor))
+        let ride = self.rides.all[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
+        Some((self.slots.slot(ride.floor)?, ride.center))
+    }
+
+    /// The row of the floor of a row, if it moves in this call too.
+    fn moving_floor(&self, row: usize) -> Option<u32> {
+        let (floor, _) = self.ride(row)?;
+        Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
+    }
+
+    /// Whether a row stands on another one that moves, or on one that stands on it, and so on.
+    fn stands_on(&self, rider: u32, floor: u32) -> bool {
+        let mut next = self.moving_floor(rider as usize);
+        // The chain may be a ring.
+        for _ in 0..MOST_STACKED {
+            match next {
+                Some(row) if row != floor => next = self.moving_floor(row as usize),
+                found => return found.is_some(),
+            }
+        }
+        false
     }
 
     /// Moves the shapes of an island one after another.
-    fn walk_island(&self, rows: &[u32], memory: &mut Memory<T>, walks: &mut Vec<Walk<T>>) {
-        let Memory { near, stack, bodies } = memory;
-        bodies.clear();
-        bodies.extend(rows.iter().map(|&row| self.body(row as usize)));
-        for (index, &row) in rows.iter().enumerate() {
-            let row = row as usize;
+    fn walk_island(
+        &self,
+        rows: &[u32],
+        (memory, pulse): (&mut Memory<T>, &mut Pulse),
+        walks: &mut Vec<Walk<T>>,
+    ) -> Result<()> {
+        let Memory { near, stack, crowd, order, waiting } = memory;
+        crowd.fill(rows.iter().map(|&row| self.body(row as usize)))?;
+        self.order(rows, order, waiting)?;
+        for &index in &order[..] {
+            let (index, row) = (index as usize, rows[index as usize] as usize);
+            let center_of = |slot: u32| match self.rides.rows[slot as usize] {
+                NONE => self.slots.shape(slot).center(),
+                row => match rows.binary_search(&row) {
+                    Ok(index) => crowd.get(index).min,
+                    Err(_) => self.slots.shape(slot).center(),
+                },
+            };
+            let carried = self.ride(row).map(|(floor, before)| {
+                let now = center_of(floor);
+                ([now[0] - before[0], now[1] - before[1]], floor)
+            });
             let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
                 self.find(bounds, stack, near);
-                for (other, body) in bodies.iter().enumerate() {
-                    if other != index && meets(bounds, body) {
+                crowd.each_near(bounds, |other, body| {
+                    // What stands on it is carried with it, and does not stop it.
+                    if other != index && !self.stands_on(rows[other], row as u32) {
                         let slot = self.walkers[rows[other] as usize];
-                        near.push(Obstacle { shape: *body, slot });
+                        near.push(Obstacle { solid: Solid::Shape(*body), slot });
                     }
-                }
+                });
             };
-            let mut walker = Walker::new(self.rules, bodies[index], near, &mut find);
-            if let Some((displacement, floor)) = self.ride(row) {
+            let mut walker = Walker::new(self.rules, *crowd.get(index), near, &mut find);
+            if let Some((displacement, floor)) = carried
+                && displacement != [T::ZERO; 2]
+            {
                 walker.carry(displacement, floor);
             }
             walker.leave_obstacles();
@@ -294,12 +415,41 @@ impl<T: Scalar> Call<'_, T> {
             let floor = walker.last_of(Surface::Floor);
             let kinds = [Surface::Floor, Surface::Wall, Surface::Ceiling]
                 .map(|kind| walker.last_of(kind).is_some());
-            let (center, remaining) = (walker.center(), walker.remaining);
+            let (center, remaining, seen) = (walker.center(), walker.remaining, walker.seen);
             let hits = std::mem::take(&mut walker.hits);
-            bodies[index].min = center;
-            bodies[index].max = center;
-            walks.push(Walk { row, center, remaining, hits, floor, kinds });
+            pulse.check(WORK + near.len())?;
+            let still = |slot: u32| if slot & WALL == 0 { center_of(slot) } else { center };
+            let floor = floor.map(|slot| (slot, still(slot)));
+            crowd.move_to(index, center);
+            memory::push(walks, Walk { row, center, remaining, hits, floor, kinds, seen })?;
         }
+        Ok(())
+    }
+
+    /// Lists the indices of the rows of an island in the order in which they move: a floor before
+    /// what stands on it, otherwise ascending.
+    fn order(&self, rows: &[u32], order: &mut Vec<u32>, waiting: &mut Vec<u32>) -> Result<()> {
+        order.clear();
+        memory::reserve(order, rows.len())?;
+        if rows.iter().all(|&row| self.moving_floor(row as usize).is_none()) {
+            order.extend(0..rows.len() as u32);
+            return Ok(());
+        }
+        let mut listed = memory::filled(rows.len(), false)?;
+        for index in 0..rows.len() {
+            let mut next = Some(index);
+            // A floor that is listed or waits already ends the chain, also if it is a ring.
+            while let Some(index) = next.filter(|&index| !listed[index]) {
+                listed[index] = true;
+                memory::push(waiting, index as u32)?;
+                let floor = self.moving_floor(rows[index] as usize);
+                next = floor.and_then(|row| rows.binary_search(&row).ok());
+            }
+            while let Some(index) = waiting.pop() {
+                order.push(index);
+            }
+        }
+        Ok(())
     }
 
     /// Lists the obstacles in a region that do not move in this call.
@@ -308,18 +458,21 @@ impl<T: Scalar> Call<'_, T> {
             let (tree, slot) = self.layers.layer(index);
             each_overlap(tree, bounds, -T::INFINITY, stack, |place| {
                 if let Some(slot) = slot(tree.rows()[place])
-                    && !self.is_walker[slot as usize]
+                    && self.rides.rows[slot as usize] == NONE
                 {
-                    near.push(Obstacle { shape: tree.columns().shape(place), slot });
+                    near.push(Obstacle { solid: Solid::Shape(tree.columns().shape(place)), slot });
                 }
             });
         }
         for &slot in self.fresh {
             let shape = self.slots.shape(slot);
             if meets(bounds, &shape) {
-                near.push(Obstacle { shape, slot });
+                near.push(Obstacle { solid: Solid::Shape(shape), slot });
             }
         }
+        self.walls.each_near(bounds, stack, |index, ends| {
+            near.push(Obstacle { solid: Solid::Segment(ends), slot: WALL | index });
+        });
     }
 }
 
@@ -332,12 +485,15 @@ fn meets<T: Scalar>(region: &Bounds<T>, shape: &Shape<T>) -> bool {
 struct Memory<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
-    bodies: Vec<Shape<T>>,
+    crowd: Crowd<T>,
+    order: Vec<u32>,
+    waiting: Vec<u32>,
 }
 
 impl<T> Default for Memory<T> {
     fn default() -> Self {
-        Self { near: Vec::new(), stack: Vec::new(), bodies: Vec::new() }
+        let (near, stack, crowd) = (Vec::new(), Vec::new(), Crowd::default());
+        Self { near, stack, crowd, order: Vec::new(), waiting: Vec::new() }
     }
 }
 

@@ -1,0 +1,177 @@
+//! `move_and_slide` against brute force: never inside, never through, and in any order.
+
+use jostle::geometry::{Shape, contact, overlap};
+use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::space::Id;
+use jostle::{Each, Settings, Shapes, SlideRules, Space};
+use proptest::prelude::*;
+
+const WALL: u32 = 1;
+const WALKER: u32 = 2;
+
+/// Centre, half size and radius.
+type Row = ([f64; 2], [f64; 2], f64);
+
+#[derive(Clone, Debug)]
+struct Scene {
+    obstacles: Vec<Row>,
+    walkers: Vec<Row>,
+    displacements: Vec<[f64; 2]>,
+    up: [f64; 2],
+}
+
+fn scenes() -> impl Strategy<Value = Scene> {
+    let coordinate = prop_oneof![3 => -20.0..20.0f64, 1 => (-20i32..20).prop_map(f64::from)];
+    let half = prop_oneof![2 => 0.2..4.0f64, 1 => Just(1.0), 1 => Just(0.0)];
+    let radius = prop_oneof![2 => 0.1..2.0f64, 1 => Just(0.5), 2 => Just(0.0)];
+    let obstacle = ([coordinate.clone(), coordinate.clone()], [half.clone(), half], radius);
+    let walker =
+        prop_oneof![Just(([0.0; 2], 0.5)), Just(([0.4, 0.8], 0.0)), Just(([0.3, 0.2], 0.3)),];
+    let walkers = ([coordinate.clone(), coordinate], walker)
+        .prop_map(|(center, (half, radius))| (center, half, radius));
+    let speed = prop_oneof![2 => -3.0..3.0f64, 1 => Just(0.0), 1 => -1e6..1e6f64];
+    let up = prop_oneof![Just([0.0, -1.0]), Just([0.0, 0.0]), Just([3.0, 4.0])];
+    let steps = prop::collection::vec([speed.clone(), speed], 12);
+    let obstacles = prop::collection::vec(obstacle, 0..60);
+    (obstacles, prop::collection::vec(walkers, 1..12), steps, up).prop_map(
+        |(obstacles, walkers, displacements, up)| Scene { obstacles, walkers, displacements, up },
+    )
+}
+
+fn shape(row: &Row) -> Shape<f64> {
+    let &(center, half_size, radius) = row;
+    Shape { min: center, max: center, half_size, radius, category: 1, mask: u32::MAX }
+}
+
+fn overlaps(a: &Shape<f64>, b: &Shape<f64>) -> bool {
+    let along = |k: usize| (b.min[k] - a.min[k]).abs() - (a.half_size[k] + b.half_size[k]);
+    overlap([along(0), along(1)], a.radius + b.radius)
+}
+
+fn add(space: &mut Space<f64>, rows: &[Row], category: u32) -> Vec<Id> {
+    let radii = Each::Rows(rows.iter().map(|row| row.2).collect());
+    let halves = Each::Rows(rows.iter().map(|row| row.1).collect());
+    let filters = Some([Each::One(category), Each::One(u32::MAX)]);
+    let centers = rows.iter().map(|row| row.0).collect();
+    space.add(&Shapes::new(centers, radii, Some(halves), filters).unwrap()).unwrap()
+}
+
+impl Scene {
+    /// The obstacles, and the walkers that overlap nothing.
+    fn space(&self) -> (Space<f64>, Vec<Id>, Vec<[f64; 2]>) {
+        let mut space = Space::new(Settings::default()).unwrap();
+        add(&mut space, &self.obstacles, WALL);
+        let mut free: Vec<Row> = Vec::new();
+        for walker in &self.walkers {
+            let all = self.obstacles.iter().chain(&free);
+            if !all.into_iter().any(|row| overlaps(&shape(walker), &shape(row))) {
+                free.push(*walker);
+            }
+        }
+        let ids = add(&mut space, &free, WALKER);
+        let displacements = self.displacements[..ids.len()].to_vec();
+        (space, ids, displacements)
+    }
+
+    fn rules(&self, mask: u32, max_slides: usize) -> SlideRules<f64> {
+        SlideRules::new(mask, max_slides, self.up, 0.8, 0).unwrap()
+    }
+}
+
+fn centers(space: &Space<f64>, ids: &[Id]) -> Vec<[f64; 2]> {
+    space.read(ids, |shape| shape.center()).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn a_walker_is_never_inside(scene in scenes()) {
+        let (mut space, ids, displacements) = scene.space();
+        for _ in 0..3 {
+            space.move_and_slide(&ids, &displacements, &scene.rules(u32::MAX, 4)).unwrap();
+            let pairs = space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
+            let of_walkers = pairs.iter().filter(|pair| pair.iter().any(|id| ids.contains(id)));
+            prop_assert_eq!(of_walkers.count(), 0);
+        }
+    }
+
+    /// With one slide the path is straight: it crosses no obstacle.
+    #[test]
+    fn a_walker_is_never_moved_through(scene in scenes()) {
+        let (mut space, ids, displacements) = scene.space();
+        let before = centers(&space, &ids);
+        space.move_and_slide(&ids, &displacements, &scene.rules(WALL, 1)).unwrap();
+        let after = centers(&space, &ids);
+        let sizes = space.read(&ids, |shape| (shape.half_size, shape.radius)).unwrap();
+        for ((from, to), (half, radius)) in before.iter().zip(&after).zip(sizes) {
+            let size = from.iter().chain(to).fold(1.0f64, |most, v| most.max(v.abs()));
+            for sample in 0..=500 {
+                let share = f64::from(sample) / 500.0;
+                let at = [0, 1].map(|k| from[k] + (to[k] - from[k]) * share);
+                let body = shape(&(at, half, radius));
+                for row in &scene.obstacles {
+                    if overlaps(&body, &shape(row)) {
+                        let (_, depth) = contact(&body, &shape(row));
+                        prop_assert!(depth < 1e-12 * size, "{:?} {}", row, depth);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_of_walkers_that_do_not_meet_changes_nothing(scene in scenes(), turn in 0usize..12) {
+        let (space, ids, displacements) = scene.space();
+        for mask in [WALL, u32::MAX] {
+            let rules = scene.rules(mask, 4);
+            let (mut one, mut other) = (space.clone(), space.clone());
+            let slides = one.move_and_slide(&ids, &displacements, &rules).unwrap();
+            let start = turn % ids.len().max(1);
+            let turned = |k: usize| (k + start) % ids.len();
+            let (mut names, mut steps) = (Vec::new(), Vec::new());
+            for k in (0..ids.len()).rev().map(turned) {
+                names.push(ids[k]);
+                steps.push(displacements[k]);
+            }
+            let again = other.move_and_slide(&names, &steps, &rules).unwrap();
+            // Those that met another one depend on the order.
+            let mut all = slides.ids.iter().chain(&again.ids);
+            if mask == u32::MAX && all.any(|id| ids.contains(id)) {
+                continue;
+            }
+            prop_assert_eq!(centers(&one, &ids), centers(&other, &ids));
+        }
+    }
+}
+
+/// A floor, a ceiling or a wall of many segments at every angle stops what falls onto it.
+#[test]
+fn segments_at_every_angle_stop_every_shape() {
+    for k in 0..72 {
+        let angle = f64::from(k) * std::f64::consts::PI / 36.0;
+        let (sin, cos) = angle.sin_cos();
+        for row in
+            [([0.0; 2], [0.0; 2], 1.0), ([0.0; 2], [0.7, 0.3], 0.0), ([0.0; 2], [0.2, 0.5], 0.3)]
+        {
+            let mut space = Space::new(Settings::default()).unwrap();
+            let at = |along: f64, away: f64| [away * cos - along * sin, away * sin + along * cos];
+            let ends: Vec<_> = (-9..9)
+                .map(|k| [at(f64::from(k) * 3.0, 5.0), at(f64::from(k + 1) * 3.0, 5.0)])
+                .collect();
+            space.set_walls(ends).unwrap();
+            let ids = add(&mut space, &[row], WALKER);
+            let rules = SlideRules::new(u32::MAX, 8, [-cos, -sin], 0.8, 0).unwrap();
+            let step = at(3.0, 1e4);
+            let slides = space.move_and_slide(&ids, &[step], &rules).unwrap();
+            let [x, y] = centers(&space, &ids)[0];
+            let reach = row.1[0] * cos.abs() + row.1[1] * sin.abs() + row.2;
+            let away = x * cos + y * sin;
+            assert!((away - (5.0 - reach)).abs() < 1e-8, "{k} {away} {reach}");
+            assert!(
+                slides.on_floor[0] && slides.floors[0] <= -2 && !slides.on_wall[0],
+                "{k} {row:?} {slides:?}"
+            );
+        }
+    }
+}
