@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.bench.machine import version_of
+from jostle.bench.machine import Row, version_of
 from jostle.bench.timing import interleaved
 
 POINTS, ROUNDS, NEIGHBORS = 100_000, 15, 8
@@ -121,10 +121,10 @@ PARTS: dict[str, list[tuple[str, str, Call]]] = {
 }
 
 
-def compare(rounds: int, count: int) -> None:
-    """Print the times of all that are installed."""
+def race(rounds: int, largest: int) -> Iterator[list[Row]]:
+    """Yield the times of all that are installed, for each part."""
+    count = min(POINTS, largest)
     points, distance = points_of(count), distance_for(count)
-    print(f"{count:,} points, about {NEIGHBORS} neighbours each, {os.cpu_count()} cores")
     for part, rivals in PARTS.items():
         there = [rival for rival in rivals if version_of(rival[1])]
         counts = [count_of(call(points, distance)) for _, _, call in there]
@@ -133,13 +133,22 @@ def compare(rounds: int, count: int) -> None:
             raise SystemExit(f"{part}: {counts} neighbours")
         calls = [lambda call=call: call(points, distance) for _, _, call in there]
         timings = interleaved(calls, rounds)
-        print(part)
-        for (name, package, _), timing in zip(there, timings, strict=True):
-            ratio = timing.median / timings[0].median
-            told = f"{name} {version_of(package)}"
-            print(f"  {told:52} {1e3 * timing.median:9.1f} ms {ratio:7.1f}", flush=True)
+        yield [
+            {
+                "task": part,
+                "count": count,
+                "rival": name,
+                "version": version_of(package),
+                "median_s": f"{timing.median:.4g}",
+                "neighbors": found,
+            }
+            for (name, package, _), timing, found in zip(there, timings, counts, strict=True)
+        ]
 
 
 if __name__ == "__main__":
     asked = [int(text) for text in sys.argv[1:]]
-    compare(*(asked + [ROUNDS, POINTS][len(asked) :]))
+    print(f"about {NEIGHBORS} neighbours each, {os.cpu_count()} cores")
+    for rows in race(*(asked + [ROUNDS, POINTS][len(asked) :])):
+        for row in rows:
+            print("  ".join(str(value) for value in row.values()), flush=True)

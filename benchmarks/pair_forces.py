@@ -11,7 +11,7 @@ the first step.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,14 @@ from scipy.spatial import cKDTree
 
 import jostle
 from jostle import life
-from jostle.bench.machine import describe
+from jostle.bench.machine import Row, describe
 from jostle.bench.timing import clock
 
 DT, CUTOFF, CORE, STRENGTH, DRAG = 1 / 60, 40.0, 0.3, 120.0, 10.0
 AREA = 145.0  # for each particle: about 35 neighbours
 KINDS = 6
 ROUNDS = 7
+COUNTS = (1_000, 10_000, 100_000)
 
 Numbers = NDArray[np.float64]
 
@@ -75,8 +76,8 @@ def world_of(positions: Numbers, kinds: NDArray[np.int64], side: float) -> jostl
     )  # fmt: skip
 
 
-def measure(n: int) -> str:
-    """Return a line of the table."""
+def measure(n: int) -> Row:
+    """Return a row of the results."""
     side = float(np.sqrt(n * AREA))
     positions, kinds = np.random.default_rng(0).uniform(0, side, (n, 2)), np.arange(n) % KINDS
     positions = positions.astype(np.float32).astype(float)
@@ -91,12 +92,24 @@ def measure(n: int) -> str:
             times.append(1e3 * clock(step))
     ours, theirs = (float(np.median(times)) for _, times in rounds)
     ratio = float(np.median(np.array(rounds[1][1]) / np.array(rounds[0][1])))
-    return f"| {n:,} | {ours:.2f} | {theirs:.1f} | {ratio:.0f} | {error:.0e} |"
+    return {
+        "count": n,
+        "jostle_ms": f"{ours:.2f}",
+        "numpy_ms": f"{theirs:.1f}",
+        "ratio": f"{ratio:.0f}",
+        "difference": f"{error:.0e}",
+    }
+
+
+def race(largest: int) -> Iterator[list[Row]]:
+    """Yield the times of each number of particles."""
+    for count in (count for count in COUNTS if count <= largest):
+        yield [measure(count)]
 
 
 if __name__ == "__main__":
     print(describe())
     print("| particles | jostle, ms | NumPy + cKDTree, ms | ratio | difference |")
     print("|--:|--:|--:|--:|--:|")
-    for count in [int(word) for word in sys.argv[1:]] or [1_000, 10_000, 100_000]:
-        print(measure(count), flush=True)
+    for count in [int(word) for word in sys.argv[1:]] or COUNTS:
+        print("|", " | ".join(map(str, measure(count).values())), "|", flush=True)

@@ -19,6 +19,8 @@ from pathlib import Path
 import bandwidth
 import growth
 import hard_cases
+import neighbors
+import pair_forces
 import plot
 import queries
 import separate
@@ -88,6 +90,8 @@ PARTS: dict[str, Callable[[Options], Rows]] = {
     "queries": lambda options: queries.race(options.rounds, options.largest),
     "space": lambda options: space.race(options.rounds, options.largest),
     "separate": lambda options: separate.race(options.rounds, options.largest, options.patience),
+    "neighbors": lambda options: neighbors.race(options.rounds, options.largest),
+    "pair-forces": lambda options: pair_forces.race(options.largest),
     "sprites": lambda options: sprites.race(options.rounds, options.largest),
 }
 
