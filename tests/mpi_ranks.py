@@ -14,7 +14,7 @@ BESIDE_PYTHON = Path(sys.executable).parent
 #: The launcher of the installed wheel, else that of the system.
 LAUNCHER = shutil.which("mpiexec", path=str(BESIDE_PYTHON)) or shutil.which("mpiexec")
 
-SECONDS = 300
+SECONDS = 600
 
 
 def why_not() -> str | None:

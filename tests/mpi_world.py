@@ -96,15 +96,19 @@ def check(
 
 
 def check_touches(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
-    """The contacts of all ranks together are those of one process, as a set of rows."""
+    """The contacts of all ranks together are those of one process. Sums of the impulses of several
+    bounces of a pair in a step may be rounded differently."""
     for kind in ("contacts", "wall_contacts"):
         of_ranks = zip(*COMM.allgather(getattr(ours, kind)), strict=True)
-        found = [np.concatenate(columns) for columns in of_ranks]
-        sets = []
-        for columns in (found, getattr(world, kind)):
+        tables = []
+        for columns in ([np.concatenate(column) for column in of_ranks], getattr(world, kind)):
             table = np.column_stack([np.asarray(column, np.float64) for column in columns])
-            sets.append(sorted(map(tuple, table)))
-        assert sets[0] == sets[1], f"{name}: {kind}"
+            tables.append(table[np.lexsort((table[:, 2], table[:, 1], table[:, 0]))])
+        found, expected = tables
+        assert found.shape == expected.shape, f"{name}: {kind}"
+        assert np.array_equal(found[:, :-2], expected[:, :-2]), f"{name}: {kind}"
+        scale = np.abs(expected[:, -2:]).max(initial=1.0)
+        assert np.allclose(found[:, -2:], expected[:, -2:], rtol=1e-6, atol=1e-6 * scale), name
     assert ours.collisions == world.collisions, name
 
 
@@ -154,21 +158,21 @@ def test_scenes() -> None:
 def test_piles() -> None:
     rest: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
     for where in (evenly, all_on_first, unevenly):
-        check("pile", gas(300, **rest), 1 / 60, 50, where)
-    check("friction", gas(200, friction=0.5, **rest), 1 / 60, 50)
+        check("pile", gas(300, **rest), 1 / 60, 25, where)
+    check("friction", gas(200, friction=0.5, **rest), 1 / 60, 25)
     masses = np.where(np.arange(200) % 5 == 0, 30.0, 1.0)
-    check("uneven masses", gas(200, masses=masses, **rest), 1 / 60, 50)
+    check("uneven masses", gas(200, masses=masses, **rest), 1 / 60, 25)
     walls = jostle.polyline([(0, 30), (15, 36), (30, 20)])
-    check("walls", gas(200, walls=walls, friction=0.3, **rest), 1 / 60, 50)
+    check("walls", gas(200, walls=walls, friction=0.3, **rest), 1 / 60, 25)
     movable = np.arange(200) % 9 > 0
     still = gas(200, movable=movable, velocities=np.zeros((200, 2)), **rest)
-    check("obstacles", still, 1 / 60, 50)
+    check("obstacles", still, 1 / 60, 25)
 
 
 def test_long() -> None:
     """300 steps of a larger gas and of a larger pile."""
     check("gas", jostle.scenes.create("gas", n=3000, seed=3), 1 / 60)
-    pile = jostle.scenes.create("pile", n=1000, seed=3)
+    pile = jostle.scenes.create("pile", n=400, seed=3)
     pile.sleeping = False
     check("pile", pile, 1 / 60)
 
@@ -220,10 +224,10 @@ def test_nasty() -> None:
     check("a rack", jostle.World(lattice * 2, velocities, radii=1.0), 1 / 60, 60)
     # Discs that overlap at the beginning, and coincident ones.
     rng = np.random.default_rng(2)
-    heap = rng.uniform(0, 20, (200, 2))
+    heap = rng.uniform(0, 20, (70, 2))
     heap[:10] = 10.0
     overlapping = jostle.World(
-        heap, rng.normal(0, 5, (200, 2)), radii=1.0, container=jostle.Torus(20, 20)
+        heap, rng.normal(0, 5, (70, 2)), radii=1.0, container=jostle.Torus(20, 20)
     )
     check("overlaps", overlapping, 1 / 60, 20)
     # One disc that is much larger than the others, one that is much faster, and one far away.

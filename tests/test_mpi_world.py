@@ -3,13 +3,22 @@
 import pytest
 from mpi_ranks import HERE, needs_mpi, run_ranks
 
-CASES = ("gas", "scenes", "containers", "rules", "nasty", "piles", "files", "errors", "pressed")
+CASES = ("gas", "containers", "rules", "nasty", "files", "errors", "pressed")
 
 
 @needs_mpi
 @pytest.mark.parametrize("ranks", [1, 2, 3, 4])
 @pytest.mark.parametrize("case", CASES)
 def test_ranks_have_the_bits_of_one_process(case: str, ranks: int) -> None:
+    assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
+
+
+@needs_mpi
+@pytest.mark.slow
+@pytest.mark.parametrize("ranks", [1, 2, 3, 4])
+@pytest.mark.parametrize("case", ["scenes", "piles"])
+def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str, ranks: int) -> None:
+    """A step has hundreds of calls of all ranks."""
     assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
 
 
