@@ -83,13 +83,16 @@ impl<T> Default for Rides<T> {
     }
 }
 
+/// The ids of each shape and its floor, and the centres of the floors.
+type SavedRides<T> = (Vec<[Id; 2]>, Vec<[T; 2]>);
+
 impl<T: Scalar> Rides<T> {
     pub(super) fn memory_bytes(&self) -> usize {
         self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
     }
 
-    /// The ids of each shape and its floor, and the centres of the floors.
-    pub(super) fn save(&self) -> Result<(Vec<[Id; 2]>, Vec<[T; 2]>)> {
+    /// All rides.
+    pub(super) fn save(&self) -> Result<SavedRides<T>> {
         let (mut ids, mut centers) = (Vec::new(), Vec::new());
         for ride in self.all.iter().flatten() {
             memory::push(&mut ids, [ride.id, ride.floor])?;
@@ -270,13 +273,14 @@ impl<T: Scalar> Call<'_, T> {
             let walks = self.walk_islands(&islands, threads)?;
             let mut is_done = true;
             for walk in walks.iter().filter(|_| may_meet) {
-                let region = &mut regions[walk.row];
-                if !contains(*region, walk.seen) {
+                let [low, high] = regions[walk.row];
+                if !contains([low, high], walk.seen) {
                     is_done = false;
-                    for axis in 0..2 {
-                        region[0][axis] = region[0][axis].min(walk.seen[0][axis]);
-                        region[1][axis] = region[1][axis].max(walk.seen[1][axis]);
-                    }
+                    let [seen_low, seen_high] = walk.seen;
+                    regions[walk.row] = [
+                        [0, 1].map(|axis| low[axis].min(seen_low[axis])),
+                        [0, 1].map(|axis| high[axis].max(seen_high[axis])),
+                    ];
                 }
             }
             if is_done {
