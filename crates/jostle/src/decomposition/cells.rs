@@ -41,7 +41,7 @@ impl Grid {
     }
 
     /// The number of cells.
-    pub fn len(&self) -> usize {
+    pub fn cells(&self) -> usize {
         self.count * self.count
     }
 
@@ -100,7 +100,7 @@ pub struct Marks(pub Vec<u8>);
 impl Marks {
     /// No cell of a grid.
     pub fn new(grid: &Grid) -> Self {
-        Self(vec![0; grid.len().div_ceil(8)])
+        Self(vec![0; grid.cells().div_ceil(8)])
     }
 
     /// Marks a cell.
@@ -121,9 +121,9 @@ impl Near {
     /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the marks of each
     /// rank.
     pub fn new(grid: &Grid, all: &[u8], own: usize) -> Self {
-        let bytes = grid.len().div_ceil(8);
+        let bytes = grid.cells().div_ceil(8);
         let mut near = Self::default();
-        for cell in 0..grid.len() {
+        for cell in 0..grid.cells() {
             near.starts.push(near.ranks.len() as u32);
             for (rank, marks) in all.chunks_exact(bytes).enumerate() {
                 if rank != own && marks[cell / 8] & 1 << (cell % 8) != 0 {
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn circles_cover_the_cells_of_their_aabb() {
         let grid = Grid::new(&Container::None, [[0.0, 0.0], [4.0, 8.0]], 256);
-        assert_eq!(grid.len(), 16);
+        assert_eq!(grid.cells(), 16);
         assert_eq!(cells(&grid, [0.5, 1.0], 0.25), [0]);
         assert_eq!(cells(&grid, [1.0, 2.0], 0.25), [0, 1, 4, 5]);
         assert_eq!(cells(&grid, [-9.0, 99.0], 0.25), [3]);
