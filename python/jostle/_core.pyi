@@ -53,6 +53,7 @@ __all__ = [
     "Motor",
     "PairForce",
     "Quadtree",
+    "RankError",
     "Space",
     "Springs",
     "ThermalWalls",
@@ -61,9 +62,11 @@ __all__ = [
     "World",
     "__version__",
     "abandon_threads",
+    "begin_hash",
     "create_scene",
     "describe_scene",
     "find_pairs",
+    "hash_records",
     "instructions",
     "restore_events",
     "restore_space",
@@ -292,8 +295,7 @@ def find_pairs(
 class RankError(RuntimeError):
     """Another rank could not do its part of a call, so no rank completes it.
 
-    The rank with the cause raises the cause itself. The others raise this error with the number
-    of that rank and its message.
+    The rank with the cause raises the cause itself. The others raise this error with the number of that rank and its message.
     """
 
 def begin_hash(total: int) -> int:
