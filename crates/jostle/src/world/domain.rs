@@ -91,6 +91,8 @@ pub(super) struct Domain {
     pub(super) steps: u64,
     /// Steps that were repeated because ghosts were missing.
     pub(super) repeats: u64,
+    /// Factor of the margin with which the next step begins, the same on all ranks.
+    pub(super) widening: f64,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
     /// Steps after which domains are chosen anew.
@@ -316,6 +318,7 @@ impl World {
             far: Vec::new(),
             steps: 0,
             repeats: 0,
+            widening: 1.0,
             work: 1.0,
             rebalance_every: REBALANCE_EVERY,
         }));

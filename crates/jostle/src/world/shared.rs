@@ -30,6 +30,12 @@ const MARGIN: f64 = 3.0;
 /// Repetitions of a step. Each is with a margin twice as wide, so the last ones have all particles.
 const MOST_REPEATS: usize = 64;
 
+/// Factor of the margin after each step that was not repeated.
+const NARROWING: f64 = 0.99;
+
+/// Factor of the margin with which a step begins, at most.
+const MOST_WIDENING: f64 = 8.0;
+
 /// Particles that get further than announced are announced this much further.
 const FURTHER: f32 = 1.25;
 
@@ -51,7 +57,8 @@ impl World {
         self.check_displacements(dt)?;
         self.walls.check_displacements(f64::from(dt))?;
         self.move_to_domains()?;
-        let (mut widening, mut further) = (1.0, HashMap::new());
+        let mut widening = self.domain.as_ref().map_or(1.0, |domain| domain.widening);
+        let mut further = HashMap::new();
         for _ in 0..MOST_REPEATS {
             self.exchange_ghosts(dt, widening, &further)?;
             self.begin();
@@ -64,6 +71,8 @@ impl World {
                 self.close_step();
                 if let Some(domain) = &mut self.domain {
                     domain.steps += 1;
+                    // The next steps need about as much.
+                    domain.widening = (widening * NARROWING).clamp(1.0, MOST_WIDENING);
                     domain.has_contacts = true;
                 }
                 return Ok(());
