@@ -115,11 +115,13 @@ impl<T: Scalar> Crowd<T> {
                 let mut entry = self.heads[self.bucket(level, cell)];
                 while entry != NONE {
                     let index = entry as usize / CELLS;
-                    // A body in several of these cells, or in another cell of the bucket, is left
-                    // to the first one that both have.
-                    let own = self.cells_of(index)[0];
+                    // A body in several of these cells is left to the first one that both have. A
+                    // bucket may have bodies of other cells, and a body in several of its cells.
+                    let [own, last] = self.cells_of(index);
                     let first = [0, 1].map(|axis: usize| own[axis].max(searched[0][axis]));
-                    if self.levels[index] == level && first == cell {
+                    let (at, width) = ((entry as usize % CELLS) as i64, last[0] - own[0] + 1);
+                    let is_of_cell = cell == [own[0] + at % width, own[1] + at / width];
+                    if self.levels[index] == level && is_of_cell && first == cell {
                         test(index);
                     }
                     entry = self.next[entry as usize];
