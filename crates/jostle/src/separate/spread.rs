@@ -161,7 +161,8 @@ impl<T: Scalar> Spread<'_, T> {
         let scale = if width > 0.0 { (to[1] - to[0]) / width } else { 0.0 };
         for &place in places {
             let along = if width > 0.0 { self.at(place, axis) - from[0] } else { 0.0 };
-            let moved = (to[0] + along * scale).clamp(to[0], to[1]);
+            // Not `clamp`: rounding may exchange the two ends of an empty range.
+            let moved = (to[0] + along * scale).max(to[0]).min(to[1]);
             self.bodies.centers[place as usize][axis] = T::from_f64(moved);
         }
     }
