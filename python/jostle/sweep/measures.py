@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -27,58 +29,48 @@ class Measure(Protocol):
 class _Mean:
     """The mean of a function of the world, which is sampled at every tenth step."""
 
-    def __init__(self) -> None:
+    def __init__(self, function: Callable[[jostle.World], float]) -> None:
+        self._function = function
         self._sum, self._count = 0.0, 0
 
     def see(self, world: jostle.World, step: int, dt: float) -> None:
         if step % _EVERY == 0:
-            self._sum += self.of(world)
+            self._sum += self._function(world)
             self._count += 1
-
-    def of(self, world: jostle.World) -> float:
-        raise NotImplementedError
 
     def value(self) -> float:
         return self._sum / self._count if self._count else float("nan")
 
 
-class _Energy(_Mean):
+def _energy(world: jostle.World) -> float:
     """Mean kinetic energy of a movable particle."""
-
-    def of(self, world: jostle.World) -> float:
-        return world.kinetic_energy / max(int(world.movable.sum()), 1)
+    return world.kinetic_energy / max(int(world.movable.sum()), 1)
 
 
-class _Height(_Mean):
+def _height(world: jostle.World) -> float:
     """Mean of y, weighted by mass."""
-
-    def of(self, world: jostle.World) -> float:
-        return float(np.average(world.positions[:, 1], weights=world.masses))
+    return float(np.average(world.positions[:, 1], weights=world.masses))
 
 
-class _Hexatic(_Mean):
+def _hexatic(world: jostle.World) -> float:
     """Global hexatic order |⟨exp(6iθ)⟩| over the directions to the six nearest neighbours."""
-
-    def of(self, world: jostle.World) -> float:
-        positions = world.positions.astype(np.float64)
-        count = min(7, len(positions))
-        if count < 2:
-            return float("nan")
-        near = world.quadtree().nearest(positions, count).ids[:, 1:]
-        x, y = np.moveaxis(positions[near] - positions[:, None], -1, 0)
-        return float(np.abs(np.exp(6j * np.arctan2(y, x)).mean()))
+    positions = world.positions.astype(np.float64)
+    count = min(7, len(positions))
+    if count < 2:
+        return float("nan")
+    near = world.quadtree().nearest(positions, count).ids[:, 1:]
+    x, y = np.moveaxis(positions[near] - positions[:, None], -1, 0)
+    return float(np.abs(np.exp(6j * np.arctan2(y, x)).mean()))
 
 
-class _Cluster(_Mean):
+def _cluster(world: jostle.World) -> float:
     """Share of the particles in the largest group of touching ones."""
-
-    def of(self, world: jostle.World) -> float:
-        parents = np.arange(len(world))
-        for a, b in jostle.find_pairs(world.positions, world.radii * 1.001):
-            a, b = _root(parents, a), _root(parents, b)
-            parents[max(a, b)] = min(a, b)
-        roots = [_root(parents, row) for row in range(len(parents))]
-        return float(np.bincount(roots).max() / len(roots)) if roots else float("nan")
+    parents = np.arange(len(world))
+    for a, b in jostle.find_pairs(world.positions, world.radii * 1.001):
+        a, b = _root(parents, a), _root(parents, b)
+        parents[max(a, b)] = min(a, b)
+    roots = [_root(parents, row) for row in range(len(parents))]
+    return float(np.bincount(roots).max() / len(roots)) if roots else float("nan")
 
 
 def _root(parents: np.ndarray, row: int) -> int:
@@ -126,11 +118,11 @@ class _Collisions:
         return self._count / self._seconds if self._seconds else float("nan")
 
 
-MEASURES: dict[str, tuple[type[Measure], str]] = {
-    "energy": (_Energy, "mean kinetic energy of a particle"),
+MEASURES: dict[str, tuple[Callable[[], Measure], str]] = {
+    "energy": (partial(_Mean, _energy), "mean kinetic energy of a particle"),
     "pressure": (_Pressure, "on the sides of the container"),
-    "height": (_Height, "mean of y, weighted by mass"),
-    "hexatic": (_Hexatic, "order of the directions to six neighbours, 0 to 1"),
-    "cluster": (_Cluster, "share of particles in the largest touching group"),
+    "height": (partial(_Mean, _height), "mean of y, weighted by mass"),
+    "hexatic": (partial(_Mean, _hexatic), "order of the directions to six neighbours, 0 to 1"),
+    "cluster": (partial(_Mean, _cluster), "share of particles in the largest touching group"),
     "collisions": (_Collisions, "collisions of a particle with others in a second"),
 }

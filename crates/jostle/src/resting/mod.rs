@@ -33,7 +33,7 @@ use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
 use pairs::Block;
 use start::{Counts, Limits, Starts};
-use sweeps::Sweeps;
+use sweeps::{State, Sweeps};
 use walls::Walls;
 
 /// Surfaces touch if their gap is at most this share of the sum of radii.
@@ -312,20 +312,9 @@ impl Resting {
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let Self { velocities, free_velocities, surface_speeds, blocks, frictions, walls, .. } =
             self;
-        Sweeps {
-            scene,
-            contacts,
-            kicks,
-            blocks,
-            frictions,
-            walls,
-            uneven_walls: self.uneven_walls,
-            has_fast: self.is_fast,
-            velocities,
-            free_velocities,
-            surface_speeds,
-        }
-        .run()?;
+        let all = State { scene, kicks, velocities, free_velocities, surface_speeds };
+        let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
+        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, has_fast }.run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.place as usize];

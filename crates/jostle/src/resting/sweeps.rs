@@ -50,9 +50,8 @@ enum Task {
 
 /// What the iterations need.
 pub struct Sweeps<'a> {
-    pub scene: &'a Support<'a>,
+    pub all: State<'a>,
     pub contacts: &'a Contacts,
-    pub kicks: &'a [Kick],
     /// The contacts of two particles, and their friction; none if there is none.
     pub blocks: &'a mut [Block],
     pub frictions: &'a mut [friction::Block],
@@ -61,15 +60,12 @@ pub struct Sweeps<'a> {
     pub uneven_walls: usize,
     /// Whether particles touch and approach too fast to rest.
     pub has_fast: bool,
-    pub velocities: &'a Vectors,
-    pub free_velocities: &'a Vectors,
-    pub surface_speeds: &'a Scalars,
 }
 
 impl Sweeps<'_> {
     /// Finds the impulses, and the velocities with them.
     pub fn run(self) -> Result<()> {
-        let Support { threads, halo, .. } = *self.scene;
+        let Support { threads, halo, .. } = *self.all.scene;
         let own = self.has_fast || self.walls.iter().any(Walls::is_fast);
         let has_fast = halo.map_or(Ok(own), |halo| halo.any(own))?;
         if halo.is_none() && parallel::is_parallel(threads) {
@@ -113,14 +109,8 @@ impl Sweeps<'_> {
 
     /// Solves all contacts on this thread, in a distributed world together with other ranks.
     fn run_alone(self, has_fast: bool) -> Result<()> {
-        let Self { scene, contacts, kicks, blocks, frictions, walls, uneven_walls, .. } = self;
-        let all = State {
-            scene,
-            kicks,
-            velocities: self.velocities,
-            free_velocities: self.free_velocities,
-            surface_speeds: self.surface_speeds,
-        };
+        let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
+        let State { scene, kicks, .. } = all;
         let (stop, shape) = (Stop::current(), scene.shape);
         let act = |task| {
             // Other ranks would wait for a rank that is interrupted here.
@@ -162,14 +152,8 @@ impl Sweeps<'_> {
     /// Solves all contacts on this thread and on others.
     fn run_together(self, has_fast: bool) -> Result<()> {
         let stop = Stop::current();
-        let Self { scene, contacts, kicks, blocks, mut frictions, walls, uneven_walls, .. } = self;
-        let all = State {
-            scene,
-            kicks,
-            velocities: self.velocities,
-            free_velocities: self.free_velocities,
-            surface_speeds: self.surface_speeds,
-        };
+        let Self { all, contacts, blocks, mut frictions, walls, uneven_walls, .. } = self;
+        let State { scene, kicks, .. } = all;
         let (mut parts, mut colours) = (Vec::new(), Vec::new());
         let mut rest = blocks;
         for colour in &contacts.blocks.colours {
@@ -254,12 +238,14 @@ impl Colour {
 }
 
 /// What all tasks share.
-struct State<'a> {
-    scene: &'a Support<'a>,
-    kicks: &'a [Kick],
-    velocities: &'a Vectors,
-    free_velocities: &'a Vectors,
-    surface_speeds: &'a Scalars,
+#[derive(Clone, Copy)]
+pub struct State<'a> {
+    pub scene: &'a Support<'a>,
+    pub kicks: &'a [Kick],
+    pub velocities: &'a Vectors,
+    pub free_velocities: &'a Vectors,
+    /// Angular velocity times radius.
+    pub surface_speeds: &'a Scalars,
 }
 
 impl State<'_> {

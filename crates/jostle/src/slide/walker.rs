@@ -12,6 +12,10 @@ const ROUNDINGS: f64 = 16.0;
 /// Attempts to move a shape out of the obstacles that it overlaps by rounding.
 const ATTEMPTS: usize = 8;
 
+/// The least share of a displacement along the normal of an obstacle with which a shape is moved back
+/// along its path. Shapes that walk along a floor would lose a part of their way by it.
+const LEAST_APPROACH: f64 = 0.6;
+
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
 const SHORT: f64 = 4.0;
 
@@ -219,7 +223,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 break;
             }
             let out = depth + slop * factor;
-            center = [center[0] - normal[0] * out, center[1] - normal[1] * out];
+            center = self.moved_out(center, displacement, normal, out);
             factor = factor + factor;
         }
         let (mut share, mut back) = (share, T::EPSILON);
@@ -235,6 +239,19 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 return center;
             }
         }
+    }
+
+    /// A position moved by `out` away from an obstacle: back along the path, so that a shape that
+    /// stands on a slope does not creep down it, but not behind the start; else along the normal.
+    fn moved_out(&self, center: [T; 2], path: [T; 2], normal: [T; 2], out: T) -> [T; 2] {
+        let approach = dot(path, normal);
+        let back = path.map(|v| v * (out / approach));
+        let new = [center[0] - back[0], center[1] - back[1]];
+        let way = [new[0] - self.body.min[0], new[1] - self.body.min[1]];
+        if approach > length(path) * T::from_f64(LEAST_APPROACH) && dot(way, path) >= T::ZERO {
+            return new;
+        }
+        [center[0] - normal[0] * out, center[1] - normal[1] * out]
     }
 
     /// The last obstacle of this kind that it met.
