@@ -68,8 +68,7 @@ impl World {
         let accelerations = &forces.accelerations;
         let pulled =
             |place: usize| force_displacement(accelerations.get(place), None, dt).unwrap_or(0.0);
-        let [gx, gy] = settings.gravity;
-        let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
+        let fall = distance_of_fall(settings.gravity, dt);
         // Particles that merge are not searched again.
         let is_merging = settings.on_touch == OnTouch::Merge;
         let longest =
@@ -89,9 +88,10 @@ impl World {
             let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
             let mut any_cut = false;
             let all = bounds.zip(columns).zip(own).zip(first..);
-            for ((((reach, radius), (&[u, v], &center)), (&own_radius, &is_movable)), place) in all
+            for ((((reach, radius), (&velocity, &center)), (&own_radius, &is_movable)), place) in
+                all
             {
-                let own = (u * u + v * v).sqrt() * dt * 1.000_01;
+                let own = distance_at(velocity, dt);
                 let mut by_forces = fall;
                 if !accelerations.is_empty() {
                     by_forces += pulled(place);
@@ -203,6 +203,17 @@ const WHOLE_BITS: u64 = WHOLE.to_bits();
 /// none.
 pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
     f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
+}
+
+/// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
+#[inline(always)]
+pub(super) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
+    (u * u + v * v).sqrt() * dt * 1.000_01
+}
+
+/// The distance that a particle at rest falls in `dt` seconds.
+pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
+    0.5 * dt * dt * (x * x + y * y).sqrt()
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side.

@@ -17,6 +17,7 @@
 
 use std::collections::HashMap;
 
+use super::bounds::{distance_at, distance_of_fall};
 use super::domain::Announced;
 use super::{Watch, World};
 use crate::decomposition::{Grid, Marks, Near, RECORD, digest, digest_all, put_record};
@@ -109,8 +110,7 @@ impl World {
             let Self { domain, particles, rows, settings, .. } = self;
             let Some(domain) = domain else { return Ok(()) };
             domain.announced.resize(domain.own, Announced::default());
-            let [gx, gy] = settings.gravity;
-            let fall = 0.5 * dt * dt * (gx * gx + gy * gy).sqrt();
+            let fall = distance_of_fall(settings.gravity, dt);
             let mut group = locked(&domain.group);
             domain.sent.resize(group.size(), Vec::new());
             domain.sent.iter_mut().for_each(Vec::clear);
@@ -119,8 +119,7 @@ impl World {
             let mut marks = Marks::new(&grid);
             let mut cells = Vec::with_capacity(rows.len());
             for (place, &row) in rows.iter().enumerate() {
-                let [u, v] = particles.velocities[place];
-                let own = (u * u + v * v).sqrt() * dt * 1.000_01;
+                let own = distance_at(particles.velocities[place], dt);
                 let usual = own + if particles.movable[place] { fall } else { 0.0 };
                 let distance = further.get(&row).map_or(usual, |known| known.max(usual));
                 let of = &mut domain.announced[row as usize];
