@@ -20,13 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.bench.machine import Row
+from jostle.bench.machine import Row, version_of
 from jostle.bench.timing import interleaved
 
 Floats = NDArray[np.float64]
 Move = Callable[[Floats, Floats, Floats], Floats]
 
 COUNTS = (100, 1_000, 10_000)
+D3_VERSION = "3.0.0"
 NODE = Path(__file__).parents[1] / "out" / "node"
 
 D3 = """
@@ -128,7 +129,7 @@ def has_d3() -> bool:
     NODE.mkdir(parents=True, exist_ok=True)
     (NODE / "d3.mjs").write_text(D3, encoding="utf-8")
     if not (NODE / "node_modules" / "d3-force").exists():
-        command = ["npm", "install", "--silent", "--prefix", str(NODE), "d3-force@3.0.0"]
+        command = ["npm", "install", "--silent", "--prefix", str(NODE), f"d3-force@{D3_VERSION}"]
         return subprocess.run(command, check=False).returncode == 0
     return True
 
@@ -156,7 +157,7 @@ def measured(name: str, count: int, rival: str, seconds: float, moved: Floats) -
         "scene": name,
         "count": count,
         "rival": rival,
-        "version": jostle.__version__,
+        "version": D3_VERSION if rival.startswith("D3") else version_of(rival),
         "median_s": f"{seconds:.4g}",
         "overlaps": len(jostle.find_pairs(moved, radii * 0.999, halves * 0.999)),
         "mean_move": f"{apart:.4g}",
