@@ -182,6 +182,17 @@ pub fn threads_for(
     threads
 }
 
+/// Keeps threads awake until the returned value is dropped, if `work` is enough to wake them for. For
+/// calls with long stages on one thread, in which the others would fall asleep.
+#[must_use]
+pub fn keep_awake(threads: Option<usize>, work: usize, waking: usize) -> impl Sized {
+    #[cfg(feature = "parallel")]
+    let awake = if work < waking { None } else { Team::of(threads).map(Team::keep_awake) };
+    #[cfg(not(feature = "parallel"))]
+    let awake = (threads, work < waking);
+    awake
+}
+
 /// Calls `act` with the index of the first item and the items of each chunk of [`CHUNK`] items, on
 /// `threads` threads.
 pub fn for_chunks<T: Send>(

@@ -3,12 +3,14 @@
 //! Waking a sleeping thread takes between a few microseconds and a millisecond, longer than most
 //! stages of a call. So the caller starts alone, workers that are awake join it, and after the
 //! last task they poll for about a millisecond before they sleep. Only large calls wake workers;
-//! small calls use those that are awake.
+//! small calls use those that are awake. A call with long stages for one thread keeps them awake
+//! until its end.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use super::barrier::Barrier;
 use super::forks;
@@ -24,11 +26,11 @@ const MAX_ATTEMPTS: usize = 1 << 14;
 /// Attempts between two calls of `yield_now`, which gives the core to other processes.
 const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
-/// Attempts of a thread that waits for others after which the machine counts as busy: about three
-/// milliseconds, the time slice of another process that uses the core of one of them.
-const LONG_WAIT: usize = 1 << 16;
+/// From this wait of a thread for others on, the machine counts as busy: about the time slice of
+/// another process that uses the core of one of them.
+const LONG_WAIT: Duration = Duration::from_millis(3);
 
-/// Medium calls on one thread after a long wait.
+/// Calls on one thread after a long wait.
 const CALLS_AFTER_LONG_WAIT: usize = 512;
 
 /// The workers that may take part in a call.
@@ -40,8 +42,19 @@ struct Workers {
     idle: Idle,
     /// Whether they were woken and have not started their loop yet.
     called: AtomicBool,
-    /// Medium calls that will use one thread, because the machine is busy.
+    /// Calls that will use one thread, because the machine is busy.
     alone: AtomicUsize,
+    /// Calls that keep them awake.
+    calls: AtomicUsize,
+}
+
+/// Keeps the workers awake while it exists.
+pub struct Awake(Arc<Workers>);
+
+impl Drop for Awake {
+    fn drop(&mut self) {
+        self.0.calls.fetch_sub(1, Ordering::Relaxed);
+    }
 }
 
 thread_local! {
@@ -64,8 +77,14 @@ impl Team {
         self.0.idle.has(1)
     }
 
-    /// Whether a medium call should use one thread, because threads had to wait for each other for
-    /// long in an earlier call.
+    /// Workers that are awake, or wake up, sleep only after the returned value is dropped.
+    pub fn keep_awake(self) -> Awake {
+        self.0.calls.fetch_add(1, Ordering::Relaxed);
+        Awake(self.0)
+    }
+
+    /// Whether a call should use one thread, because threads had to wait for each other for long in
+    /// an earlier call.
     pub fn is_held_up(&self) -> bool {
         let next = |calls: usize| calls.checked_sub(1);
         self.0.alone.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next).is_ok()
@@ -109,9 +128,10 @@ impl Team {
     }
 
     /// Runs `work` on the caller and on workers that are awake, at the same time, on at most `most`
-    /// threads.
+    /// threads; on the caller alone on a busy machine, where the threads would wait for the slowest.
     pub fn together(&self, most: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
+        let most = if self.is_held_up() { 1 } else { most };
         let joining = idle.reserve(pool.current_num_threads().min(most.saturating_sub(1)));
         let group = Group { threads: joining + 1, barrier: Barrier::new(joining + 1), of: &self.0 };
         let (joined, working) = (AtomicUsize::new(1), AtomicUsize::new(joining));
@@ -150,21 +170,36 @@ impl Group<'_> {
         let waits = Cell::new(0);
         let wait = || {
             waits.set(waits.get() + 1);
-            let mut attempts = 0;
-            self.barrier.wait(waits.get(), || pause(&mut attempts));
-            self.of.waited(attempts);
+            let mut wait = Wait::default();
+            self.barrier.wait(waits.get(), || wait.pause());
+            self.of.note(&wait);
         };
         work(&Member { index, threads: self.threads, wait: &wait });
     }
 }
 
-/// Pauses for a moment; at intervals gives the core to other processes.
-fn pause(attempts: &mut usize) {
-    *attempts += 1;
-    if attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
-        thread::yield_now()
-    } else {
-        std::hint::spin_loop()
+/// The wait of a thread for others.
+#[derive(Default)]
+struct Wait {
+    attempts: usize,
+    /// When it first gave its core to other processes.
+    yielded: Option<Instant>,
+}
+
+impl Wait {
+    /// Pauses for a moment; at intervals gives the core to other processes.
+    fn pause(&mut self) {
+        self.attempts += 1;
+        if self.attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
+            self.yielded.get_or_insert_with(Instant::now);
+            thread::yield_now()
+        } else {
+            std::hint::spin_loop()
+        }
+    }
+
+    fn is_long(&self) -> bool {
+        self.yielded.is_some_and(|since| since.elapsed() >= LONG_WAIT)
     }
 }
 
@@ -186,35 +221,41 @@ impl Workers {
     /// task unless another process uses the core of a worker.
     fn wait_for(&self, working: &AtomicUsize) {
         let stop = Stop::current();
-        let mut attempts = 0;
+        let mut wait = Wait::default();
         while working.load(Ordering::Acquire) > 0 {
-            pause(&mut attempts);
-            if attempts.is_multiple_of(MAX_ATTEMPTS) {
+            wait.pause();
+            if wait.attempts.is_multiple_of(MAX_ATTEMPTS) {
                 stop.is_set();
             }
         }
-        self.waited(attempts);
+        self.note(&wait);
     }
 
-    /// Notes how long a thread has waited for others.
-    fn waited(&self, attempts: usize) {
-        if attempts >= LONG_WAIT {
+    /// Notes the wait of a thread for others if it was long.
+    fn note(&self, wait: &Wait) {
+        if wait.is_long() {
             self.alone.store(CALLS_AFTER_LONG_WAIT, Ordering::Relaxed);
         }
     }
 
-    /// Polls for work on the current thread until there has been none for [`MAX_ATTEMPTS`].
+    /// Whether a call keeps them awake.
+    fn is_kept_awake(&self) -> bool {
+        self.calls.load(Ordering::Relaxed) > 0
+    }
+
+    /// Polls for work on the current thread until there has been none for [`MAX_ATTEMPTS`], or for
+    /// longer if a call keeps the workers awake.
     fn poll_for_work(&self) {
         self.called.store(false, Ordering::Relaxed);
         if IS_WORKER.replace(true) {
             return;
         }
         self.idle.enter();
-        let mut attempts = 0;
-        while attempts < MAX_ATTEMPTS || !self.idle.leave() {
+        let mut wait = Wait::default();
+        while wait.attempts < MAX_ATTEMPTS || self.is_kept_awake() || !self.idle.leave() {
             match rayon::yield_now() {
-                Some(rayon::Yield::Executed) => attempts = 0,
-                _ => pause(&mut attempts),
+                Some(rayon::Yield::Executed) => wait = Wait::default(),
+                _ => wait.pause(),
             }
         }
         IS_WORKER.set(false);
@@ -264,6 +305,7 @@ impl Pools {
             idle: Idle::default(),
             called: AtomicBool::new(false),
             alone: AtomicUsize::new(0),
+            calls: AtomicUsize::new(0),
         };
         self.kept.truncate(MAX_POOLS - 1);
         self.kept.insert(0, Arc::new(workers));

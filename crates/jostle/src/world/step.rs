@@ -36,6 +36,8 @@ impl World {
         if !(single > 0.0 && single.is_finite()) {
             return Err(Error::of("dt", dt, "it must be finite and above 0 in float32"));
         }
+        let work = self.rows.len() * self.substeps();
+        let _awake = parallel::keep_awake(self.settings.tree.threads, work, WORTH_WAKING);
         for _ in 0..steps {
             let done = self.step_awake(single, dt, watch);
             let record_before = self.memory.record_before.take();
