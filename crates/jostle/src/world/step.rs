@@ -20,8 +20,10 @@ const MOST_ATTEMPTS: usize = 4;
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
 const WORTH_SHARING: usize = 5000;
 
-/// Fewer particles times sub-steps than this are not worth waking other threads for.
-const WORTH_WAKING: usize = 24_000;
+/// Fewer particles times sub-steps than this are not worth waking other threads for. Where contacts
+/// rest, threads wait for each other more often.
+const WORTH_WAKING: usize = 8_000;
+const WORTH_WAKING_TO_REST: usize = 20_000;
 
 impl World {
     /// Advances the world by `steps` times `dt` seconds. After a refused or interrupted step the world has
@@ -37,7 +39,7 @@ impl World {
             return Err(Error::of("dt", dt, "it must be finite and above 0 in float32"));
         }
         let work = self.rows.len() * self.substeps();
-        let _awake = parallel::keep_awake(self.settings.tree.threads, work, WORTH_WAKING);
+        let _awake = parallel::keep_awake(self.settings.tree.threads, work, self.worth_waking());
         for _ in 0..steps {
             let done = self.step_awake(single, dt, watch);
             let record_before = self.memory.record_before.take();
@@ -55,7 +57,13 @@ impl World {
     /// The threads to use: one if there is little work. For much work they are woken.
     pub(super) fn threads(&self) -> Option<usize> {
         let work = self.rows.len() * self.memory.substeps.max(1);
-        parallel::threads_for(self.settings.tree.threads, work, WORTH_SHARING, WORTH_WAKING)
+        let waking = self.worth_waking();
+        parallel::threads_for(self.settings.tree.threads, work, WORTH_SHARING, waking)
+    }
+
+    /// The work from which on other threads are woken.
+    fn worth_waking(&self) -> usize {
+        if self.may_rest() { WORTH_WAKING_TO_REST } else { WORTH_WAKING }
     }
 
     /// Makes a step, if it changes anything.
