@@ -34,7 +34,8 @@ pub fn version_of(name: &str) -> &'static str {
 
 /// A file name for the results of this kind of machine, as the Python benchmarks make it.
 fn slug() -> String {
-    let words = format!("{} {} cores", cpu(), cores());
+    let vectors = crate::simd::Level::best().name().replace('-', "");
+    let words = format!("{} {vectors} {} cores", cpu(), cores());
     let words = words.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<_>>().join("-").to_lowercase()
 }

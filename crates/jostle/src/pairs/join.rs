@@ -106,6 +106,7 @@ impl<'a, T: Scalar> Join<'a, T> {
         }
         let shapes = if self.is_same { self.a.len() } else { self.a.len() + self.b.len() };
         let threads = parallel::worthwhile(self.a.settings().threads, shapes);
+        let _awake = parallel::keep_awake(threads, shapes, parallel::WORTH_WAKING);
         if parallel::is_parallel(threads) {
             self.split(tasks);
         }

@@ -132,7 +132,7 @@ const MAX_SERIAL: usize = 4 * CHUNK;
 const WORTH_SHARING: usize = 4 * CHUNK;
 
 /// Minimum number of shapes for which threads are woken.
-const WORTH_WAKING: usize = 64 * CHUNK;
+pub const WORTH_WAKING: usize = 64 * CHUNK;
 
 /// Whether small calls wake threads too. They do in builds with debug assertions, so that tests do
 /// not need large calls.

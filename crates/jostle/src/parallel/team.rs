@@ -336,3 +336,47 @@ impl Era {
         self.pools.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a condition holds before the end of ten seconds.
+    fn becomes(condition: impl Fn() -> bool) -> bool {
+        let began = Instant::now();
+        while !condition() {
+            if began.elapsed() > Duration::from_secs(10) {
+                return false;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        true
+    }
+
+    #[test]
+    fn workers_sleep_after_the_calls_that_keep_them_awake() {
+        let mut pools = Pools { kept: Vec::new(), cores: 2, refused: 0 };
+        let workers = pools.workers(Some(2)).expect("the system starts threads");
+        let awake = Team(workers.clone()).keep_awake();
+        Team(workers.clone()).wake();
+        assert!(becomes(|| workers.idle.has(1)));
+        thread::sleep(Duration::from_millis(200));
+        assert!(workers.idle.has(1), "it is still awake");
+        drop(awake);
+        assert!(becomes(|| !workers.idle.has(1)), "it sleeps");
+    }
+
+    #[test]
+    fn a_long_wait_makes_calls_use_one_thread() {
+        let mut pools = Pools { kept: Vec::new(), cores: 2, refused: 0 };
+        let workers = pools.workers(Some(2)).expect("the system starts threads");
+        let team = Team(workers.clone());
+        let short = Wait { attempts: 1 << 20, yielded: Some(Instant::now()) };
+        workers.note(&short);
+        assert!(!team.is_held_up());
+        let began = Instant::now().checked_sub(LONG_WAIT).expect("a time in the past");
+        workers.note(&Wait { attempts: ATTEMPTS_BETWEEN_YIELDS, yielded: Some(began) });
+        assert!((0..CALLS_AFTER_LONG_WAIT).all(|_| team.is_held_up()));
+        assert!(!team.is_held_up());
+    }
+}

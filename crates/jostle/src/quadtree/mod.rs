@@ -153,6 +153,7 @@ impl<T: Scalar> Quadtree<T> {
         self.settings = settings;
         self.period = shapes.period;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
+        let _awake = parallel::keep_awake(threads, shapes.len(), parallel::WORTH_WAKING);
         let built = self.build_here(shapes, unsorted, tie, threads);
         if built.is_err() {
             self.clear();
