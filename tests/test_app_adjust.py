@@ -54,6 +54,14 @@ def test_more_particles_are_copies_that_touch_nothing() -> None:
     assert is_inside(simulation)
 
 
+def test_more_particles_have_the_filters_of_those_that_they_copy() -> None:
+    simulation = gas(200, world_size=1.5)
+    simulation.change(np.arange(200), categories=2, masks=5)
+    assert simulation.adjust("n", 210) is None
+    frame = simulation.frame()
+    assert frame.categories.tolist() == [2] * 210 and frame.masks.tolist() == [5] * 210
+
+
 def test_the_last_particles_go_first() -> None:
     simulation = gas(200)
     simulation.step()

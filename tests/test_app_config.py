@@ -199,6 +199,19 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
             "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
             "line 5: colour is not a property of particles; did you mean count?",
         ),
+        (
+            "[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
+            "line 4: particles[1].masks[1] is -1; it must be a whole number from 0 to 4,294,967,",
+        ),
+        (
+            "[[particles]]\ncount = 3\ncategories = [1, 2]",
+            "line 3: categories has 2 entries; the group has 3 particles",
+        ),
+        (
+            "[[particles]]\ncategories = 1.0",
+            "line 2: categories is 1.0; it must be a whole number from 0 to 4,294,967,295, or",
+        ),
+        ("[[particles]]\nmasks = 4294967296", "line 2: masks is 4294967296; it must be a whole"),
         ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number from"),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
         ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
@@ -395,6 +408,57 @@ def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:
     text = 'scene = "gas"\nn = 0\ncontainer = "none"\n[[particles]]\nradius = 1e18'
     with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: radii\[0\] is 1000"):
         start(read(tmp_path, text).settings)
+
+
+FILTERS = """scene = "gas"
+n = 40
+[[particles]]
+count = 30
+radius = 0.5
+categories = 0b10
+masks = 0xFFFFFFFD
+[[particles]]
+count = 3
+radius = 0.5
+categories = [4, 0, 0x80000000]
+masks = [1, 0, 4294967295]
+"""
+
+
+def test_groups_of_a_file_have_collision_filters(tmp_path: Path) -> None:
+    """Those of the second category do not touch each other, and others touch them."""
+    simulation = start(read(tmp_path, FILTERS).settings)
+    world = simulation.world
+    assert world.categories.tolist() == [1] * 40 + [2] * 30 + [4, 0, 2**31]
+    assert world.masks.tolist() == [2**32 - 1] * 40 + [2**32 - 3] * 30 + [1, 0, 2**32 - 1]
+    seen = set()
+    for _ in range(120):
+        simulation.step()
+        pairs = world.contacts.pairs
+        assert 71 not in pairs
+        seen |= {(a >= 40, b >= 40) for a, b in pairs.tolist() if max(a, b) < 70}
+    assert seen == {(False, False), (False, True)}
+
+
+def test_filters_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
+    simulation = start(read(tmp_path, FILTERS).settings)
+    simulation.change([0, 999], categories=[8, 1], masks=[16, 1])
+    path = tmp_path / "filters.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings
+    assert again.frame().categories[:2].tolist() == [8, 1]
+    assert again.frame().masks[:2].tolist() == [16, 2**32 - 1]
+    for one in (simulation, again):
+        one.step()
+    assert again.world.state_hash() == simulation.world.state_hash()
+
+
+def test_the_article_refuses_filters(tmp_path: Path) -> None:
+    text = FILTERS.replace("n = 40", 'n = 0\nmethod = "article-brute"')
+    settings = read(tmp_path, text).settings
+    with pytest.raises(ValueError, match=r"^particles\[0\] .* no collision filter"):
+        start(settings)
 
 
 def test_a_group_may_fill_the_walls_and_overlap_them(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,14 @@ def test_two_that_overlap() -> None:
     )
     assert why.boxes == ((7, 7, 13, 13), (9, 10, 17, 18))
     assert why.centres == ((10, 10), (13, 14))
+
+
+def test_two_whose_filters_do_not_match() -> None:
+    frame, settings = frame_of([(10, 10), (13, 14)], [3, 4])
+    filters = {"categories": np.array([1, 2], np.uint32), "masks": np.array([3, 2], np.uint32)}
+    why = explain(replace(frame, **filters), 0, 1, settings)
+    assert why is not None
+    assert why.lines[-1] == "Their collision filters do not match: they pass through each other."
 
 
 def test_two_whose_boxes_overlap_but_not_the_circles() -> None:

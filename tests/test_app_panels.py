@@ -229,6 +229,46 @@ def test_the_rules_of_the_article_cannot_be_moved(desk) -> None:
     assert len(here.session.frame) < 50
 
 
+# ---- the collision filter ------------------------------------------------------------------------
+
+
+def test_new_particles_have_the_filter_of_the_panel(desk) -> None:
+    here = desk("gas", 200, (1600, 1600))
+    for mark in ("category 0", "category 3", "collides with 0"):
+        here.click(mark)
+    here.session.interaction.commands.create((50.0, 50.0))
+    here.frame(2)
+    assert here.world.categories.tolist() == [1] * 200 + [8]
+    assert here.world.masks.tolist() == [2**32 - 1] * 200 + [2**32 - 2]
+
+
+def test_a_click_changes_one_bit_of_all_selected_particles(desk) -> None:
+    here = desk("gas", 200, (1600, 1600))
+    here.session.engine.edit(lambda simulation: simulation.change([5], categories=1 << 20))
+    here.session.interaction.selection.take([4, 5])
+    here.frame()
+    here.click("category 1")
+    assert here.world.categories[3:7].tolist() == [1, 3, 1 << 20 | 2, 1]
+    here.click("category 1")
+    here.click("collides with 7")
+    assert here.world.categories[3:7].tolist() == [1, 1, 1 << 20, 1]
+    assert here.world.masks[3:6].tolist() == [2**32 - 1, 2**32 - 129, 2**32 - 129]
+    commands = here.session.interaction.commands
+    assert commands.new_filter == {"categories": 1, "masks": 2**32 - 1}
+    commands.clone(here.session.frame.tags[[5]])
+    here.frame(2)
+    assert (here.world.categories[-1], here.world.masks[-1]) == (1 << 20, 2**32 - 129)
+
+
+def test_the_article_has_no_section_of_the_filter(desk) -> None:
+    here = desk("article", 50, method="article-quadtree")
+    assert "section Collision filter" not in here.gui.marks
+    here.session.interaction.commands.set_bit(here.session.frame.tags[:1], "masks", 0, on=False)
+    here.session.interaction.commands.create((50.0, 50.0))
+    here.frame()
+    assert len(here.session.frame) == 51
+
+
 # ---- scenes, transport, method -------------------------------------------------------------------
 
 

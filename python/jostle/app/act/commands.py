@@ -6,14 +6,14 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.containers import bounds, diagonal, wall_images
 from jostle.app.simulate.engine import REFUSALS, Engine, message_of
 from jostle.app.simulate.placement import free_positions
-from jostle.app.simulate.settings import Polyline
+from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.wall_segments import nearest
 
@@ -31,6 +31,7 @@ class Commands:
         self._say = say
         self._rng = np.random.default_rng()
         self.kind = 0  # the kind of new particles, where forces depend on it
+        self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
 
     # Some particles
 
@@ -39,8 +40,12 @@ class Commands:
         frame = self._engine.frame
         radius, density = usual(frame)
         kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
+        # A copy, because the edit may run after the next change of the filter.
+        bits = {} if frame.categories is None else dict(self.new_filter)
         self._edit(
-            lambda simulation: simulation.add([point], [(0, 0)], [radius], [density], kinds=kinds)
+            lambda simulation: simulation.add(
+                [point], [(0, 0)], [radius], [density], kinds=kinds, **bits
+            )
         )
 
     def clone(self, tags: Tags) -> None:
@@ -60,6 +65,7 @@ class Commands:
                 frame.densities[rows],
                 frame.movable[rows],
                 kinds=None if frame.kinds is None else frame.kinds[rows],
+                **_filters(frame, rows),
             )
             if not there.all():
                 self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
@@ -79,6 +85,21 @@ class Commands:
             self._say("Under the article's rules all particles are movable.")
             return
         self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0), movable=movable))
+
+    def set_bit(self, tags: Tags, column: str, bit: int, *, on: bool) -> None:
+        """Set or clear one bit of the categories or masks of particles; of new ones if no tags."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            rows = frame.rows(tags)
+            if column in (columns := _filters(frame, rows)):
+                changed = _with_bit(columns[column], bit, on)
+                simulation.change(frame.tags[rows], **{column: changed})
+
+        if len(tags):
+            self._edit(work)
+        else:
+            self.new_filter[column] = int(_with_bit(self.new_filter[column], bit, on))
 
     # All that can move
 
@@ -156,6 +177,19 @@ class Commands:
                 self._say(message_of(error))
 
         self._engine.edit(edit)
+
+
+def _filters(frame: Frame, rows: NDArray[np.intp]) -> dict[str, NDArray[np.uint32]]:
+    """Return the collision filters of rows as columns to add; none under the article's rules."""
+    if frame.categories is None or frame.masks is None:
+        return {}
+    return {"categories": frame.categories[rows], "masks": frame.masks[rows]}
+
+
+def _with_bit(bits: ArrayLike, bit: int, on: bool) -> NDArray[np.uint32]:
+    flag = np.uint32(1 << bit)
+    with_it: NDArray[np.uint32] = np.asarray(bits, np.uint32) | flag
+    return with_it if on else with_it ^ flag
 
 
 def usual(frame: Frame) -> tuple[float, float]:

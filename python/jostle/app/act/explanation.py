@@ -96,11 +96,19 @@ def _of_rules(
         return []
     if not frame.movable[rows].any():
         return ["Both are immovable, so a contact has no effect."]
+    if not _may_collide(frame, rows):
+        return ["Their collision filters do not match: they pass through each other."]
     if settings.on_touch == "ignore":
         return ["In this scene collisions are off."]
     if settings.on_touch == "merge" and touching:
         return ["In this scene touching particles merge at the end of the step."]
     return []
+
+
+def _may_collide(frame: Frame, rows: NDArray[np.intp]) -> bool:
+    if frame.categories is None or frame.masks is None:
+        return True
+    return bool((frame.categories[rows] & frame.masks[rows[::-1]]).all())
 
 
 # Leaves

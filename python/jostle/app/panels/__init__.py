@@ -8,6 +8,7 @@ this package and `gui` import ImGui. In reading order:
 widgets, sliders        labels, numbers, buttons and lists; sliders
 playback_panel          pause, step, restart, previous and next scene; a slider over the last 30 s
 life_panel              the matrix of particle life
+filter_panel            categories and masks of the selected particles, or of new ones
 settings_panel          method, sliders of the settings, what is drawn beside the particles
 files_panel             the list of scenes; videos and tables in files
 statistics_panel        times, pairs, energy, momentum, with their plots

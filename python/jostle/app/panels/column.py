@@ -11,6 +11,7 @@ from jostle.app.gui.host import Gui
 from jostle.app.gui.style import layout, vec
 from jostle.app.panels import (
     files_panel,
+    filter_panel,
     life_panel,
     playback_panel,
     settings_panel,
@@ -19,9 +20,10 @@ from jostle.app.panels import (
 from jostle.app.panels.widgets import at_right, colours, part, section, side_panel
 from jostle.app.session import Session
 from jostle.app.simulate.settings import METHODS
+from jostle.app.simulate.simulation import Frame
 
 TITLE = 21.0
-LIFE = "Particle life"
+LIFE, FILTER = "Particle life", "Collision filter"
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Scenes", files_panel.build_scenes),
     (LIFE, life_panel.build),
@@ -31,6 +33,7 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("World", settings_panel.build_world),
     ("Time", settings_panel.build_time),
     ("Rewind", playback_panel.build_rewind),
+    (FILTER, filter_panel.build),
     ("Two particles", files_panel.build_why),
     ("Files", files_panel.build),
 ]
@@ -45,13 +48,19 @@ def build(session: Session, gui: Gui) -> None:
         _title(session)
         playback_panel.build(session, gui)
         for title, contents in SECTIONS:
-            if title == LIFE and session.frame.matrix is None:
+            if _is_absent(title, session.frame):
                 continue
             if section(gui, title):
                 with part(title):
                     contents(session, gui)
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)
+
+
+def _is_absent(title: str, frame: Frame) -> bool:
+    """Return whether the scene has nothing that a section could change."""
+    needed = {LIFE: frame.matrix, FILTER: frame.categories}
+    return title in needed and needed[title] is None
 
 
 def _title(session: Session) -> None:

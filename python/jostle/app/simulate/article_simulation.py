@@ -23,7 +23,7 @@ from jostle.app.simulate.packing import (
     unpack,
     within,
 )
-from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
+from jostle.app.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
     WIDTHS,
     Attractor,
@@ -232,10 +232,14 @@ class ArticleSimulation:
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
         kinds: ArrayLike | None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = EVERY_CATEGORY,
     ) -> Tags:
         """Add particles with whole numbers, as in the article; all are movable, without kinds."""
         if np.any(sensors):
             raise ValueError("The article's particles cannot be sensors.")
+        if np.any(np.not_equal(categories, 1) | np.not_equal(masks, EVERY_CATEGORY)):
+            raise ValueError("The article's particles have no collision filter.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)
         within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)

@@ -39,6 +39,8 @@ class ParticleTable:
         self.radii: NDArray[np.float32] = world.radii
         self.movable: NDArray[np.bool_] = world.movable
         self.sensors: NDArray[np.bool_] = world.sensors
+        self.categories: NDArray[np.uint32] = world.categories
+        self.masks: NDArray[np.uint32] = world.masks
         self.friction = float(world.friction.max(initial=0.0))  # the largest coefficient
         self.turns = self.friction > 0 or bool(world.angular_velocities.any())
         self._usual_mass: float | None = None

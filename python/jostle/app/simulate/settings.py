@@ -25,6 +25,7 @@ from jostle.app.simulate.validation import (
     range_of,
     real,
     rect,
+    refusals,
     rules_of,
     shown,
     unknown,
@@ -46,6 +47,7 @@ MOST_RUNNING = {"brute": 30_000, "article-quadtree": 4_000, "article-brute": 4_0
 MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
 MOST_KINDS = 16  # of particle life
+EVERY_CATEGORY = 2**32 - 1  # a mask with all bits
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
 OnTouch = Literal["bounce", "merge", "ignore"]
@@ -86,6 +88,15 @@ MATRIX = Rule(
 )
 
 
+# Of a whole group, or of each particle; `_wrong_filters` checks the entries of a list.
+_BITS = whole(0, EVERY_CATEGORY)
+FILTER = Rule(
+    f"{_BITS.words}, or a list of such numbers, one for each particle",
+    lambda value: _BITS.fits(value) or isinstance(value, list | tuple),
+    lambda value: tuple(value) if isinstance(value, list | tuple) else value,
+)
+
+
 @dataclass(frozen=True)
 class Group:
     """Particles that a file adds to a scene, at random positions in a region."""
@@ -98,6 +109,8 @@ class Group:
     speed: Range = limited(range_of(0.0), (0.0, 0.0))  # in any direction, added to the velocity
     movable: bool = limited(TRUTH, True)
     sensor: bool = limited(TRUTH, False)  # whether they only report what touches them
+    categories: int | tuple[int, ...] = limited(FILTER, 1)  # bit sets, as those of `jostle.World`
+    masks: int | tuple[int, ...] = limited(FILTER, EVERY_CATEGORY)
 
 
 @dataclass(frozen=True)
@@ -132,8 +145,21 @@ def _degenerate(line: Mapping[str, Any]) -> Refusals:
         yield ("points", other), why
 
 
+def _wrong_filters(group: Mapping[str, Any]) -> Refusals:
+    """Yield the key and the message of a list of bit sets with a wrong number or length."""
+    count = group.get("count", 1)
+    for name in ("categories", "masks"):
+        bits = group.get(name, 0)
+        if not isinstance(bits, list | tuple):
+            continue
+        for (row,), why in refusals(bits, Many(_BITS, most=MAX_PARTICLES)):
+            yield (name, row), why
+        if len(bits) != count:
+            yield (name,), f"has {len(bits):,} entries; the group has {count:,} particles"
+
+
 GROUPS = Many(
-    fields_of(Group, "a property of particles"),
+    fields_of(Group, "a property of particles", also=_wrong_filters),
     "written as [[particles]], once for each group",
     MOST_GROUPS,
 )

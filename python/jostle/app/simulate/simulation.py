@@ -145,6 +145,9 @@ class Frame(ReadOnly):
     sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
     kinds: NDArray[np.uint8] | None = None  # (n,); None if forces do not depend on kinds
     matrix: NDArray[np.float64] | None = None  # (K, K), of particle life
+    # (n,), the collision filter; None under the article's rules
+    categories: NDArray[np.uint32] | None = None
+    masks: NDArray[np.uint32] | None = None
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -170,7 +173,8 @@ class Attractor:
 
 # The shape of one value of each column that `Simulation.change` sets.
 WIDTHS: dict[str, tuple[int, ...]] = {
-    "positions": (2,), "velocities": (2,), "densities": (), "movable": ()
+    "positions": (2,), "velocities": (2,), "densities": (), "movable": (), "categories": (),
+    "masks": (),
 }  # fmt: skip
 
 
@@ -221,6 +225,8 @@ class Simulation(Protocol):
         movable: ArrayLike = ...,
         sensors: ArrayLike = ...,
         kinds: ArrayLike | None = ...,
+        categories: ArrayLike = ...,
+        masks: ArrayLike = ...,
     ) -> Tags:
         """Add particles; return their tags."""
 
@@ -235,6 +241,8 @@ class Simulation(Protocol):
         velocities: ArrayLike | None = None,
         densities: ArrayLike | None = None,
         movable: ArrayLike | None = None,
+        categories: ArrayLike | None = None,
+        masks: ArrayLike | None = None,
     ) -> None:
         """Set columns of particles; rows of tags that do not exist are ignored."""
 

@@ -79,7 +79,10 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
     spread = rng.uniform(*group.speed, count)[:, None] * directions(rng, count)
     densities = rng.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
-    simulation.add(places, velocities, radii, densities, group.movable, group.sensor)
+    simulation.add(
+        places, velocities, radii, densities, group.movable, group.sensor,
+        categories=group.categories, masks=group.masks,
+    )  # fmt: skip
 
 
 def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:

@@ -55,6 +55,8 @@ def frame_of(
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
         kinds=None if pair is None else pair.kinds,
         matrix=None if pair is None else life.matrix_of(pair),
+        categories=columns.categories,
+        masks=columns.masks,
     )
 
 

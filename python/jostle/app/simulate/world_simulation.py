@@ -23,7 +23,7 @@ from jostle.app.simulate.emitters import Emitters
 from jostle.app.simulate.forces import AttractorForces, kind_count, set_matrix
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.placement import free_positions
-from jostle.app.simulate.settings import Polyline, Settings, too_slow
+from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
     WIDTHS,
     Attractor,
@@ -206,7 +206,10 @@ class WorldSimulation:
             int(rng.integers(2**31)), world.walls,
         )  # fmt: skip
         if len(found) == count:
-            self.add(places, world.velocities[rows], radii, columns.densities[rows])
+            self.add(
+                places, world.velocities[rows], radii, columns.densities[rows],
+                categories=columns.categories[rows], masks=columns.masks[rows],
+            )  # fmt: skip
         return len(found) == count
 
     def add(
@@ -218,6 +221,8 @@ class WorldSimulation:
         movable: ArrayLike = True,
         sensors: ArrayLike = False,
         kinds: ArrayLike | None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = EVERY_CATEGORY,
     ) -> Tags:
         """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
         with np.errstate(over="ignore"):  # the world refuses infinite values
@@ -236,6 +241,8 @@ class WorldSimulation:
             sensors=np.asarray(sensors),
             friction=self._columns.friction,
             kinds=kinds,
+            categories=np.asarray(categories, np.uint32),
+            masks=np.asarray(masks, np.uint32),
         )
         self._columns.update(self.world)
         return tags

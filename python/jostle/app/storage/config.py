@@ -101,8 +101,8 @@ def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
 
 
 def _name(key: Key) -> str:
-    """Return the name of an entry; of walls with their numbers, because points are lists too."""
-    if key[0] == "walls":
+    """Return the name of an entry; with all numbers, if it is in walls or in a list."""
+    if key[0] == "walls" or isinstance(key[-1], int):
         return dotted(key)
     return shorten(next(part for part in reversed(key) if isinstance(part, str)))
 
