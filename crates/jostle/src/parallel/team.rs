@@ -10,7 +10,6 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use super::barrier::Barrier;
 use super::forks;
@@ -26,9 +25,9 @@ const MAX_ATTEMPTS: usize = 1 << 14;
 /// Attempts between two calls of `yield_now`, which gives the core to other processes.
 const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 
-/// From this wait of a thread for others on, the machine counts as busy: about the time slice of
-/// another process that uses the core of one of them.
-const LONG_WAIT: Duration = Duration::from_millis(3);
+/// Attempts of a thread that waits for others after which the machine counts as busy: about three
+/// milliseconds, the time slice of another process that uses the core of one of them.
+const LONG_WAIT: usize = 1 << 16;
 
 /// Calls on one thread after a long wait.
 const CALLS_AFTER_LONG_WAIT: usize = 512;
@@ -170,36 +169,21 @@ impl Group<'_> {
         let waits = Cell::new(0);
         let wait = || {
             waits.set(waits.get() + 1);
-            let mut wait = Wait::default();
-            self.barrier.wait(waits.get(), || wait.pause());
-            self.of.note(&wait);
+            let mut attempts = 0;
+            self.barrier.wait(waits.get(), || pause(&mut attempts));
+            self.of.waited(attempts);
         };
         work(&Member { index, threads: self.threads, wait: &wait });
     }
 }
 
-/// The wait of a thread for others.
-#[derive(Default)]
-struct Wait {
-    attempts: usize,
-    /// When it first gave its core to other processes.
-    yielded: Option<Instant>,
-}
-
-impl Wait {
-    /// Pauses for a moment; at intervals gives the core to other processes.
-    fn pause(&mut self) {
-        self.attempts += 1;
-        if self.attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
-            self.yielded.get_or_insert_with(Instant::now);
-            thread::yield_now()
-        } else {
-            std::hint::spin_loop()
-        }
-    }
-
-    fn is_long(&self) -> bool {
-        self.yielded.is_some_and(|since| since.elapsed() >= LONG_WAIT)
+/// Pauses for a moment; at intervals gives the core to other processes.
+fn pause(attempts: &mut usize) {
+    *attempts += 1;
+    if attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
+        thread::yield_now()
+    } else {
+        std::hint::spin_loop()
     }
 }
 
@@ -221,19 +205,19 @@ impl Workers {
     /// task unless another process uses the core of a worker.
     fn wait_for(&self, working: &AtomicUsize) {
         let stop = Stop::current();
-        let mut wait = Wait::default();
+        let mut attempts = 0;
         while working.load(Ordering::Acquire) > 0 {
-            wait.pause();
-            if wait.attempts.is_multiple_of(MAX_ATTEMPTS) {
+            pause(&mut attempts);
+            if attempts.is_multiple_of(MAX_ATTEMPTS) {
                 stop.is_set();
             }
         }
-        self.note(&wait);
+        self.waited(attempts);
     }
 
-    /// Notes the wait of a thread for others if it was long.
-    fn note(&self, wait: &Wait) {
-        if wait.is_long() {
+    /// Notes how long a thread has waited for others.
+    fn waited(&self, attempts: usize) {
+        if attempts >= LONG_WAIT {
             self.alone.store(CALLS_AFTER_LONG_WAIT, Ordering::Relaxed);
         }
     }
@@ -251,11 +235,11 @@ impl Workers {
             return;
         }
         self.idle.enter();
-        let mut wait = Wait::default();
-        while wait.attempts < MAX_ATTEMPTS || self.is_kept_awake() || !self.idle.leave() {
+        let mut attempts = 0;
+        while attempts < MAX_ATTEMPTS || self.is_kept_awake() || !self.idle.leave() {
             match rayon::yield_now() {
-                Some(rayon::Yield::Executed) => wait = Wait::default(),
-                _ => wait.pause(),
+                Some(rayon::Yield::Executed) => attempts = 0,
+                _ => pause(&mut attempts),
             }
         }
         IS_WORKER.set(false);
@@ -341,26 +325,30 @@ impl Era {
 mod tests {
     use super::*;
 
-    /// Whether a condition holds before the end of ten seconds.
+    /// Whether a condition holds before the end of many pauses.
     fn becomes(condition: impl Fn() -> bool) -> bool {
-        let began = Instant::now();
-        while !condition() {
-            if began.elapsed() > Duration::from_secs(10) {
-                return false;
-            }
-            thread::sleep(Duration::from_millis(1));
+        let mut attempts = 0;
+        while attempts < 10_000 * MAX_ATTEMPTS && !condition() {
+            pause(&mut attempts);
         }
-        true
+        condition()
+    }
+
+    fn workers() -> Arc<Workers> {
+        let mut pools = Pools { kept: Vec::new(), cores: 2, refused: 0 };
+        pools.workers(Some(2)).expect("the system starts threads")
     }
 
     #[test]
     fn workers_sleep_after_the_calls_that_keep_them_awake() {
-        let mut pools = Pools { kept: Vec::new(), cores: 2, refused: 0 };
-        let workers = pools.workers(Some(2)).expect("the system starts threads");
+        let workers = workers();
         let awake = Team(workers.clone()).keep_awake();
         Team(workers.clone()).wake();
         assert!(becomes(|| workers.idle.has(1)));
-        thread::sleep(Duration::from_millis(200));
+        let mut attempts = 0;
+        while attempts < 20 * MAX_ATTEMPTS {
+            pause(&mut attempts);
+        }
         assert!(workers.idle.has(1), "it is still awake");
         drop(awake);
         assert!(becomes(|| !workers.idle.has(1)), "it sleeps");
@@ -368,14 +356,11 @@ mod tests {
 
     #[test]
     fn a_long_wait_makes_calls_use_one_thread() {
-        let mut pools = Pools { kept: Vec::new(), cores: 2, refused: 0 };
-        let workers = pools.workers(Some(2)).expect("the system starts threads");
+        let workers = workers();
         let team = Team(workers.clone());
-        let short = Wait { attempts: 1 << 20, yielded: Some(Instant::now()) };
-        workers.note(&short);
+        workers.waited(LONG_WAIT - 1);
         assert!(!team.is_held_up());
-        let began = Instant::now().checked_sub(LONG_WAIT).expect("a time in the past");
-        workers.note(&Wait { attempts: ATTEMPTS_BETWEEN_YIELDS, yielded: Some(began) });
+        workers.waited(LONG_WAIT);
         assert!((0..CALLS_AFTER_LONG_WAIT).all(|_| team.is_held_up()));
         assert!(!team.is_held_up());
     }
