@@ -101,6 +101,12 @@ def main() -> None:
     found = jostle.mpi.find_pairs(COMM, points, 0.3, (0.2, 0.1))
     whole = np.concatenate(COMM.allgather(points))
     assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(whole, 0.3, (0.2, 0.1)))
+    # Plain lists, and an empty share, whose half sizes have no rows.
+    boxes = discs(40, 8.0) | {"half_sizes": RNG.uniform(0.1, 0.8, (40, 2))}
+    share = split(boxes, lambda ranks: np.minimum(ranks, max(COMM.size - 2, 0)))
+    share = {name: column.tolist() for name, column in share.items()}
+    found = jostle.mpi.find_pairs(COMM, **share)
+    assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(**boxes))
     check_shares()
     check_errors()
     if COMM.rank == 0:

@@ -269,6 +269,8 @@ def test_files() -> None:
         assert alone.state_hash() == ours_hash_of(alone)
         alone.step(1 / 60, 50)
         assert alone.state_hash() == world.state_hash()
+    for root in (-1, COMM.size):
+        refuse(lambda root=root: ours.gather(root), f"root is {root}")
     COMM.Barrier()
     # A damaged file, one that is cut off, another file, and none.
     whole = (folder / "world").read_bytes()
@@ -339,6 +341,9 @@ def test_errors() -> None:
     """What is refused is refused on all ranks, and an error leaves the world as it was."""
     rest = {"gravity": (0.0, 9.8), "restitution": 0.5}  # and sleeping=True
     world = scattered(gas(50), evenly)
+    # So many that their text would be shortened; one in the middle differs.
+    walls = np.arange(600.0)[:, None, None] * 2 + np.array([[[0.0, 0.0], [1.0, 0.0]]])
+    walls[300, 1, 1] += COMM.rank
     refused: list[tuple[str, Callable[[], Any]]] = [
         ("sleeping", lambda: scattered(gas(50, **rest), evenly).step(1 / 60)),
         ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
@@ -346,9 +351,10 @@ def test_errors() -> None:
         ("track_events", lambda: jostle.mpi.World(COMM, [], [], [], track_events=True)),
         ("dt", lambda: world.step(-1.0)),
         ("gravity", lambda: jostle.mpi.World(COMM, [], [], [], gravity=(COMM.rank, 0))),
+        ("walls", lambda: jostle.mpi.World(COMM, [], [], [], walls=walls)),
     ]
     for argument, call in refused:
-        if argument == "gravity" and COMM.size == 1:
+        if argument in ("gravity", "walls") and COMM.size == 1:
             continue
         try:
             call()

@@ -187,7 +187,7 @@ class _Share:
         rows["id"] = first_id(comm, count) + np.arange(count)
         rows["center"] = self.centers
         rows["radius"] = radii
-        if half_sizes is not None:
+        if half_sizes is not None and count > 0:  # those of an empty share may have any shape
             rows["half_size"] = half_sizes
         for name, bits, default in (
             ("category", self.bits["categories"], 1),
