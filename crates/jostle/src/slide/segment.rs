@@ -133,7 +133,8 @@ pub fn enters<T: Scalar>(
     slop: T,
 ) -> Option<(T, [T; 2])> {
     let hexagon = hexagon(body, ends);
-    let radius = body.radius - slop;
+    // A disc that is smaller than the slop stops before its centre is on the other side.
+    let radius = (body.radius - slop).max(body.radius * T::from_f64(0.5));
     if body.radius == T::ZERO {
         return into_convex(&hexagon, displacement, slop);
     }
@@ -199,6 +200,17 @@ mod tests {
             assert!((0..2).all(|k| (found[k] - normal[k]).abs() < 1e-12), "{found:?}");
             assert!(((end[0] * 3.0 - end[1] * 4.0).abs() / 5.0 - 1.0).abs() < 1e-12);
             assert!(!overlaps(&disc, &SLOPE));
+        }
+    }
+
+    #[test]
+    fn a_disc_smaller_than_the_slop_does_not_pass() {
+        for (start, step) in [(1.0, -2.0), (-1.0, 2.0)] {
+            let disc = body([3.0, start], [0.0; 2], 1e-3);
+            let floor = [[0.0, 0.0], [6.0, 0.0]];
+            let (share, _) = enters(&disc, [0.0, step], &floor, 5e-3).unwrap();
+            let end = start + step * share;
+            assert!(end * start > 0.0 && end.abs() <= 1e-3, "{end}");
         }
     }
 

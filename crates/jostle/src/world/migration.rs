@@ -35,14 +35,14 @@ impl World {
         let Some(domain) = &self.domain else { return Ok(()) };
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
         let leaving = self.leaving(&keys, &cuts);
-        let arrived = {
+        // After a failed exchange the other ranks make no further one.
+        let (records, sides, resting, pushes) = {
             let mut group = locked(&domain.group);
-            [&leaving.records, &leaving.sides, &leaving.resting, &leaving.pushes]
-                .map(|part| group.exchange(part))
+            let records = group.exchange(&leaving.records)?;
+            let sides = group.exchange(&leaving.sides)?.concat();
+            let resting = group.exchange(&leaving.resting)?.concat();
+            (records, sides, resting, group.exchange(&leaving.pushes)?.concat())
         };
-        let [records, sides, resting, pushes] = arrived;
-        let (records, sides) = (records?, sides?.concat());
-        let (resting, pushes) = (resting?.concat(), pushes?.concat());
         let first = self.leave(&leaving.homes);
         self.append_records(&records, true);
         self.take_sides(first, &sides);
