@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -91,10 +92,34 @@ def freud_list(points: Points, distance: float) -> Any:
     return found.toNeighborList()
 
 
+def _layer(points: Points, distance: float) -> tuple[Points, Points]:
+    """Return points of a flat box and its cell, which is high enough for no neighbours above."""
+    return np.column_stack([points, np.zeros(len(points))]), np.diag([1.0, 1.0, 3 * distance])
+
+
+def _matscipy(points: Points, distance: float, *, periodic: bool) -> Any:
+    from matscipy.neighbours import neighbour_list
+
+    places, cell = _layer(points, distance)
+    return neighbour_list(
+        "ij", positions=places, cutoff=distance, cell=cell, pbc=[periodic, periodic, False]
+    )
+
+
+def _vesin(points: Points, distance: float, *, periodic: bool) -> Any:
+    from vesin import NeighborList
+
+    places, cell = _layer(points, distance)
+    neighbours = NeighborList(cutoff=distance, full_list=True, n_threads=os.cpu_count())
+    return neighbours.compute(places, cell, periodic, "ij")
+
+
 def count_of(found: Any) -> int:
     """Return the number of pairs, each in both orders."""
     if isinstance(found, jostle.Hits):
         return len(found.ids)
+    if isinstance(found, tuple | list):  # the rows and the columns
+        return len(found[0])
     if isinstance(found, np.ndarray) and found.dtype == object:
         return sum(map(len, found)) - len(found)  # each point finds itself
     return 2 * len(found) if isinstance(found, np.ndarray) else len(found)
@@ -104,11 +129,15 @@ PARTS: dict[str, list[tuple[str, str, Call]]] = {
     "lists": [
         ("jostle, neighbors", "jostle", ours),
         ("SciPy cKDTree, query_ball_point", "scipy", scipy_lists),
+        ("matscipy", "matscipy", partial(_matscipy, periodic=False)),
+        ("vesin", "vesin", partial(_vesin, periodic=False)),
     ],
     "lists, periodic": [
         ("jostle, neighbors", "jostle", ours_periodic),
         ("SciPy cKDTree, boxsize, query_ball_point", "scipy", scipy_periodic_lists),
         ("freud LinkCell, float32", "freud-analysis", freud_list),
+        ("matscipy", "matscipy", partial(_matscipy, periodic=True)),
+        ("vesin", "vesin", partial(_vesin, periodic=True)),
     ],
     "pairs": [
         ("jostle, find_pairs", "jostle", our_pairs),

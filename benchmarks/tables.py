@@ -210,6 +210,32 @@ def apart(rows: list[Row]) -> str:
     ).replace("| --- | ---: | ---:", "| --- | ---: | ---", 1)
 
 
+def neighbors(rows: list[Row]) -> str:
+    """Return the time of each library that lists neighbours, and how many times that of jostle."""
+    first = {row["task"]: row for row in reversed(rows)}
+    lines = (
+        [
+            row["task"],
+            row["rival"],
+            row["version"],
+            figure(frame(row)),
+            f"{frame(row) / frame(first[row['task']]):.1f}",
+        ]
+        for row in rows
+    )
+    return table(["task", "library", "version", "ms", "times jostle"], lines).replace(
+        "| --- | ---: | ---: | ---:", "| --- | --- | --- | ---:", 1
+    )
+
+
+def pair_forces(rows: list[Row]) -> str:
+    """Return the time of a step of particle life for each number of particles."""
+    lines = (
+        [f"{int(row['count']):,}", row["jostle_ms"], row["numpy_ms"], row["ratio"]] for row in rows
+    )
+    return table(["particles", "jostle, ms", "NumPy + cKDTree, ms", "times jostle"], lines)
+
+
 def scene(name: str) -> Callable[[list[Row]], list[Row]]:
     """Return a choice of the rows of one scene."""
     return lambda rows: [row for row in rows if row["scene"] == name]
@@ -242,6 +268,8 @@ TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "space": ("space", dynamic),
     "sprites": ("sprites", sprites),
     "separate": ("separate", apart),
+    "neighbors": ("neighbors", neighbors),
+    "pair-forces": ("pair-forces", pair_forces),
 }
 
 

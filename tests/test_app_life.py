@@ -13,6 +13,7 @@ pytest.importorskip("imgui_bundle")
 from test_app_panels import Desk  # noqa: E402
 
 from jostle import life  # noqa: E402
+from jostle.app.act.interaction import Tool  # noqa: E402
 from jostle.app.draw.colouring import Colouring  # noqa: E402
 from jostle.app.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS  # noqa: E402
 from jostle.app.draw.view_options import ColourBy  # noqa: E402
@@ -75,6 +76,7 @@ def test_random_matrices(desk: Desk) -> None:
 
 def test_new_particles_have_the_chosen_kind(desk: Desk) -> None:
     desk.click("kind 3")
+    assert desk.session.interaction.tool is Tool.BRUSH
     n = len(desk.session.frame)
     desk.session.interaction.commands.create((50.0, 50.0))
     desk.frame(2)

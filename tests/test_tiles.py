@@ -79,6 +79,5 @@ def test_a_map_of_tiled(tmp_path) -> None:
     path = tmp_path / "map.tmx"
     path.write_text(TMX, encoding="utf-8")
     tiled = pytmx.TiledMap(str(path), load_all_tiles=True)
-    grid = [[gid != 0 for gid in row] for row in tiled.get_layer_by_name("walls").data]
-    boxes = jostle.tiles(grid, (tiled.tilewidth, tiled.tileheight))
+    boxes = jostle.tiles(tiled.get_layer_by_name("walls").data, (tiled.tilewidth, tiled.tileheight))
     assert boxes.tolist() == [[48, 0, 64, 48], [0, 16, 16, 48], [16, 32, 48, 48]]

@@ -50,6 +50,9 @@ __all__ = ["ContinuousSpace"]
 _MARGIN = 1e-9
 
 
+_item = np.ndarray.__getitem__
+
+
 class _Positions(np.ndarray):
     """Positions that tell their space which rows are written.
 
@@ -61,8 +64,8 @@ class _Positions(np.ndarray):
 
     def __getitem__(self, key: Any) -> Any:
         """Return a view, which reports writes too."""
-        part = super().__getitem__(key)
-        if isinstance(part, _Positions):
+        part = _item(self, key)
+        if type(part) is _Positions:
             part.space, part.row = self.space, self._row_of(key)
         return part
 
@@ -73,8 +76,9 @@ class _Positions(np.ndarray):
 
     def _row_of(self, key: Any) -> int | None:
         """Return the row that a key selects, None for several or unknown ones."""
-        is_whole = self.space is not None and self is self.space._positions
-        return int(key) if self.row is None and is_whole and isinstance(key, int) else self.row
+        if self.row is None and type(key) is int and self.space is not None:
+            return key if self is self.space._positions else None
+        return self.row
 
     def _report(self, row: int | None) -> None:
         if self.space is not None:
@@ -192,6 +196,49 @@ class ContinuousSpace(_MesaSpace):
             self._shapes.add(self._inside(list(new)))
             self._added = self._n_agents
         return None if self._outside else self._shapes
+
+    def in_bounds(self, point: ArrayLike) -> bool:
+        """Return whether a point is within the dimensions, its sides included.
+
+        Parameters
+        ----------
+        point : array_like, shape (d,)
+            The point.
+
+        Returns
+        -------
+        bool
+            False if a coordinate is outside or NaN.
+        """
+        if self.ndims == 2 and isinstance(point, np.ndarray) and point.shape == (2,):
+            return self._contains(point.tolist())
+        return bool(super().in_bounds(point))
+
+    def calculate_difference_vector(
+        self, point: NDArray[np.float64], agents: Any = None
+    ) -> NDArray[np.float64]:
+        """Return the vectors from a point to agents; on a torus the shorter ones.
+
+        Parameters
+        ----------
+        point : array_like, shape (d,)
+            The point.
+        agents : iterable of agents, optional
+            The agents; all of them by default.
+
+        Returns
+        -------
+        ndarray of float64, shape (m, d)
+            One row for each agent.
+        """
+        rows: Any = slice(self._n_agents)
+        if agents is not None:
+            rows = [self._agent_to_index[agent] for agent in agents]
+        delta = self._agent_positions[rows] - np.asarray(point)
+        if self.torus:
+            around = delta - np.sign(delta) * self.size
+            delta = np.where(np.abs(delta) < np.abs(around), delta, around)
+        return delta
 
     def _numbers(self, row: int) -> list[float]:
         return self._agent_positions[row].tolist()

@@ -8,6 +8,9 @@
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, gap, middle, overlap};
 
+/// A number of periods along each axis.
+pub type Turns = [i32; 2];
+
 /// Width and height of the period; 0 on an axis that is not periodic.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Period<T>([T; 2]);
@@ -59,6 +62,44 @@ impl<T: Scalar> Period<T> {
             }
             T::from_f64((along.to_f64() / side.to_f64()).floor() * side.to_f64())
         })
+    }
+
+    /// The number of periods from the position in the first period to a position.
+    pub fn turns_of(&self, point: [T; 2]) -> Turns {
+        let first = self.wrap(point);
+        [0, 1].map(|axis| match point[axis] - first[axis] {
+            away if away == T::ZERO => 0,
+            away => (away / self.0[axis]).to_f64().round() as i32,
+        })
+    }
+
+    /// The displacement between the nearest images of two positions that have this one.
+    pub fn shortest(&self, displacement: [T; 2]) -> [T; 2] {
+        [0, 1].map(|axis| {
+            let (side, along) = (self.0[axis], displacement[axis]);
+            let turns = if self.is_along(axis) { (along / side).to_f64().round() } else { 0.0 };
+            if turns == 0.0 { along } else { along - T::from_f64(turns) * side }
+        })
+    }
+
+    /// The images, as numbers of periods, of the shapes with centres in the first period that a
+    /// region may touch. Of shapes wider than a period, the images that are nearest to it.
+    pub fn images_near(&self, min: [T; 2], max: [T; 2]) -> impl Iterator<Item = Turns> + use<T> {
+        let [x, y] = [0, 1].map(|axis| {
+            let turns = |at: T| (at / self.0[axis]).to_f64().floor() as i32;
+            if self.is_along(axis) { turns(min[axis]) - 1..=turns(max[axis]) + 1 } else { 0..=0 }
+        });
+        y.flat_map(move |y| x.clone().map(move |x| [x, y]))
+    }
+
+    /// Whether a displacement is longer than the period along an axis.
+    pub fn is_exceeded_by(&self, displacement: [T; 2]) -> bool {
+        (0..2).any(|axis| self.is_along(axis) && displacement[axis].abs() > self.0[axis])
+    }
+
+    /// The displacement of a number of periods.
+    pub fn span(&self, turns: Turns) -> [T; 2] {
+        [0, 1].map(|axis| T::from_f64(f64::from(turns[axis])) * self.0[axis])
     }
 
     /// The same shape with its centre in the first period. A box there is unchanged; one elsewhere
@@ -211,6 +252,18 @@ mod tests {
             assert_eq!(found, expected, "{along} {side}");
             assert!(found.is_sign_positive() && found < side);
         }
+    }
+
+    #[test]
+    fn turns_and_images_are_whole_periods() {
+        let period = Period::new([3.0, 0.0]).unwrap();
+        for (x, turns) in [(0.0, 0), (2.9, 0), (3.0, 1), (-1e-300, 0), (-0.5, -1), (31.0, 10)] {
+            assert_eq!(period.turns_of([x, 7.0]), [turns, 0], "{x}");
+        }
+        assert_eq!(period.shortest([2.0, 2.0]), [-1.0, 2.0]);
+        assert_eq!(period.shortest([-1.25, 1e9]), [-1.25, 1e9]);
+        let near: Vec<Turns> = period.images_near([-1.0, -9.0], [4.0, 9.0]).collect();
+        assert_eq!(near, [[-2, 0], [-1, 0], [0, 0], [1, 0], [2, 0]]);
     }
 
     #[test]

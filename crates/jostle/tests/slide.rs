@@ -1,6 +1,7 @@
 //! `move_and_slide` against brute force: never inside, never through, and in any order.
 
 use jostle::geometry::{Shape, contact, overlap};
+use jostle::period::Period;
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::space::Id;
 use jostle::{Each, Settings, Shapes, SlideRules, Space};
@@ -38,6 +39,10 @@ fn scenes() -> impl Strategy<Value = Scene> {
     )
 }
 
+fn periods() -> impl Strategy<Value = [f64; 2]> {
+    prop_oneof![Just([41.0, 37.5]), Just([40.0, 0.0]), Just([0.0, 12.0]), Just([9.0, 9.0])]
+}
+
 fn shape(row: &Row) -> Shape<f64> {
     let &(center, half_size, radius) = row;
     Shape { min: center, max: center, half_size, radius, category: 1, mask: u32::MAX }
@@ -70,6 +75,27 @@ impl Scene {
         }
         let ids = add(&mut space, &free, WALKER);
         let displacements = self.displacements[..ids.len()].to_vec();
+        (space, ids, displacements)
+    }
+
+    /// The same in a periodic plane, with the walkers that overlap nothing there; displacements are
+    /// shorter than the period.
+    fn periodic(&self, sides: [f64; 2]) -> (Space<f64>, Vec<Id>, Vec<[f64; 2]>) {
+        let period = Period::new(sides).unwrap();
+        let mut space = Space::with_period(Settings::default(), period).unwrap();
+        add(&mut space, &self.obstacles, WALL);
+        let mut free: Vec<Row> = Vec::new();
+        let home = |row: &Row| period.wrap_shape(shape(row));
+        for walker in &self.walkers {
+            let mut all = self.obstacles.iter().chain(&free);
+            if !all.any(|row| period.overlap(&home(walker), &home(row))) {
+                free.push(*walker);
+            }
+        }
+        let ids = add(&mut space, &free, WALKER);
+        let short =
+            |v: [f64; 2]| [0, 1].map(|k| if sides[k] > 0.0 { v[k] % sides[k] } else { v[k] });
+        let displacements = self.displacements[..ids.len()].iter().map(|&v| short(v)).collect();
         (space, ids, displacements)
     }
 
@@ -117,6 +143,73 @@ proptest! {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_walker_is_never_inside_in_a_periodic_plane(scene in scenes(), sides in periods()) {
+        let (mut space, ids, displacements) = scene.periodic(sides);
+        for _ in 0..3 {
+            space.move_and_slide(&ids, &displacements, &scene.rules(u32::MAX, 4)).unwrap();
+            let pairs = space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
+            let of_walkers = pairs.iter().filter(|pair| pair.iter().any(|id| ids.contains(id)));
+            prop_assert_eq!(of_walkers.count(), 0);
+        }
+    }
+
+    /// A straight path from where it was by the displacement crosses no image of an obstacle, and
+    /// ends where the walker is.
+    #[test]
+    fn a_walker_is_never_moved_through_an_image(scene in scenes(), sides in periods()) {
+        let period = Period::new(sides).unwrap();
+        let (mut space, ids, displacements) = scene.periodic(sides);
+        let before = centers(&space, &ids);
+        let slides = space.move_and_slide(&ids, &displacements, &scene.rules(WALL, 1)).unwrap();
+        let after = centers(&space, &ids);
+        let sizes = space.read(&ids, |shape| (shape.half_size, shape.radius)).unwrap();
+        let home: Vec<_> = scene.obstacles.iter().map(|row| period.wrap_shape(shape(row))).collect();
+        for (k, (half, radius)) in sizes.into_iter().enumerate() {
+            let (from, moved) = (before[k], slides.displacements[k]);
+            let size = from.iter().chain(&moved).fold(40.0f64, |most, v| most.max(v.abs()));
+            let end = period.shortest([0, 1].map(|axis| from[axis] + moved[axis] - after[k][axis]));
+            prop_assert!(end[0].abs().max(end[1].abs()) < 1e-13 * size, "{:?}", end);
+            let is_whole = moved == displacements[k];
+            prop_assert!(is_whole || !slides.ids.is_empty());
+            for sample in 0..=200 {
+                let share = f64::from(sample) / 200.0;
+                let at = period.wrap([0, 1].map(|axis| from[axis] + moved[axis] * share));
+                let body = shape(&(at, half, radius));
+                for obstacle in &home {
+                    if period.overlap(&body, obstacle) {
+                        let [a, b] = period.nearest_images(&body, obstacle);
+                        let (_, depth) = contact(&a, &b);
+                        prop_assert!(depth < 1e-12 * size, "{:?} {}", obstacle, depth);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The same scene moved by any displacement has the same motions.
+    #[test]
+    fn the_edges_of_a_periodic_plane_are_nowhere(
+        scene in scenes(), sides in periods(), shift in [-30i32..30, -30i32..30]
+    ) {
+        let shift = shift.map(f64::from);
+        let mut moved = scene.clone();
+        for row in moved.obstacles.iter_mut().chain(&mut moved.walkers) {
+            row.0 = [row.0[0] + shift[0], row.0[1] + shift[1]];
+        }
+        let (mut one, ids, displacements) = scene.periodic(sides);
+        let (mut other, others, _) = moved.periodic(sides);
+        prop_assume!(ids == others);
+        let rules = scene.rules(u32::MAX, 1);
+        let slides = one.move_and_slide(&ids, &displacements, &rules).unwrap();
+        let again = other.move_and_slide(&ids, &displacements, &rules).unwrap();
+        for (a, b) in slides.displacements.iter().zip(&again.displacements) {
+            let error = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+            // Impacts at a grazing angle multiply rounding errors.
+            prop_assert!(error < 1e-4, "{:?} {:?}", a, b);
         }
     }
 
@@ -174,4 +267,45 @@ fn segments_at_every_angle_stop_every_shape() {
             );
         }
     }
+}
+
+/// A wall across the edge of a periodic plane stops what comes from the other side.
+#[test]
+fn segments_have_images() {
+    let period = Period::new([20.0, 0.0]).unwrap();
+    let mut space = Space::with_period(Settings::default(), period).unwrap();
+    space.set_walls(vec![[[18.0, 0.0], [24.0, 6.0]], [[103.0, -9.0], [103.0, 9.0]]]).unwrap();
+    let ids =
+        add(&mut space, &[([1.0, 9.0], [0.0; 2], 0.5), ([19.0, -5.0], [0.0; 2], 0.5)], WALKER);
+    let rules = SlideRules::new(u32::MAX, 1, [0.0; 2], 0.8, 0).unwrap();
+    space.move_and_slide(&ids, &[[0.0, -50.0], [12.0, 0.0]], &rules).unwrap();
+    let found = centers(&space, &ids);
+    let expected = [[1.0, 3.0 + 0.5 * 2f64.sqrt()], [2.5, -5.0]];
+    for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+        assert!((a - b).abs() < 1e-9, "{found:?}");
+    }
+    let long = [[0.0, 0.0], [20.5, 0.0]];
+    let error = space.set_walls(vec![long]).unwrap_err().to_string();
+    assert!(error.contains("walls[0]") && error.contains("period apart"), "{error}");
+}
+
+/// A platform that crosses the edge carries what stands on it, by the minimum image.
+#[test]
+fn a_platform_carries_across_the_edge() {
+    let period = Period::new([20.0, 0.0]).unwrap();
+    let mut space = Space::with_period(Settings::default(), period).unwrap();
+    let floor = add(&mut space, &[([19.0, 0.0], [3.0, 0.5], 0.0)], WALL);
+    let rider = add(&mut space, &[([1.0, -2.0], [0.5, 1.0], 0.0)], WALKER);
+    let rules = SlideRules::new(u32::MAX, 4, [0.0, -1.0], 0.8, 0).unwrap();
+    let slides = space.move_and_slide(&rider, &[[0.0, 2.0]], &rules).unwrap();
+    assert_eq!(slides.floors, floor);
+    space.move_to(&floor, &[[21.0, 0.0]]).unwrap();
+    let slides = space.move_and_slide(&rider, &[[0.0, 0.5]], &rules).unwrap();
+    assert!((slides.displacements[0][0] - 2.0).abs() < 1e-12, "{slides:?}");
+    assert!((centers(&space, &rider)[0][0] - 3.0).abs() < 1e-12);
+    let error = space.move_and_slide(&rider, &[[20.5, 0.0]], &rules).unwrap_err().to_string();
+    assert!(error.contains("displacements[0]") && error.contains("the period"), "{error}");
+    let wide = add(&mut space, &[([0.0, 50.0], [10.5, 1.0], 0.0)], WALKER);
+    let error = space.move_and_slide(&wide, &[[1.0, 0.0]], &rules).unwrap_err().to_string();
+    assert!(error.contains("wider than the period"), "{error}");
 }

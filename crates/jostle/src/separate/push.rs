@@ -88,6 +88,21 @@ impl<T: Scalar> Pusher<T> {
         [normal[0] * length, normal[1] * length]
     }
 
+    /// As [`Self::push`], for two discs.
+    #[inline(always)]
+    pub fn push_round(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
+        if self.axis.is_some() {
+            return self.push(a, b, offset, rank);
+        }
+        let needed = self.radius_sum(a, b) * self.room();
+        let distance = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        if distance > T::ZERO {
+            let scale = (needed - distance) * self.relaxation / distance;
+            return [offset[0] * scale, offset[1] * scale];
+        }
+        self.push(a, b, offset, rank)
+    }
+
     /// As [`Self::push`], along an axis.
     fn push_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> [T; 2] {
         let needed = self.needed_along(axis, a, b, offset[1 - axis]);

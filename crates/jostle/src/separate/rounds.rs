@@ -49,6 +49,10 @@ impl Places {
         self.0[at / 64] &= !(1 << (at % 64));
     }
 
+    fn has(&self, at: usize) -> bool {
+        self.0[at / 64] >> (at % 64) & 1 == 1
+    }
+
     /// The first place at `from` or after it.
     #[inline(always)]
     fn next(&self, from: usize) -> Option<usize> {
@@ -71,8 +75,8 @@ impl Places {
 struct Part<T> {
     /// Their centres; the same as those of the bodies between rounds.
     centers: Vec<[T; 2]>,
-    /// The shapes whose pairs with later ones, or with those of other chunks, may overlap. All other
-    /// pairs did not when one of both moved the last time.
+    /// The shapes that have moved since their pairs were tested, and those of whose pairs in other
+    /// chunks the other one has. No other pair overlaps.
     stale: Places,
     /// The shapes that have moved in this round.
     moved: Places,
@@ -215,7 +219,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         Ok((overlaps, changed))
     }
 
-    /// Moves the pairs of the chunk that starts at the place `first`.
+    /// Moves the pairs of the stale shapes of the chunk that starts at the place `first`.
     fn round_over<const ROUND: bool>(&self, first: usize, part: &mut Part<T>) {
         let Bodies { all, centers, .. } = &*self.bodies;
         let Part { centers: own, stale, moved, overlaps, .. } = part;
@@ -228,11 +232,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             let (a, mut from, mut is_moved) = (&all[i], own[at], false);
             for &other in self.near.of_place(i) {
                 let j = other as usize;
-                // Of a pair in the chunk the later one; any place of another chunk.
                 let other_at = j.wrapping_sub(first);
-                if other_at < at {
-                    continue;
-                }
                 let is_here = other_at < own.len();
                 let (b, to) = (&all[j], if is_here { own[other_at] } else { centers[j] });
                 let offset = [to[0] - from[0], to[1] - from[1]];
@@ -240,7 +240,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
                     continue;
                 }
                 *overlaps += 1;
-                let push = ordered_push(&self.pusher, (a, b), offset, (i, j));
+                let push = ordered_push::<T, ROUND>(&self.pusher, (a, b), offset, (i, j));
                 let share = share(a.weight, b.weight);
                 if !a.is_fixed() {
                     from = [from[0] - push[0] * share, from[1] - push[1] * share];
@@ -250,37 +250,15 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
                     let rest = T::ONE - share;
                     own[other_at] = [to[0] + push[0] * rest, to[1] + push[1] * rest];
                     moved.insert(other_at);
-                    self.mark_stale::<ROUND>(first, other_at, own, stale);
+                    stale.insert(other_at);
                 }
             }
             if is_moved {
                 own[at] = from;
                 moved.insert(at);
-                self.mark_stale::<ROUND>(first, at, own, stale);
+                stale.insert(at);
             }
             next = stale.next(at + 1);
-        }
-    }
-
-    /// Marks the pairs that a shape, at a place of the chunk that starts at `first`, overlaps after
-    /// it has moved.
-    #[inline(always)]
-    fn mark_stale<const ROUND: bool>(
-        &self,
-        first: usize,
-        at: usize,
-        own: &[[T; 2]],
-        stale: &mut Places,
-    ) {
-        let Bodies { all, centers, .. } = &*self.bodies;
-        let (a, from) = (&all[first + at], own[at]);
-        for &other in self.near.of_place(first + at) {
-            let j = other as usize;
-            let other_at = j.wrapping_sub(first);
-            let to = if other_at < own.len() { own[other_at] } else { centers[j] };
-            if self.pusher.overlaps::<ROUND>(a, &all[j], [to[0] - from[0], to[1] - from[1]]) {
-                stale.insert(at.min(other_at));
-            }
         }
     }
 
@@ -295,9 +273,6 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             if center != centers[at] {
                 centers[at] = center;
                 stale.insert(at);
-                let lower =
-                    self.near.of_place(place).iter().map(|&o| (o as usize).wrapping_sub(first));
-                lower.filter(|&other| other < at).for_each(|other| stale.insert(other));
             }
             let origin = self.near.origins[place];
             let away = [center[0] - origin[0], center[1] - origin[1]];
@@ -358,16 +333,19 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         count
     }
 
-    /// Calls `act` with each pair that overlaps, ascending.
+    /// Calls `act` with each pair that overlaps, `i < j`.
     fn each_overlap(&self, mut act: impl FnMut(usize, usize)) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        for (index, part) in self.parts.iter().enumerate() {
-            for at in locked(part).stale.iter() {
-                let i = index * CHUNK + at;
+        let parts: Vec<_> = self.parts.iter().map(locked).collect();
+        let is_stale = |place: usize| parts[place / CHUNK].stale.has(place % CHUNK);
+        for (index, part) in parts.iter().enumerate() {
+            for i in part.stale.iter().map(|at| index * CHUNK + at) {
                 for j in self.near.of_place(i).iter().map(|&other| other as usize) {
                     let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
-                    if j > i && self.pusher.overlaps::<false>(&all[i], &all[j], offset) {
-                        act(i, j);
+                    // A pair of two of them is met twice.
+                    let is_new = j > i || !is_stale(j);
+                    if is_new && self.pusher.overlaps::<false>(&all[i], &all[j], offset) {
+                        act(i.min(j), i.max(j));
                     }
                 }
             }
@@ -386,18 +364,19 @@ fn places_of(chunk: usize, len: usize) -> Range<usize> {
 
 /// The push of a pair, the same from both of its shapes.
 #[inline(always)]
-fn ordered_push<T: Scalar>(
+fn ordered_push<T: Scalar, const ROUND: bool>(
     pusher: &Pusher<T>,
     (a, b): (&super::bodies::Body<T>, &super::bodies::Body<T>),
     offset: [T; 2],
     (i, j): (usize, usize),
 ) -> [T; 2] {
+    let push = if ROUND { Pusher::push_round } else { Pusher::push };
     if i < j {
-        return pusher.push(a, b, offset, j - i);
+        return push(pusher, a, b, offset, j - i);
     }
     // Adding 0 makes a 0 of −0, so that coincident centres have the same sign from both.
     let [x, y] = offset;
-    let push = pusher.push(b, a, [T::ZERO - x, T::ZERO - y], i - j);
+    let push = push(pusher, b, a, [T::ZERO - x, T::ZERO - y], i - j);
     [-push[0], -push[1]]
 }
 

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use super::cast::enters;
 use super::segment;
 use crate::geometry::{self, Scalar, Shape, gap, overlap};
+use crate::period::{Period, Turns};
 
 /// An obstacle's geometry.
 #[derive(Clone, Copy, Debug)]
@@ -18,27 +19,77 @@ pub enum Solid<T> {
 /// A solid with its number for the caller.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle<T> {
-    /// Its geometry.
+    /// Its geometry, in the first period.
     pub solid: Solid<T>,
+    /// The periods by which this image of it is moved; 0 in a plane that is not periodic.
+    pub turns: Turns,
     /// Its number for the caller.
     pub slot: u32,
 }
 
 impl<T: Scalar> Obstacle<T> {
+    /// Calls `act` with a body and this image of the obstacle, both where the formula of
+    /// [`Period::overlap`] has them: the body in the first period, and the one with the higher
+    /// centre moved by minus one period if the image is another one.
+    #[inline(always)]
+    pub fn facing<R>(
+        &self,
+        period: &Period<T>,
+        body: &Shape<T>,
+        act: impl FnOnce(&Shape<T>, &Solid<T>) -> R,
+    ) -> R {
+        if period.is_none() {
+            return act(body, &self.solid);
+        }
+        let (center, own) = (period.wrap(body.min), period.turns_of(body.min));
+        let (mut of_body, mut of_solid) = ([T::ZERO; 2], [T::ZERO; 2]);
+        for axis in 0..2 {
+            let turns = self.turns[axis] - own[axis];
+            if turns == 1 {
+                of_body[axis] = period.sides()[axis];
+            } else {
+                of_solid[axis] = T::from_f64(-f64::from(turns)) * period.sides()[axis];
+            }
+        }
+        let body = Shape { min: center, max: center, ..*body }.moved(of_body);
+        act(&body, &self.solid.moved(of_solid))
+    }
+
+    /// Orders obstacles by their geometry, then by their numbers, so that ties do not depend on
+    /// the order in which they were found.
+    pub fn order(&self, other: &Self) -> Ordering {
+        let (own, others) = (self.solid.numbers(), other.solid.numbers());
+        let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
+        let by_value = by_value.fold(Ordering::Equal, Ordering::then);
+        by_value.then((self.turns, self.slot).cmp(&(other.turns, other.slot)))
+    }
+}
+
+impl<T: Scalar> Solid<T> {
+    /// The same solid moved by `-shift`.
+    fn moved(&self, shift: [T; 2]) -> Self {
+        match self {
+            Self::Shape(shape) => Self::Shape(shape.moved(shift)),
+            Self::Segment(ends) => {
+                Self::Segment(ends.map(|end| [end[0] - shift[0], end[1] - shift[1]]))
+            }
+        }
+    }
+
     /// Whether a shape overlaps it.
     #[inline(always)]
     pub fn overlaps(&self, body: &Shape<T>) -> bool {
-        match &self.solid {
-            Solid::Shape(shape) => overlap(gaps(body, shape), body.radius + shape.radius),
-            Solid::Segment(ends) => segment::overlaps(body, ends),
+        match self {
+            Self::Shape(shape) => overlap(gaps(body, shape), body.radius + shape.radius),
+            Self::Segment(ends) => segment::overlaps(body, ends),
         }
     }
 
     /// The unit normal from a shape that overlaps it towards it, and the depth of the overlap.
     pub fn contact(&self, body: &Shape<T>) -> ([T; 2], T) {
-        match &self.solid {
-            Solid::Shape(shape) => geometry::contact(body, shape),
-            Solid::Segment(ends) => segment::contact(body, ends),
+        match self {
+            Self::Shape(shape) => geometry::contact(body, shape),
+            Self::Segment(ends) => segment::contact(body, ends),
         }
     }
 
@@ -46,12 +97,12 @@ impl<T: Scalar> Obstacle<T> {
     /// overlaps and impacts are computed: the gaps to another shape, or the offset of the farther
     /// end of a segment.
     pub fn span(&self, body: &Shape<T>) -> T {
-        match &self.solid {
-            Solid::Shape(shape) => {
+        match self {
+            Self::Shape(shape) => {
                 let [x, y] = gaps(body, shape);
                 x.max(T::ZERO) + y.max(T::ZERO)
             }
-            Solid::Segment([a, b]) => {
+            Self::Segment([a, b]) => {
                 let away = |axis: usize| {
                     (a[axis] - body.min[axis]).abs().max((b[axis] - body.min[axis]).abs())
                 };
@@ -63,34 +114,26 @@ impl<T: Scalar> Obstacle<T> {
     /// The share of a displacement after which a shape enters it by more than `slop`, and the
     /// normal there; None if it does not, or is inside at the start.
     pub fn enters(&self, body: &Shape<T>, displacement: [T; 2], slop: T) -> Option<(T, [T; 2])> {
-        match &self.solid {
-            Solid::Shape(shape) => enters(body, displacement, shape, slop),
-            Solid::Segment(ends) => segment::enters(body, displacement, ends, slop),
+        match self {
+            Self::Shape(shape) => enters(body, displacement, shape, slop),
+            Self::Segment(ends) => segment::enters(body, displacement, ends, slop),
         }
     }
 
     /// The shape, if it is of one of these categories.
     pub fn shape_of(&self, categories: u32) -> Option<&Shape<T>> {
-        match &self.solid {
-            Solid::Shape(shape) if shape.category & categories != 0 => Some(shape),
+        match self {
+            Self::Shape(shape) if shape.category & categories != 0 => Some(shape),
             _ => None,
         }
     }
 
-    /// Orders obstacles by their geometry, then by their numbers, so that ties do not depend on
-    /// the order in which they were found.
-    pub fn order(&self, other: &Self) -> Ordering {
-        let (own, others) = (self.numbers(), other.numbers());
-        let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
-        by_value.fold(Ordering::Equal, Ordering::then).then(self.slot.cmp(&other.slot))
-    }
-
     fn numbers(&self) -> [T; 8] {
-        match self.solid {
-            Solid::Shape(Shape { min, max, half_size, radius, .. }) => {
+        match *self {
+            Self::Shape(Shape { min, max, half_size, radius, .. }) => {
                 [T::ZERO, min[0], min[1], max[0], max[1], half_size[0], half_size[1], radius]
             }
-            Solid::Segment([a, b]) => [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO],
+            Self::Segment([a, b]) => [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO],
         }
     }
 }

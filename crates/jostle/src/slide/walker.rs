@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surface, dot};
 use crate::geometry::{Bounds, Scalar, Shape};
+use crate::period::Period;
 
 /// Roundings of a position, in units in the last place of the largest number involved. Deeper than
 /// this a path enters an obstacle.
@@ -19,9 +20,11 @@ const LEAST_APPROACH: f64 = 0.6;
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
 const SHORT: f64 = 4.0;
 
-/// A moving shape and the obstacles near it.
+/// A moving shape and the obstacles near it. In a periodic plane it begins in the first period and
+/// may leave it; obstacles have images.
 pub struct Walker<'a, T> {
     rules: &'a SlideRules<T>,
+    period: Period<T>,
     find: &'a mut FindObstacles<'a, T>,
     body: Shape<T>,
     near: &'a mut Vec<Obstacle<T>>,
@@ -38,14 +41,14 @@ pub struct Walker<'a, T> {
 impl<'a, T: Scalar> Walker<'a, T> {
     /// A shape given by its centre. `near` is memory.
     pub fn new(
-        rules: &'a SlideRules<T>,
+        (rules, period): (&'a SlideRules<T>, Period<T>),
         body: Shape<T>,
         near: &'a mut Vec<Obstacle<T>>,
         find: &'a mut FindObstacles<'a, T>,
     ) -> Self {
         let seen = [body.min; 2];
         let (hits, remaining) = (Vec::new(), [T::ZERO; 2]);
-        Self { rules, find, body, near, known: None, seen, hits, remaining }
+        Self { rules, period, find, body, near, known: None, seen, hits, remaining }
     }
 
     /// Its centre.
@@ -65,15 +68,19 @@ impl<'a, T: Scalar> Walker<'a, T> {
         for _ in 0..ATTEMPTS {
             self.look([T::ZERO; 2]);
             let one_way = self.rules.one_way;
-            let is_solid = |near: &Obstacle<T>| near.shape_of(one_way).is_none();
+            let is_solid = |near: &Obstacle<T>| near.solid.shape_of(one_way).is_none();
             let Some((normal, depth, _)) = self.deepest(&self.body, &is_solid) else { return };
             let out = -(depth + self.slop(depth));
             self.shift([normal[0] * out, normal[1] * out], None);
         }
     }
 
-    /// Moves it by a displacement that is not its own, up to the first obstacle.
+    /// Moves it by a displacement that is not its own, up to the first obstacle. Out of an obstacle
+    /// that is wider than a period there is no way.
     fn shift(&mut self, displacement: [T; 2], except: Option<u32>) {
+        if self.period.is_exceeded_by(displacement) {
+            return;
+        }
         self.look(displacement);
         if let Some((_, hit)) = self.advance(displacement, except)
             && self.hits.iter().all(|before| before.slot != hit.slot)
@@ -101,7 +108,9 @@ impl<'a, T: Scalar> Walker<'a, T> {
 
     /// Upper bound of the rounding errors of a position at a distance.
     fn slop(&self, distance: T) -> T {
-        let size = |axis: usize| self.body.min[axis].abs() + extent(&self.body, axis);
+        let size = |axis: usize| {
+            self.body.min[axis].abs() + extent(&self.body, axis) + self.period.sides()[axis]
+        };
         (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
     }
 
@@ -150,20 +159,23 @@ impl<'a, T: Scalar> Walker<'a, T> {
     fn advance(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
         let start = self.body;
         let close = self.slop(T::ZERO);
-        let rules = self.rules;
+        let (rules, period) = (self.rules, self.period);
         let is_solid = |obstacle: &Obstacle<T>| {
             Some(obstacle.slot) != except
-                && !obstacle.overlaps(&start)
-                && obstacle
-                    .shape_of(rules.one_way)
-                    .is_none_or(|shape| is_above(rules, &start, shape, close))
+                && obstacle.facing(&period, &start, |body, solid| {
+                    let ledge = solid.shape_of(rules.one_way);
+                    !solid.overlaps(body)
+                        && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+                })
         };
         let impact = |obstacle: &'_ Obstacle<T>| {
-            // Rounding errors grow with the distance of the obstacle, not with the displacement.
-            let slop = self.slop(obstacle.span(&start));
-            let (share, normal) = obstacle.enters(&start, displacement, slop)?;
-            // −0 becomes 0.
-            Some((share + T::ZERO, normal))
+            obstacle.facing(&period, &start, |body, solid| {
+                // Rounding errors grow with the distance of the obstacle, not with the displacement.
+                let (share, normal) =
+                    solid.enters(body, displacement, self.slop(solid.span(body)))?;
+                // −0 becomes 0.
+                Some((share + T::ZERO, normal))
+            })
         };
         let solid = self.near.iter().filter(|obstacle| is_solid(obstacle));
         let impacts = solid.filter_map(|obstacle| Some((impact(obstacle)?, obstacle)));
@@ -190,12 +202,18 @@ impl<'a, T: Scalar> Walker<'a, T> {
         body: &Shape<T>,
         is_solid: &impl Fn(&Obstacle<T>) -> bool,
     ) -> Option<([T; 2], T, T)> {
-        let inside = self.near.iter().filter(|near| near.overlaps(body) && is_solid(near));
-        let deepest = inside.map(|near| (near.contact(body), near)).reduce(|a, b| {
+        let period = &self.period;
+        let overlaps = |near: &Obstacle<T>| near.facing(period, body, |body, it| it.overlaps(body));
+        let inside = self.near.iter().filter(|near| overlaps(near) && is_solid(near));
+        let contact =
+            |near: &Obstacle<T>| near.facing(period, body, |body, solid| solid.contact(body));
+        let deepest = inside.map(|near| (contact(near), near)).reduce(|a, b| {
             let order = b.0.1.total_order(&a.0.1).then_with(|| a.1.order(b.1));
             if order == Ordering::Greater { b } else { a }
         });
-        deepest.map(|((normal, depth), near)| (normal, depth, self.slop(near.span(body))))
+        let ((normal, depth), near) = deepest?;
+        let span = near.facing(period, body, |body, solid| solid.span(body));
+        Some((normal, depth, self.slop(span)))
     }
 
     /// The position after a share of a displacement, changed by rounding errors only, at which

@@ -3,8 +3,8 @@
 //! `slots` holds the shapes, `layers` the trees over them. `touching` holds the pairs of the last
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
-//! along others and along `walls`; those that may meet form `islands`, and in an island a `crowd`
-//! finds them by `cells`.
+//! along others and along `walls`: `walks` computes their motions, `rides` has the floors on which
+//! they stand. Those that may meet form `islands`, and in an island a `crowd` finds them by `cells`.
 
 mod cells;
 mod crowd;
@@ -15,10 +15,12 @@ mod layers;
 mod links;
 mod pairs;
 mod queries;
+mod rides;
 mod saved;
 mod slots;
 mod touching;
 mod walking;
+mod walks;
 mod walls;
 
 use crate::error::{Error, Result};
@@ -56,7 +58,7 @@ pub struct Space<T> {
     layers: Layers<T>,
     touching: Touching,
     changes: events::Changes,
-    rides: walking::Rides<T>,
+    rides: rides::Rides<T>,
     walls: walls::Walls<T>,
 }
 
@@ -76,7 +78,7 @@ impl<T: Scalar> Space<T> {
             layers: Layers::of(period),
             touching: Touching::default(),
             changes: events::Changes::default(),
-            rides: walking::Rides::default(),
+            rides: rides::Rides::default(),
             walls: walls::Walls::default(),
         })
     }

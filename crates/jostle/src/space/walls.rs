@@ -2,8 +2,9 @@
 
 use super::Space;
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar};
+use crate::geometry::{Bounds, Scalar, middle};
 use crate::memory;
+use crate::period::Period;
 use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
 use crate::settings::Settings;
@@ -12,36 +13,51 @@ use crate::shapes::{Each, Shapes};
 /// The segments with a tree of their bounding boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walls<T> {
+    given: Vec<[[T; 2]; 2]>,
+    /// The same, with their middles in the first period.
     ends: Vec<[[T; 2]; 2]>,
     tree: Quadtree<T>,
 }
 
 impl<T: Scalar> Walls<T> {
     /// Refuses ends that are not finite, or so far apart that the square of their distance may
-    /// overflow.
-    pub(super) fn new(ends: Vec<[[T; 2]; 2]>, settings: Settings) -> Result<Self> {
+    /// overflow, or farther apart than the period.
+    pub(super) fn new(
+        given: Vec<[[T; 2]; 2]>,
+        period: &Period<T>,
+        settings: Settings,
+    ) -> Result<Self> {
         let most = T::RADII[1];
         let is_finite = |ends: &[[T; 2]; 2]| ends.iter().flatten().all(|v| v.is_finite());
         let length = |[a, b]: &[[T; 2]; 2], axis: usize| (b[axis] - a[axis]).abs();
         let fits = |ends: &[[T; 2]; 2]| {
             is_finite(ends) && length(ends, 0) <= most && length(ends, 1) <= most
         };
-        if let Some(index) = ends.iter().position(|ends| !fits(ends)) {
-            let [[a, b], [c, d]] = ends[index];
+        let told = |[[a, b], [c, d]]: [[T; 2]; 2]| format!("(({a}, {b}), ({c}, {d}))");
+        if let Some(index) = given.iter().position(|ends| !fits(ends)) {
             let rule = format!("its ends must be finite, and at most {most:e} apart");
-            return Err(Error::at("walls", index, format!("(({a}, {b}), ({c}, {d}))"), &rule));
+            return Err(Error::at("walls", index, told(given[index]), &rule));
         }
+        let wraps = |axis: usize, ends: &[[T; 2]; 2]| {
+            period.is_along(axis) && length(ends, axis) > period.sides()[axis]
+        };
+        if let Some(index) = given.iter().position(|ends| wraps(0, ends) || wraps(1, ends)) {
+            let rule = "along each axis its ends must be at most a period apart";
+            return Err(Error::at("walls", index, told(given[index]), rule));
+        }
+        let ends = memory::collect(given.iter().map(|&ends| home(ends, period)))?;
         let corners =
             |[a, b]: &[[T; 2]; 2]| [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])];
         let boxes = memory::collect(ends.iter().map(corners))?;
         let shapes = Shapes::from_boxes(boxes, Each::One(T::ZERO), None)?;
         let mut tree = Quadtree::default();
         tree.fill_unordered(&shapes, settings)?;
-        Ok(Self { ends, tree })
+        Ok(Self { given, ends, tree })
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
-        self.ends.capacity() * size_of::<[[T; 2]; 2]>() + self.tree.memory_bytes()
+        (self.given.capacity() + self.ends.capacity()) * size_of::<[[T; 2]; 2]>()
+            + self.tree.memory_bytes()
     }
 
     /// Calls `act` with the index and the ends of each segment whose bounding box overlaps or
@@ -63,15 +79,21 @@ impl<T: Scalar> Walls<T> {
     }
 }
 
+/// A segment with its middle in the first period.
+fn home<T: Scalar>([a, b]: [[T; 2]; 2], period: &Period<T>) -> [[T; 2]; 2] {
+    let turns = period.turns([0, 1].map(|axis| middle(a[axis], b[axis])));
+    [a, b].map(|end| [end[0] - turns[0], end[1] - turns[1]])
+}
+
 impl<T: Scalar> Space<T> {
     /// The line segments, which have two ends each.
     pub fn walls(&self) -> &[[[T; 2]; 2]] {
-        &self.walls.ends
+        &self.walls.given
     }
 
     /// Replaces the line segments. Refuses what no segment can be; then nothing changes.
     pub fn set_walls(&mut self, ends: Vec<[[T; 2]; 2]>) -> Result<()> {
-        self.walls = Walls::new(ends, self.settings)?;
+        self.walls = Walls::new(ends, &self.period, self.settings)?;
         Ok(())
     }
 }

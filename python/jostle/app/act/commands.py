@@ -12,7 +12,7 @@ import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.containers import bounds, diagonal, wall_images
 from jostle.app.simulate.engine import REFUSALS, Engine, message_of
-from jostle.app.simulate.placement import free_positions
+from jostle.app.simulate.placement import free_among, free_positions
 from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.wall_segments import nearest
@@ -37,16 +37,32 @@ class Commands:
 
     def create(self, point: Point) -> None:
         """Add a particle at rest, with the median radius and density."""
+        self._add(lambda frame, radius: np.array([point]))
+
+    def paint(self, points: NDArray[np.float64]) -> None:
+        """Add such particles at those points at which they overlap nothing."""
+        self._add(
+            lambda frame, radius: points[
+                free_among(
+                    points, radius, frame.positions, frame.radii, frame.container, frame.walls
+                )
+            ]
+        )
+
+    def _add(self, places: Callable[[Frame, float], NDArray[np.float64]]) -> None:
+        """Add particles of the chosen kind and filter; `places` has the frame and their radius."""
         frame = self._engine.frame
         radius, density = usual(frame)
         kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
         # A copy, because the edit may run after the next change of the filter.
         bits = {} if frame.categories is None else dict(self.new_filter)
-        self._edit(
-            lambda simulation: simulation.add(
-                [point], [(0, 0)], [radius], [density], kinds=kinds, **bits
-            )
-        )
+
+        def work(simulation: Simulation) -> None:
+            points = places(simulation.frame(), radius)
+            if n := len(points):
+                simulation.add(points, (0, 0), [radius] * n, [density] * n, kinds=kinds, **bits)
+
+        self._edit(work)
 
     def clone(self, tags: Tags) -> None:
         """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from jostle.app.act.attractors import STRENGTH, Attractors, Gravity
+from jostle.app.act.brush import Brush
 from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.messages import Messages
@@ -28,6 +29,7 @@ class Tool(Enum):
     POINTER = "pointer"
     WALL = "wall"
     ATTRACTOR = "attractor"
+    BRUSH = "brush"
 
 
 @dataclass
@@ -40,6 +42,8 @@ class Drag:
     tag: int | None = None  # the particle under the cursor
     slack: float = 0.0  # a shorter drag is a click
     add: bool = False  # to the selection
+    reach: float = 0.0  # the radius of the brush
+    kind: int | None = None  # the kind that the brush adds
 
     @property
     def length(self) -> float:
@@ -77,6 +81,7 @@ class Interaction:
         self.selection = Selection()
         self.attractors = Attractors(engine)
         self.commands = Commands(engine, messages.say)
+        self.brush = Brush(engine, self.commands)
         self.gravity = Gravity(engine, messages.say)
         self.menu: Menu | None = None
         self._drag: Drag | None = None
@@ -116,12 +121,16 @@ class Interaction:
             frame = self._engine.frame
             free = tag is not None and bool(frame.movable[frame.rows(tag)].all())
             self.drag_tool.grab(tag if free else None, point, self._messages.now)
+        elif self.tool is Tool.BRUSH:
+            self.brush.begin(point)
 
     def drag_on(self) -> None:
         """Continue with the tool to the cursor."""
         self._moved = True
         if self._drag is not None:
             self._drag.end = self.at_cursor()
+            if self._drag.tool is Tool.BRUSH:
+                self.brush.stroke(self._drag.end)
 
     def release(self, *, throw: bool = True) -> None:
         """End the use of the tool; `throw` gives a held particle the velocity of the cursor."""
@@ -143,6 +152,9 @@ class Interaction:
     @property
     def preview(self) -> Drag | None:
         """Return the current drag, or that of a click, if it is to be drawn."""
+        if self.tool is Tool.BRUSH:
+            point, brush = self.at_cursor(), self.brush
+            return Drag(self.tool, point, point, reach=brush.radius, kind=brush.kind)
         if self._drag is None:
             point = self.at_cursor()
             shown = self._moved and self.tool is not Tool.POINTER
@@ -156,7 +168,7 @@ class Interaction:
             self._select(drag)
         elif drag.tool is Tool.WALL:
             self._wall(drag)
-        else:
+        elif drag.tool is Tool.ATTRACTOR:
             self._place(drag)
 
     def _select(self, drag: Drag) -> None:

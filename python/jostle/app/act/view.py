@@ -12,7 +12,7 @@ from jostle.app.act.selection import Selection
 from jostle.app.draw.base_layers import draw_walls
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, TEXT, Colour, repeated
+from jostle.app.draw.palette import ACCENT, KINDS, TEXT, Colour, repeated
 from jostle.app.simulate.simulation import Frame, Rect
 
 RING_GAP = 3.0  # pixels from a particle to its ring
@@ -50,6 +50,9 @@ def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
         _box(painter, camera.rect_to_screen(preview.box), ACCENT)
     elif preview.tool is Tool.WALL:
         draw_walls(painter, ends[None], None, camera)
+    elif preview.tool is Tool.BRUSH:
+        colour = ACCENT if preview.kind is None else KINDS[preview.kind % len(KINDS)]
+        painter.circle((x1, y1), preview.reach * camera.scale, colour, WIDE)
     else:
         painter.circle((x0, y0), TARGET, ACCENT, WIDE)
         painter.circle((x0, y0), 2.5, ACCENT)

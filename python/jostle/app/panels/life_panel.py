@@ -9,6 +9,7 @@ from imgui_bundle import imgui
 from numpy.typing import NDArray
 
 from jostle import life
+from jostle.app.act.interaction import Tool
 from jostle.app.draw.palette import KINDS, TEXT
 from jostle.app.gui.host import Gui
 from jostle.app.gui.style import RAISED, rgba
@@ -75,8 +76,9 @@ def _grid(session: Session, gui: Gui, matrix: NDArray[np.float64]) -> None:
         imgui.set_cursor_screen_pos((corner.x, middle - side / 2))
         if imgui.invisible_button(f"##kind {k}", (HEAD - GAP, side)):
             commands.kind = k
+            session.interaction.choose(Tool.BRUSH)
         gui.mark(f"kind {k}")
-        hint("New particles have this kind: press A at the cursor.")
+        hint("New particles have this kind: drag with the brush, or press A at the cursor.")
         _dot(corner.x + HEAD / 2 - 1, middle, k, chosen=k == commands.kind % kinds)
     for a in range(kinds):
         for b in range(kinds):

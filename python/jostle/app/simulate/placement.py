@@ -80,6 +80,23 @@ def free_positions(
     return places[found], np.flatnonzero(found)
 
 
+def free_among(
+    places: Floats,
+    radius: float,
+    taken: Floats,
+    taken_radii: Floats,
+    container: Container,
+    walls: Ends,
+) -> NDArray[np.intp]:
+    """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
+    radii = np.full(len(places), radius)
+    images, _ = wall_images(container, walls, radius)
+    free = (moved_inside(places, radii, container) == places).all(axis=1)
+    free &= _clear_of(places, radii, taken.astype(np.float64), taken_radii.astype(np.float64))
+    rows = np.flatnonzero(free & clear_of(places, radii, images))
+    return rows[_apart(places[rows], radii[rows])]
+
+
 def _clear_of(tries: Floats, radii: Floats, there: Floats, sizes: Floats) -> NDArray[np.bool_]:
     """Return which tries overlap no disc."""
     clear = np.ones(len(tries), np.bool_)

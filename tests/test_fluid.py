@@ -1,0 +1,161 @@
+"""The radial distribution function of fluids, beside published results.
+
+A Lennard-Jones fluid in two dimensions, truncated at 2.5 sigma, at the density 0.6 and kT = 1, is
+that of the examples DIFFUSE and VISCOSITY of LAMMPS, whose results are in its repository
+(https://github.com/lammps/lammps, log files of 13 Oct 2016 and 22 Aug 2026). Three integrals of
+g(r) are in these files: the number of neighbours within 2.8 sigma, the potential energy, in which
+the well has most weight, and the pressure, in which the steep inner side has most. A dilute fluid
+has the g(r) of the expansion in the density, and hard discs have Henderson's value at contact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+import jostle
+
+Floats = NDArray[np.float64]
+
+CUTOFF, REACH = 2.5, 2.8
+BINS = np.linspace(0, REACH, 1401)
+MIDDLES = (BINS[1:] + BINS[:-1]) / 2
+
+# Mean and standard error over the rows of LAMMPS's log files: energy of a particle and pressure at
+# the end of every 1,000 or 2,000 steps, neighbours of a particle within 2.8 in four states.
+ENERGY, PRESSURE, NEIGHBORS = (-1.584, 0.004), (1.020, 0.013), (14.00, 0.012)
+
+
+def potential(r: Floats) -> Floats:
+    """Return the truncated potential of Lennard and Jones."""
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        return np.where(r < CUTOFF, 4 * (r**-12.0 - r**-6.0), 0.0)
+
+
+def force(r: Floats) -> Floats:
+    """Return minus the derivative of the potential."""
+    return np.where(r < CUTOFF, 24 * (2 * r**-13.0 - r**-7.0), 0.0)
+
+
+def frames(count: int, density: float, number: int, *, every: int, seed: int) -> Iterator[Floats]:
+    """Yield positions of a fluid at kT = 1 in a heat bath, at times far apart."""
+    across = math.isqrt(count)
+    side = math.sqrt(count / density)
+    sites = (np.stack(np.meshgrid(range(across), range(across)), 2).reshape(-1, 2) + 0.5) / across
+    pair = jostle.PairForce.lennard_jones(np.zeros(count, int), 1.0, 1.0, CUTOFF)
+    world = jostle.World(
+        sites * side, np.random.default_rng(seed).normal(0, 1, (count, 2)), 0.1, masses=1.0,
+        container=jostle.Torus(side, side), on_touch="ignore",
+        forces=[pair, jostle.AndersenThermostat(1.0, rate=0.5, seed=seed)],
+    )  # fmt: skip
+    world.step(0.005, steps=2000)
+    for _ in range(number):
+        world.step(0.005, steps=every)
+        yield world.positions.astype(float)
+
+
+def distances(positions: Floats, side: float, reach: float) -> Floats:
+    """Return the distances of all pairs up to `reach`, by SciPy."""
+    places = positions % side
+    places[places >= side] = 0
+    pairs = cKDTree(places, boxsize=side).query_pairs(reach, output_type="ndarray")
+    offset = places[pairs[:, 0]] - places[pairs[:, 1]]
+    offset -= side * np.round(offset / side)
+    return np.sqrt((offset**2).sum(axis=1))
+
+
+def radial_distribution(all_distances: list[Floats], count: int, density: float) -> Floats:
+    """Return g(r) of each frame, shape (frames, bins)."""
+    rings = np.pi * (BINS[1:] ** 2 - BINS[:-1] ** 2)
+    # Each particle has count - 1 others.
+    ideal = count / 2 * density * (count - 1) / count * rings
+    return np.array([np.histogram(found, BINS)[0] for found in all_distances]) / ideal
+
+
+def mean_and_error(values: Floats) -> tuple[float, float]:
+    """Return the mean and its standard error, from the means of ten blocks."""
+    blocks = values[: len(values) // 10 * 10].reshape(10, -1).mean(axis=1)
+    return float(blocks.mean()), float(blocks.std(ddof=1) / math.sqrt(10))
+
+
+@pytest.mark.slow
+def test_g_of_a_lennard_jones_fluid_is_that_of_lammps() -> None:
+    count, density = 784, 0.6
+    side = math.sqrt(count / density)
+    places = frames(count, density, 200, every=60, seed=1)
+    g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
+    rings = np.pi * (BINS[1:] ** 2 - BINS[:-1] ** 2) * density * (count - 1) / count
+    neighbors = g @ rings
+    energy = g @ (rings * potential(MIDDLES)) / 2
+    pressure = density + density / 4 * (g @ (rings * MIDDLES * force(MIDDLES)))
+    for values, (published, error) in (
+        (neighbors, NEIGHBORS), (energy, ENERGY), (pressure, PRESSURE),
+    ):  # fmt: skip
+        mean, own = mean_and_error(values)
+        assert abs(mean - published) < 4 * math.hypot(own, error), (mean, own, published)
+        assert own < 2 * error  # the comparison is as sharp as the published figure
+    peak = g.mean(axis=0)[:750].reshape(-1, 10).mean(axis=1)
+    assert 1.08 < MIDDLES[:750].reshape(-1, 10).mean(axis=1)[peak.argmax()] < 1.16
+
+
+@pytest.mark.slow
+def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
+    """g = exp(-u) (1 + n h), h the integral over a third particle of both Mayer functions.
+
+    J. E. Mayer and E. Montroll, Journal of Chemical Physics 9, 2 (1941).
+    """
+    count, density = 2500, 0.03
+    side = math.sqrt(count / density)
+    places = frames(count, density, 100, every=50, seed=2)
+    g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
+    step = 0.04
+    grid = (np.arange(-170, 170) + 0.5) * step
+    x, y = np.meshgrid(grid, grid)
+
+    def mayer(r: Floats) -> Floats:
+        return np.exp(-potential(r)) - 1
+
+    near = mayer(np.hypot(x, y))
+    for r in np.arange(0.9, 2.4, 0.1):
+        bins = np.abs(MIDDLES - r) < 0.03
+        third = step**2 * float((near * mayer(np.hypot(x - r, y))).sum())
+        theory = float(np.exp(-potential(MIDDLES[bins])).mean()) * (1 + density * third)
+        mean, error = mean_and_error(g[:, bins].mean(axis=1))
+        # The next term of the expansion is about the square of this one.
+        assert abs(mean - theory) < 4.5 * error + 2 * (density * third) ** 2, (r, mean, theory)
+    assert abs(density * third) > 0.05  # without it the last line would fail
+
+
+@pytest.mark.parametrize("eta", [0.2, 0.4])
+def test_hard_discs_have_hendersons_value_at_contact(eta: float) -> None:
+    """g(2 r) = (1 - 7 eta / 16) / (1 - eta)²: D. Henderson, Molecular Physics 30, 971 (1975)."""
+    count, radius = 1600, 1.0
+    side = math.sqrt(count * math.pi / eta)
+    rng = np.random.default_rng(3)
+    sites = (np.stack(np.meshgrid(range(40), range(40)), 2).reshape(-1, 2) + 0.5) * side / 40
+    world = jostle.World(
+        sites, rng.normal(0, 1, (count, 2)), radius, container=jostle.Torus(side, side),
+        restitution=1.0,
+    )  # fmt: skip
+    world.step(0.5, steps=100)
+    found = []
+    for _ in range(200):
+        world.step(0.5, steps=4)
+        found.append(distances(world.positions.astype(float), side, 2.4))
+    edges = np.linspace(2.0, 2.4, 9)
+    rings = np.pi * (edges[1:] ** 2 - edges[:-1] ** 2)
+    ideal = count / 2 * (count - 1) / side**2 * rings
+    g = np.array([np.histogram(one, edges)[0] for one in found]) / ideal
+    # A parabola through the logarithms, extrapolated to contact.
+    middles = (edges[1:] + edges[:-1]) / 2 - 2
+    blocks = np.log(g.reshape(10, -1, 8).mean(axis=1))
+    contact = np.exp([np.polynomial.polynomial.polyfit(middles, block, 2)[0] for block in blocks])
+    mean, error = float(contact.mean()), float(contact.std(ddof=1) / math.sqrt(10))
+    theory = (1 - 7 * eta / 16) / (1 - eta) ** 2
+    assert error < 0.02 * theory
+    assert abs(mean - theory) < 4 * error + 0.005 * theory, (mean, error, theory)
