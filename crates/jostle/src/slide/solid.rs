@@ -15,13 +15,13 @@ pub enum Solid<T> {
     Segment([[T; 2]; 2]),
 }
 
-/// A solid with its number for the caller.
+/// A solid with its index for the caller.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle<T> {
     /// Its geometry.
     pub solid: Solid<T>,
-    /// Its number for the caller.
-    pub slot: u32,
+    /// Its index for the caller.
+    pub index: u32,
 }
 
 impl<T: Scalar> Obstacle<T> {
@@ -77,12 +77,12 @@ impl<T: Scalar> Obstacle<T> {
         }
     }
 
-    /// Orders obstacles by their geometry, then by their numbers, so that ties do not depend on
+    /// Orders obstacles by their geometry, then by their indices, so that ties do not depend on
     /// the order in which they were found.
     pub fn order(&self, other: &Self) -> Ordering {
         let (own, others) = (self.numbers(), other.numbers());
         let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
-        by_value.fold(Ordering::Equal, Ordering::then).then(self.slot.cmp(&other.slot))
+        by_value.fold(Ordering::Equal, Ordering::then).then(self.index.cmp(&other.index))
     }
 
     fn numbers(&self) -> [T; 8] {

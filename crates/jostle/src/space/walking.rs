@@ -38,7 +38,7 @@ const WORK: usize = 256;
 /// Shapes that stand on each other, up to this number, do not stop the lowest one.
 const MOST_STACKED: usize = 64;
 
-/// The bit of a number of an obstacle that is the index of a wall and not a slot.
+/// The bit of the index of an obstacle that is a wall and not a slot.
 const WALL: u32 = 1 << 31;
 
 /// A slot that is no walker.
@@ -241,7 +241,7 @@ impl<T: Scalar> Space<T> {
             all.on_wall.push(wall);
             all.on_ceiling.push(ceiling);
             all.floors.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
-            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.slot)));
+            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.index)));
             all.normals.extend(walk.hits.iter().map(|hit| hit.normal));
             all.offsets.push(all.ids.len());
         }
@@ -296,10 +296,10 @@ impl<T: Scalar> Call<'_, T> {
         let parts = parallel::map(threads, islands.len().div_ceil(ISLANDS_PER_TASK), |part| {
             let mut pulse = Pulse::of(&stop);
             let mut walks = Vec::new();
-            let mut memory = Memory::default();
+            let mut scratch = Scratch::default();
             let first = part * ISLANDS_PER_TASK;
             for island in first..islands.len().min(first + ISLANDS_PER_TASK) {
-                self.walk_island(islands.rows(island), (&mut memory, &mut pulse), &mut walks)?;
+                self.walk_island(islands.rows(island), (&mut scratch, &mut pulse), &mut walks)?;
             }
             Ok(walks)
         });
@@ -379,10 +379,10 @@ impl<T: Scalar> Call<'_, T> {
     fn walk_island(
         &self,
         rows: &[u32],
-        (memory, pulse): (&mut Memory<T>, &mut Pulse),
+        (scratch, pulse): (&mut Scratch<T>, &mut Pulse),
         walks: &mut Vec<Walk<T>>,
     ) -> Result<()> {
-        let Memory { near, stack, crowd, order, waiting } = memory;
+        let Scratch { near, stack, crowd, order, waiting } = scratch;
         crowd.fill(rows.iter().map(|&row| self.body(row as usize)))?;
         self.order(rows, order, waiting)?;
         for &index in &order[..] {
@@ -404,7 +404,7 @@ impl<T: Scalar> Call<'_, T> {
                     // What stands on it is carried with it, and does not stop it.
                     if other != index && !self.stands_on(rows[other], row as u32) {
                         let slot = self.walkers[rows[other] as usize];
-                        near.push(Obstacle { solid: Solid::Shape(*body), slot });
+                        near.push(Obstacle { solid: Solid::Shape(*body), index: slot });
                     }
                 });
             };
@@ -464,18 +464,21 @@ impl<T: Scalar> Call<'_, T> {
                 if let Some(slot) = slot(tree.rows()[place])
                     && self.rides.rows[slot as usize] == NONE
                 {
-                    near.push(Obstacle { solid: Solid::Shape(tree.columns().shape(place)), slot });
+                    near.push(Obstacle {
+                        solid: Solid::Shape(tree.columns().shape(place)),
+                        index: slot,
+                    });
                 }
             });
         }
         for &slot in self.fresh {
             let shape = self.slots.shape(slot);
             if meets(bounds, &shape) {
-                near.push(Obstacle { solid: Solid::Shape(shape), slot });
+                near.push(Obstacle { solid: Solid::Shape(shape), index: slot });
             }
         }
         self.walls.each_near(bounds, stack, |index, ends| {
-            near.push(Obstacle { solid: Solid::Segment(ends), slot: WALL | index });
+            near.push(Obstacle { solid: Solid::Segment(ends), index: WALL | index });
         });
     }
 }
@@ -485,8 +488,8 @@ fn meets<T: Scalar>(region: &Bounds<T>, shape: &Shape<T>) -> bool {
     Bounds::of(shape).overlaps(region, [T::ZERO; 2], -T::INFINITY)
 }
 
-/// Memory of a task.
-struct Memory<T> {
+/// Scratch of a task.
+struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
     crowd: Crowd<T>,
@@ -494,7 +497,7 @@ struct Memory<T> {
     waiting: Vec<u32>,
 }
 
-impl<T> Default for Memory<T> {
+impl<T> Default for Scratch<T> {
     fn default() -> Self {
         let (near, stack, crowd) = (Vec::new(), Vec::new(), Crowd::default());
         Self { near, stack, crowd, order: Vec::new(), waiting: Vec::new() }
