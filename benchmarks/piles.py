@@ -112,14 +112,14 @@ def main() -> None:
     world = jostle.scenes.create("pile", n=count)
     world.substeps = 4
     start = rivals.begun(world)
-    ways = {
+    entrants = {
         "jostle": lambda: rivals.jostle_world(start, 1),
         "Box2D": lambda: rivals.box2d_world(start, 1),
         "pymunk": lambda: rivals.pymunk_space(start, 1),
     }
     radii = start.radii.astype(np.float64)
     piles = []
-    for name, make in ways.items():
+    for name, make in entrants.items():
         piles.append(fall(name, make(), radii, seconds))
         print(piles[-1], flush=True)
     draw(piles, radii, start.box)

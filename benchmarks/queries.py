@@ -58,8 +58,8 @@ def rectangles(count: int) -> Points:
 def rays() -> tuple[Points, Points]:
     """Origins on the left edge, directions to the right one."""
     left, right = scene(QUESTIONS, 2).T
-    ways = np.column_stack([np.ones(QUESTIONS), right - left])
-    return np.column_stack([np.zeros(QUESTIONS), left]), ways
+    directions = np.column_stack([np.ones(QUESTIONS), right - left])
+    return np.column_stack([np.zeros(QUESTIONS), left]), directions
 
 
 # ---- the libraries -------------------------------------------------------------------------------
@@ -233,12 +233,12 @@ def same_distances(
 
 def cast(points: Points, rounds: int) -> list[Row]:
     """Time rays that hit nothing."""
-    tree, (origins, ways) = ours(points), rays()
-    along = ways[:100] / np.hypot(*ways[:100].T)[:, None]
-    for origin, way in zip(origins[:100], along, strict=True):
-        aside = np.abs((points - origin) @ np.array([way[1], -way[0]])).min()
+    tree, (origins, directions) = ours(points), rays()
+    along = directions[:100] / np.hypot(*directions[:100].T)[:, None]
+    for origin, direction in zip(origins[:100], along, strict=True):
+        aside = np.abs((points - origin) @ np.array([direction[1], -direction[0]])).min()
         assert aside > 0, "a ray goes through a point"
-    assert (tree.raycast(origins[:100], ways[:100]).ids == -1).all()
-    [timing] = interleaved([partial(tree.raycast, origins, ways)], rounds)
+    assert (tree.raycast(origins[:100], directions[:100]).ids == -1).all()
+    [timing] = interleaved([partial(tree.raycast, origins, directions)], rounds)
     ray = Rival("jostle", "jostle", "raycast", ours, lambda tree, rays: None, list)
     return [row("rays", len(points), ray, 0.0, timing.columns())]

@@ -68,7 +68,7 @@ class Crowd:
 
 
 @dataclass
-class Way:
+class Entrant:
     """A library and its call."""
 
     name: str
@@ -78,7 +78,7 @@ class Way:
     ordered: bool = True
 
 
-def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
+def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Entrant]:
     """Yield the libraries for `groupcollide`."""
     import pygame
 
@@ -86,17 +86,17 @@ def groupcollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
 
     a, b = crowd.a, crowd.b
     ours, theirs = jostle.pygame.groupcollide, pygame.sprite.groupcollide
-    yield Way("jostle", "jostle", "", lambda: ours(a, b, False, False, rule))
-    yield Way("pygame-ce", "pygame-ce", "", lambda: theirs(a, b, False, False, rule))
+    yield Entrant("jostle", "jostle", "", lambda: ours(a, b, False, False, rule))
+    yield Entrant("pygame-ce", "pygame-ce", "", lambda: theirs(a, b, False, False, rule))
     if rule is None and version_of("fastquadtree"):
         yield fastquadtree(crowd)
 
 
-def fastquadtree(crowd: Crowd) -> Way:
+def fastquadtree(crowd: Crowd) -> Entrant:
     """Return the fastest method of fastquadtree, by three frames of each."""
     import fastquadtree.pygame as fast
 
-    def ways(capacity: int) -> Iterator[Way]:
+    def entrants(capacity: int) -> Iterator[Entrant]:
         group = fast.Group(crowd.b.sprites(), bounds=(-9, -9, 1300, 740), capacity=capacity)
 
         def rebuilt() -> Any:
@@ -107,13 +107,17 @@ def fastquadtree(crowd: Crowd) -> Way:
             return fast.groupcollide(crowd.a, group, False, False)
 
         for manner, call in (("rebuilt", rebuilt), ("synced", synced)):
-            yield Way("fastquadtree", "fastquadtree", f"{manner}, capacity {capacity}", call, False)
+            yield Entrant(
+                "fastquadtree", "fastquadtree", f"{manner}, capacity {capacity}", call, False
+            )
 
-    every = [way for capacity in CAPACITIES for way in ways(capacity)]
-    return min(every, key=lambda way: min(moved_and_timed(crowd, way.call) for _ in range(3)))
+    every = [entrant for capacity in CAPACITIES for entrant in entrants(capacity)]
+    return min(
+        every, key=lambda entrant: min(moved_and_timed(crowd, entrant.call) for _ in range(3))
+    )
 
 
-def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
+def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Entrant]:
     """Yield the libraries for `spritecollide`."""
     import pygame
 
@@ -121,11 +125,11 @@ def spritecollides(crowd: Crowd, rule: Any) -> Iterator[Way]:
 
     one, b = crowd.a.sprites()[0], crowd.b
     ours, theirs = jostle.pygame.spritecollide, pygame.sprite.spritecollide
-    yield Way("jostle", "jostle", "", lambda: {one: ours(one, b, False, rule)})
-    yield Way("pygame-ce", "pygame-ce", "", lambda: {one: theirs(one, b, False, rule)})
+    yield Entrant("jostle", "jostle", "", lambda: {one: ours(one, b, False, rule)})
+    yield Entrant("pygame-ce", "pygame-ce", "", lambda: {one: theirs(one, b, False, rule)})
 
 
-def tasks() -> dict[str, tuple[Callable[[Crowd, Any], Iterator[Way]], Any]]:
+def tasks() -> dict[str, tuple[Callable[[Crowd, Any], Iterator[Entrant]], Any]]:
     """Return the tasks."""
     from pygame.sprite import collide_circle, collide_rect_ratio
 
@@ -144,54 +148,54 @@ def moved_and_timed(crowd: Crowd, call: Call) -> float:
     return clock(call)
 
 
-def compare(ways: list[Way]) -> None:
+def compare(entrants: list[Entrant]) -> None:
     """Raise an exception if two answers differ."""
-    ours = ways[0].call()
-    for way in ways[1:]:
-        found = way.call()
+    ours = entrants[0].call()
+    for entrant in entrants[1:]:
+        found = entrant.call()
         same = found == ours and list(found) == list(ours)
-        if not way.ordered:
+        if not entrant.ordered:
             same = {s: set(hits) for s, hits in found.items()} == {
                 s: set(hits) for s, hits in ours.items()
             }
         if not same:
-            raise SystemExit(f"{way.name} finds other sprites than jostle")
+            raise SystemExit(f"{entrant.name} finds other sprites than jostle")
 
 
 def race(rounds: int, largest: int) -> Iterator[list[Row]]:
     """Yield the rows of each task and size; a library that is too slow is omitted from then on."""
-    for task, (ways_of, rule) in tasks().items():
+    for task, (entrants_of, rule) in tasks().items():
         slow: dict[str, float] = {}
         for count in (count for count in COUNTS if count <= largest):
             crowd = Crowd(count)
-            growth = 2 if ways_of is groupcollides else 1
-            ways = list(ways_of(crowd, rule))
-            ways = [w for w in ways if slow.get(w.name, 0) * count**growth <= PATIENCE]
-            compare(ways)
-            once = [moved_and_timed(crowd, way.call) for way in ways]
+            growth = 2 if entrants_of is groupcollides else 1
+            entrants = list(entrants_of(crowd, rule))
+            entrants = [w for w in entrants if slow.get(w.name, 0) * count**growth <= PATIENCE]
+            compare(entrants)
+            once = [moved_and_timed(crowd, entrant.call) for entrant in entrants]
             repeats = [min(200, math.ceil(LEAST_SECONDS / seconds)) for seconds in once]
-            times: list[list[float]] = [[] for _ in ways]
+            times: list[list[float]] = [[] for _ in entrants]
             for _ in range(rounds):
-                for own, way, count_of in zip(times, ways, repeats, strict=True):
-                    calls = [moved_and_timed(crowd, way.call) for _ in range(count_of)]
+                for own, entrant, count_of in zip(times, entrants, repeats, strict=True):
+                    calls = [moved_and_timed(crowd, entrant.call) for _ in range(count_of)]
                     own.append(sum(calls) / count_of)
             timings = [Timing(tuple(own)) for own in times]
-            for way, timing in zip(ways, timings, strict=True):
-                slow[way.name] = timing.median / count**growth
+            for entrant, timing in zip(entrants, timings, strict=True):
+                slow[entrant.name] = timing.median / count**growth
             yield [
-                row(task, count, way, timing, timings[0])
-                for way, timing in zip(ways, timings, strict=True)
+                row(task, count, entrant, timing, timings[0])
+                for entrant, timing in zip(entrants, timings, strict=True)
             ]
 
 
-def row(task: str, count: int, way: Way, timing: Timing, ours: Timing) -> Row:
+def row(task: str, count: int, entrant: Entrant, timing: Timing, ours: Timing) -> Row:
     """Return a row of the results."""
     return {
         "task": task,
         "count": count,
-        "name": way.name,
-        "version": version_of(way.package),
-        "manner": way.manner,
+        "name": entrant.name,
+        "version": version_of(entrant.package),
+        "manner": entrant.manner,
         **timing.columns(),
         "times_jostle": f"{timing.median / ours.median:.3g}",
     }

@@ -21,9 +21,9 @@ for screen in show.frames("Neighbours across the edges", until=90):
     between = places[near.ids] - places[first]
     wrapped = between - np.round(between / show.SIZE) * show.SIZE  # the minimum image
     crosses = (wrapped != between).any(axis=1)
-    for start, way, cross in zip(places[first], wrapped, crosses):
+    for start, offset, cross in zip(places[first], wrapped, crosses):
         color = show.ORANGE if cross else show.DIM
-        pygame.draw.aaline(screen, color, start, start + way)
+        pygame.draw.aaline(screen, color, start, start + offset)
     shades = np.minimum(counts, len(show.RAMP) - 1)
     for place, shade in zip(places, shades):
         pygame.draw.circle(screen, show.RAMP[shade], place, 3)

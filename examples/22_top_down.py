@@ -15,7 +15,7 @@ space.add(boxes=walls, categories=WALL)
 spots = [(x, y) for x in range(200, 420, 54) for y in range(235, 420, 54)]
 crates = space.add(spots, 2.0, 13.0, categories=CRATE)
 player = space.add((100, 380), 14.0, categories=PLAYER)
-shots, ways, no_floor = np.empty(0, int), np.empty((0, 2)), (0, 0)
+shots, flights, no_floor = np.empty(0, int), np.empty((0, 2)), (0, 0)
 
 for frame, screen in enumerate(show.frames("Crates", until=150)):
     away = np.array(pygame.mouse.get_pos()) - space.centers(player)
@@ -26,10 +26,10 @@ for frame, screen in enumerate(show.frames("Crates", until=150)):
     space.move_and_slide(player, step - met.displacement, mask=WALL | CRATE, up=no_floor)
     if frame % 6 == 0:
         shots = np.append(shots, space.add(space.centers(player), 3.0, categories=SHOT))
-        ways = np.vstack([ways, 9 * away / np.linalg.norm(away)])
-    flown = space.move_and_slide(shots, ways, mask=WALL | CRATE, max_slides=1, up=no_floor)
+        flights = np.vstack([flights, 9 * away / np.linalg.norm(away)])
+    flown = space.move_and_slide(shots, flights, mask=WALL | CRATE, max_slides=1, up=no_floor)
     space.remove(shots[flown.on_wall])
-    shots, ways = shots[~flown.on_wall], ways[~flown.on_wall]
+    shots, flights = shots[~flown.on_wall], flights[~flown.on_wall]
 
     for left, top, right, bottom in [*walls, *space.boxes(crates)]:
         size = (right - left, bottom - top)

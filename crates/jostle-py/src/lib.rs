@@ -5,8 +5,6 @@ mod allocator;
 mod error;
 mod interrupt;
 mod lock;
-mod motor;
-mod pair_force;
 mod files;
 mod masked;
 mod arrays;
@@ -51,12 +49,9 @@ mod _core {
     use super::find_pairs::find_pairs;
     #[pymodule_export]
     use super::forces::{
-        PyAndersenThermostat, PyAttractor, PyGravitation, PySprings, PyThermalWalls, PyThermostat,
+        PyAndersenThermostat, PyAttractor, PyFlocking, PyGravitation, PyMotor, PyPairForce,
+        PySprings, PyThermalWalls, PyThermostat,
     };
-    #[pymodule_export]
-    use super::motor::PyMotor;
-    #[pymodule_export]
-    use super::pair_force::{PyFlocking, PyPairForce};
     #[pymodule_export]
     use super::quadtree::PyQuadtree;
     #[pymodule_export]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from jostle.bench import step_rivals as ways
+from jostle.bench import step_rivals as rivals
 from jostle.bench.machine import Row, version_of
 from jostle.bench.timing import Timing, clock
 
@@ -39,7 +39,7 @@ STEPS = (
 LADDER = tuple(step * 10**power for power in range(1, 6) for step in STEPS)
 """Numbers of discs, each about 10 % above the last."""
 
-BUDGET = ways.FRAME
+BUDGET = rivals.FRAME
 HOPELESS = 1.5
 """Times the budget per frame; if the fall of a pile takes longer, the pile is not tried."""
 
@@ -129,12 +129,12 @@ def search(
 def frame_of(scene: str, count: int, threads: int) -> Callable[[], object] | None:
     """Return the frame to be timed; None if it is certainly too slow."""
     if scene == "article":
-        frame = ways.article(count, "quadtree")
+        frame = rivals.article(count, "quadtree")
         for _ in range(60):  # the particles fall to the floor
             frame()
         return frame
-    start = ways.gas(count) if scene == "gas" else ways.pile(count, HOPELESS * BUDGET)
-    return next(iter(ways.jostle_world(start, threads).frames.values())) if start else None
+    start = rivals.gas(count) if scene == "gas" else rivals.pile(count, HOPELESS * BUDGET)
+    return next(iter(rivals.jostle_world(start, threads).frames.values())) if start else None
 
 
 def searches(threads: Sequence[int] = (1, 2), report: Report = lambda text: None) -> Iterator[Row]:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 import jostle
-from jostle.bench import step_rivals as ways
+from jostle.bench import step_rivals as rivals
 from jostle.bench.machine import Row, version_of
 from jostle.bench.step_rivals import Column, InitialState, RunningSimulation
 from jostle.bench.timing import Call, clock, interleaved
@@ -63,8 +63,8 @@ class Entrant:
 def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
     """Yield all installed simulations; the first is the reference."""
     for number in threads:
-        yield Entrant("jostle", "jostle", number, partial(ways.jostle_world, threads=number))
-    brute = partial(ways.jostle_world, threads=1, method="brute")
+        yield Entrant("jostle", "jostle", number, partial(rivals.jostle_world, threads=number))
+    brute = partial(rivals.jostle_world, threads=1, method="brute")
     yield Entrant("jostle, brute force", "jostle", 1, brute)
     if version_of("pymunk") is not None:
         yield from pymunk_entrants(scene, threads)
@@ -76,7 +76,7 @@ def pymunk_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
     """Yield pymunk, with the choice of its index."""
 
     def entrant(name: str, number: int, substeps: int | None = None) -> Entrant:
-        tree = partial(ways.pymunk_space, threads=number, substeps=substeps)
+        tree = partial(rivals.pymunk_space, threads=number, substeps=substeps)
         settings: dict[str, Make] = {"tree": tree, "spatial hash": partial(tree, hashed=True)}
         return Entrant(name, "pymunk", number, tree, settings, substeps)
 
@@ -94,7 +94,7 @@ def box2d_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
     """
 
     def entrant(name: str, number: int, substeps: int | None = None) -> Entrant:
-        coarse = partial(ways.box2d_world, threads=number, substeps=substeps)
+        coarse = partial(rivals.box2d_world, threads=number, substeps=substeps)
         settings: dict[str, Make] = {"10 px a metre": coarse}
         if scene == "gas":
             settings["1 px a metre"] = partial(coarse, pixels=1.0)
@@ -138,7 +138,7 @@ def compare(
     everyone = list(entrants(scene, threads))
     for count in counts:
         report(f"{scene}, {count:,}: initial state")
-        start = ways.gas(count) if scene == "gas" else ways.pile(count, FALL * patience)
+        start = rivals.gas(count) if scene == "gas" else rivals.pile(count, FALL * patience)
         if start is None:  # it would take too long to fall
             return
         rows: list[Row] = []
@@ -209,11 +209,11 @@ def begin(scene: str, start: InitialState, entrant: Entrant) -> Row:
 def article_row(scene: str, count: int, method: str) -> tuple[Row, Call | None]:
     """Return a row for the article's program and its frame; None if it is certainly too slow."""
     name = "the article's tree" if method == "quadtree" else "the article's brute force"
-    start = ways.gas(1)
-    row = begin(scene, start, Entrant(name, "jostle", 1, partial(ways.jostle_world, threads=1)))
+    start = rivals.gas(1)
+    row = begin(scene, start, Entrant(name, "jostle", 1, partial(rivals.jostle_world, threads=1)))
     row |= {"count": count, "substeps": 1, "manner": "its own rules and particles"}
     most = 50_000 if method == "quadtree" else 3_000
-    return row, ways.article(count, method) if count <= most else None
+    return row, rivals.article(count, method) if count <= most else None
 
 
 def after_a_second(running: RunningSimulation, start: InitialState) -> Row:
@@ -231,7 +231,7 @@ def after_a_second(running: RunningSimulation, start: InitialState) -> Row:
     near = np.asarray(start.radii, np.float64) * NEAR
     contacts = len(jostle.find_pairs(positions.astype(np.float64), near))
     note = "; ".join(faults(start, positions, velocities))
-    return {"rms_speed": f"{ways.speed(velocities):.2f}", "contacts": contacts, "note": note}
+    return {"rms_speed": f"{rivals.speed(velocities):.2f}", "contacts": contacts, "note": note}
 
 
 def stands_still(running: RunningSimulation, start: InitialState) -> bool:

@@ -115,8 +115,8 @@ impl SoftBodies {
         self.particles.movable[last as usize] = false;
         for link in 1..=links {
             let end = link == links;
-            let way = link as f32 * LINK_PITCH + if end { BOB - LINK } else { 0.0 };
-            let place = [0, 1].map(|k| anchor[k] + along[k] * way);
+            let distance = link as f32 * LINK_PITCH + if end { BOB - LINK } else { 0.0 };
+            let place = [0, 1].map(|k| anchor[k] + along[k] * distance);
             let radius = if end { BOB } else { LINK };
             let next = self.disc(place, [0.0; 2], radius, 2.0);
             self.connect(last, next, CHAIN);

@@ -4,7 +4,7 @@
 //! of cells finds these shapes.
 
 use super::Separation;
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Body};
 use super::push::Pusher;
 use super::taken::Taken;
 use crate::error::Result;
@@ -44,7 +44,7 @@ pub fn insert<T: Scalar>(
     Ok(())
 }
 
-/// Memory of the searches.
+/// Scratch of the searches.
 struct Search<T> {
     taken: Taken<T>,
     nearby: Vec<u32>,
@@ -103,45 +103,14 @@ impl<T: Scalar> Search<T> {
                 [bounds[axis] + body.extent(axis), bounds[axis + 2] - body.extent(axis)]
             })
         });
-        let mut widest = T::ZERO;
-        self.lines.clear();
-        memory::push(&mut self.lines, (T::ZERO, wanted[0]))?;
-        for &other in &self.nearby {
-            let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
-            let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.room();
-            widest = widest.max(needed);
-            let round = body.half[0] + second.half[0] < body.radius + second.radius;
-            let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
-            for &share in shares {
-                let x = center[0] + needed * T::from_f64(share);
-                let away = (x - wanted[0]).abs();
-                if limits[0][0] <= x && x <= limits[0][1] && away <= reach {
-                    memory::push(&mut self.lines, (away, x))?;
-                }
-            }
-        }
-        self.lines.sort_unstable_by(|a, b| a.0.total_order(&b.0).then(a.1.total_order(&b.1)));
+        let widest = self.list_lines(bodies, place, reach, (pusher, limits[0]))?;
         let mut best: Option<([T; 2], T)> = None;
-        for &(away, x) in &self.lines {
+        for line in 0..self.lines.len() {
+            let (away, x) = self.lines[line];
             if best.is_some_and(|(_, distance)| away >= distance) {
                 break;
             }
-            self.taken.intervals.clear();
-            let x_of = |other: u32| bodies.centers[other as usize][0];
-            let first = self.nearby.partition_point(|&other| x_of(other) < x - widest);
-            let last = self.nearby.partition_point(|&other| x_of(other) <= x + widest);
-            pulse.check(last - first)?;
-            for &other in &self.nearby[first..last] {
-                let (second, center) =
-                    (&bodies.all[other as usize], bodies.centers[other as usize]);
-                let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.room();
-                if needed > T::ZERO {
-                    memory::push(
-                        &mut self.taken.intervals,
-                        [center[1] - needed, center[1] + needed],
-                    )?;
-                }
-            }
+            self.list_taken(bodies, body, x, (pusher, widest), pulse)?;
             let Some(y) = self.taken.nearest_free(wanted[1], Some(limits[1])) else { continue };
             let up = y - wanted[1];
             let distance = (away * away + up * up).sqrt();
@@ -150,6 +119,62 @@ impl<T: Scalar> Search<T> {
             }
         }
         Ok(best)
+    }
+
+    /// Lists the positions along x at which a shape would touch others, within limits, by their
+    /// distance; returns the largest distance from the centre of another at which they touch.
+    fn list_lines(
+        &mut self,
+        bodies: &Bodies<T>,
+        place: usize,
+        reach: T,
+        (pusher, limits): (&Pusher<T>, [T; 2]),
+    ) -> Result<T> {
+        let (body, wanted) = (&bodies.all[place], bodies.centers[place][0]);
+        let mut widest = T::ZERO;
+        self.lines.clear();
+        memory::push(&mut self.lines, (T::ZERO, wanted))?;
+        for &other in &self.nearby {
+            let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
+            let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.room();
+            widest = widest.max(needed);
+            let round = body.half[0] + second.half[0] < body.radius + second.radius;
+            let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
+            for &share in shares {
+                let x = center[0] + needed * T::from_f64(share);
+                let away = (x - wanted).abs();
+                if limits[0] <= x && x <= limits[1] && away <= reach {
+                    memory::push(&mut self.lines, (away, x))?;
+                }
+            }
+        }
+        self.lines.sort_unstable_by(|a, b| a.0.total_order(&b.0).then(a.1.total_order(&b.1)));
+        Ok(widest)
+    }
+
+    /// Lists the intervals along y that the shapes nearby take from a shape at a position along x.
+    fn list_taken(
+        &mut self,
+        bodies: &Bodies<T>,
+        body: &Body<T>,
+        x: T,
+        (pusher, widest): (&Pusher<T>, T),
+        pulse: &mut Pulse,
+    ) -> Result<()> {
+        self.taken.intervals.clear();
+        let x_of = |other: u32| bodies.centers[other as usize][0];
+        let first = self.nearby.partition_point(|&other| x_of(other) < x - widest);
+        let last = self.nearby.partition_point(|&other| x_of(other) <= x + widest);
+        pulse.check(last - first)?;
+        for &other in &self.nearby[first..last] {
+            let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
+            let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.room();
+            if needed > T::ZERO {
+                let interval = [center[1] - needed, center[1] + needed];
+                memory::push(&mut self.taken.intervals, interval)?;
+            }
+        }
+        Ok(())
     }
 }
 

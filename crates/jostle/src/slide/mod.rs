@@ -117,8 +117,8 @@ pub enum Surface {
 /// An obstacle that a shape met.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlideHit<T> {
-    /// The number of the obstacle.
-    pub slot: u32,
+    /// The index of the obstacle.
+    pub index: u32,
     /// Unit normal of its surface, towards the shape that met it.
     pub normal: [T; 2],
 }

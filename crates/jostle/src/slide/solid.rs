@@ -16,15 +16,15 @@ pub enum Solid<T> {
     Segment([[T; 2]; 2]),
 }
 
-/// A solid with its number for the caller.
+/// A solid with its index for the caller.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle<T> {
     /// Its geometry, in the first period.
     pub solid: Solid<T>,
     /// The periods by which this image of it is moved; 0 in a plane that is not periodic.
     pub turns: Turns,
-    /// Its number for the caller.
-    pub slot: u32,
+    /// Its index for the caller.
+    pub index: u32,
 }
 
 impl<T: Scalar> Obstacle<T> {

@@ -14,7 +14,7 @@ const ROUNDINGS: f64 = 16.0;
 const ATTEMPTS: usize = 8;
 
 /// The least share of a displacement along the normal of an obstacle with which a shape is moved back
-/// along its path. Shapes that walk along a floor would lose a part of their way by it.
+/// along its path. Otherwise shapes that move along a floor would lose a part of their displacement.
 const LEAST_APPROACH: f64 = 0.6;
 
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
@@ -39,7 +39,7 @@ pub struct Walker<'a, T> {
 }
 
 impl<'a, T: Scalar> Walker<'a, T> {
-    /// A shape given by its centre. `near` is memory.
+    /// A shape given by its centre. `near` is scratch.
     pub fn new(
         (rules, period): (&'a SlideRules<T>, Period<T>),
         body: Shape<T>,
@@ -83,7 +83,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         }
         self.look(displacement);
         if let Some((_, hit)) = self.advance(displacement, except)
-            && self.hits.iter().all(|before| before.slot != hit.slot)
+            && self.hits.iter().all(|before| before.index != hit.index)
         {
             self.hits.push(hit);
         }
@@ -114,7 +114,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
     }
 
-    /// Finds the obstacles on the way, unless they are known.
+    /// Finds the obstacles along the path, unless they are known.
     fn look(&mut self, displacement: [T; 2]) {
         let center = self.body.min;
         let slop = self.slop(length(displacement));
@@ -161,7 +161,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let close = self.slop(T::ZERO);
         let (rules, period) = (self.rules, self.period);
         let is_solid = |obstacle: &Obstacle<T>| {
-            Some(obstacle.slot) != except
+            Some(obstacle.index) != except
                 && obstacle.facing(&period, &start, |body, solid| {
                     let ledge = solid.shape_of(rules.one_way);
                     !solid.overlaps(body)
@@ -187,7 +187,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 .then_with(|| a_of.order(b_of))
         });
         let first = first
-            .map(|((share, normal), obstacle)| (share, SlideHit { slot: obstacle.slot, normal }));
+            .map(|((share, normal), obstacle)| (share, SlideHit { index: obstacle.index, normal }));
         let share = first.map_or(T::ONE, |(share, _)| share);
         let end = self.free_end(displacement, share, &is_solid);
         self.body.min = end;
@@ -265,8 +265,10 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let approach = dot(path, normal);
         let back = path.map(|v| v * (out / approach));
         let new = [center[0] - back[0], center[1] - back[1]];
-        let way = [new[0] - self.body.min[0], new[1] - self.body.min[1]];
-        if approach > length(path) * T::from_f64(LEAST_APPROACH) && dot(way, path) >= T::ZERO {
+        let displacement = [new[0] - self.body.min[0], new[1] - self.body.min[1]];
+        if approach > length(path) * T::from_f64(LEAST_APPROACH)
+            && dot(displacement, path) >= T::ZERO
+        {
             return new;
         }
         [center[0] - normal[0] * out, center[1] - normal[1] * out]
@@ -274,7 +276,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
 
     /// The last obstacle of this kind that it met.
     pub fn last_of(&self, kind: Surface) -> Option<u32> {
-        self.hits.iter().rev().find(|hit| self.rules.kind(hit.normal) == kind).map(|hit| hit.slot)
+        self.hits.iter().rev().find(|hit| self.rules.kind(hit.normal) == kind).map(|hit| hit.index)
     }
 }
 

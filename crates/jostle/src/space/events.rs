@@ -86,12 +86,12 @@ impl<T: Scalar> Space<T> {
     ) -> Result<Vec<[u32; 2]>> {
         let mut found = Vec::new();
         let Some(front) = front else { return Ok(found) };
-        let mut memory = JoinScratch::default();
-        memory.keep(std::mem::take(&mut self.changes.found));
+        let mut scratch = JoinScratch::default();
+        scratch.keep(std::mem::take(&mut self.changes.found));
         let all_changed = self.layers.alive(front) == present.len();
         let changed = (!all_changed).then_some(&self.changes.changed[..]);
         for other in self.layers.indices() {
-            self.layers.join_changed([front, other], changed, most, &mut memory, &mut found)?;
+            self.layers.join_changed([front, other], changed, most, &mut scratch, &mut found)?;
         }
         Ok(found)
     }

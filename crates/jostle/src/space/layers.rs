@@ -376,16 +376,16 @@ impl<T: Scalar> Layers<T> {
         [a, b]: [usize; 2],
         changed: Option<&[bool]>,
         max_pairs: usize,
-        memory: &mut JoinScratch,
+        scratch: &mut JoinScratch,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
         let places = if a == b {
-            pairs::places_within(&first.tree, left, memory)
+            pairs::places_within(&first.tree, left, scratch)
         } else {
             let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
-            pairs::places_between(&first.tree, &second.tree, shift, filters, left, memory)
+            pairs::places_between(&first.tree, &second.tree, shift, filters, left, scratch)
         };
         let mut pairs = places.map_err(|error| of_all(error, max_pairs))?.pairs;
         let all_alive = first.is_alive() && second.is_alive();

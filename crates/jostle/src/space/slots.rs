@@ -1,4 +1,4 @@
-//! Shapes in slots, and their ids.
+//! A slot map (generational indices): shapes in slots, and their ids.
 //!
 //! An id contains the slot of its shape in the low bits and the slot's generation above them.
 //! So the shape is found directly, and a slot that is used again has another id.

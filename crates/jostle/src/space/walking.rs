@@ -145,7 +145,7 @@ impl<T: Scalar> Space<T> {
             all.on_wall.push(wall);
             all.on_ceiling.push(ceiling);
             all.floors.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
-            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.slot)));
+            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.index)));
             all.normals.extend(walk.hits.iter().map(|hit| hit.normal));
             all.offsets.push(all.ids.len());
         }

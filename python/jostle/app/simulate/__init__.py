@@ -13,6 +13,7 @@ emitters                nozzles that add drops
 world_frame             a world as a frame
 world_state             a world as bytes
 world_simulation        `jostle.World` as a `Simulation`
+article_state           the article's program as bytes
 article_simulation      `jostle.article.Simulation` as a `Simulation`
 start                   a simulation from settings, from a state, or from one with other rules
 history                 rewinding: snapshots, and re-simulation of the steps between them

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,17 +13,9 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.packing import (
-    ATTRACTORS,
-    COUNT,
-    Arrays,
-    column,
-    pack,
-    particles_of,
-    unpack,
-    within,
-)
-from jostle.app.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings
+from jostle.app.simulate.article_state import ArticleState
+from jostle.app.simulate.packing import within
+from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline, Settings
 from jostle.app.simulate.simulation import (
     WIDTHS,
     Attractor,
@@ -38,29 +30,14 @@ from jostle.app.simulate.simulation import (
     TreeBoxes,
     find,
 )
-from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
+from jostle.app.simulate.validation import FARTHEST
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
 GRAVITY = 0.5  # pixels per frame, added in each frame
 DEFAULT_N = 500
 WINDOW = (800, 500)  # pixels
-NUMBERS = ("x", "y", "speed", "angle")  # columns of a particle in full precision
-LARGEST = 1e9  # radius in pixels, and density: masses stay below 1e30, as in a world
-MOST_PIXELS = 10**9  # of a side of the display
 NO_WALLS = "The article's rules have no walls inside the window."
-
-FACTS = Fields(
-    {
-        "settings": SETTINGS,
-        "method": one_of(*article.METHODS),
-        "size": each(whole(article.SMALLEST_SIDE, MOST_PIXELS), "width", "height"),
-        "counters": each(COUNT, "tests", "repeats", "hits"),
-        "frames": COUNT,
-        "next_tag": COUNT,
-        "pulls": ATTRACTORS,
-    }
-)
 
 
 class ArticleSimulation:
@@ -293,72 +270,22 @@ class ArticleSimulation:
             self.program.drag_to(*point)
 
     def save(self) -> bytes:
-        program = self.program
-        facts = {
-            "settings": asdict(self.settings),
-            "method": program.method,
-            "size": [program.width, program.height],
-            "counters": [program.tests, program.repeats, program.hits],
-            "frames": self._frames,
-            "next_tag": self._next_tag,
-            "pulls": [asdict(attractor) for attractor in self.attractors],
-        }
-        numbers = [[getattr(p, name) for name in NUMBERS] for p in program.particles]
-        sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
-        columns = {
-            "numbers": np.array(numbers, np.float64).reshape(-1, len(NUMBERS)),
-            "sizes": np.array(sizes, np.int64).reshape(-1, 6),
-            "leaves": np.array(program.leaves, np.int64).reshape(-1, 5),
-            "tags": self._tags,
-            "born": self._born,
-        }
-        return pack("article", facts, columns)
+        return ArticleState(
+            self.settings, self.program, self.attractors, self._frames, self._tags, self._born,
+            self._next_tag,
+        ).save()  # fmt: skip
 
     def load(self, state: bytes) -> None:
-        facts, arrays = unpack("article", state)
-        facts = read(facts, FACTS)
-        settings, method = facts["settings"], facts["method"]
-        if settings.method != f"article-{method}":
-            raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
-        particles = _particles_of(arrays)
-        tags, born = particles_of(arrays, len(particles), facts["next_tag"])
-        leaves = column(arrays, "leaves", "<i8", (_rows(arrays, "leaves"), 5))
-        within("leaves", leaves, 0, MOST_PIXELS)
-        program = article.Simulation.of(particles, method, *facts["size"])
-        program.tests, program.repeats, program.hits = facts["counters"]
-        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
-        self.program, self.settings = program, settings
+        new = ArticleState.load(state)
+        self.settings, self.program, self.attractors = new.settings, new.program, new.attractors
+        self._frames, self._tags, self._born = new.frames, new.tags, new.born
+        self._next_tag = new.next_tag
         self._take_size()
-        self.attractors, self._frames = facts["pulls"], facts["frames"]
-        self._tags, self._born, self._next_tag = tags, born, facts["next_tag"]
 
     def _take_size(self) -> None:
         """Set view and container from the program's display."""
         self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
         self.container = jostle.Box(*self.view)
-
-
-def _particles_of(arrays: Arrays) -> list[article.Particle]:
-    """Return the particles of a saved state; raise a ValueError with a wrong number."""
-    n = _rows(arrays, "numbers")
-    numbers = column(arrays, "numbers", "<f8", (n, len(NUMBERS)))
-    sizes = column(arrays, "sizes", "<i8", (n, 6))
-    within("numbers", numbers, -FARTHEST, FARTHEST)
-    within("sizes", sizes[:, :2], 1, LARGEST)
-    within("sizes", sizes, -4 * FARTHEST, 4 * FARTHEST)
-    particles = []
-    for (x, y, speed, angle), (radius, density, *rectangle) in zip(
-        numbers.tolist(), sizes.tolist(), strict=True
-    ):
-        particle = article.Particle(x, y, radius, density, speed, angle)
-        left, top, width, height = rectangle
-        particle.rectangle = left, top, width, height
-        particles.append(particle)
-    return particles
-
-
-def _rows(arrays: Arrays, name: str) -> int:
-    return len(arrays[name]) if name in arrays and arrays[name].ndim else 0
 
 
 def _set(particle: article.Particle, name: str, value: Any) -> None:

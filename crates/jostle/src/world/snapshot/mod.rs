@@ -340,9 +340,11 @@ fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Dri
 fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
     for _ in 0..from.get_count()? {
         let (place, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
-        let to = all.get_mut(place as usize).ok_or_else(|| damaged("a wall pushes nothing"))?;
+        let to = all
+            .get_mut(place as usize)
+            .ok_or_else(|| damaged("a wall has an impulse on no particle"))?;
         if !pushes.iter().all(|&push| push >= least && push.is_finite()) {
-            return Err(damaged("a wall pushes in no way that a wall can"));
+            return Err(damaged("an impulse of a wall is out of range"));
         }
         *to = pushes;
     }
@@ -403,7 +405,7 @@ fn get_wall_impulses(from: &mut Reader<'_>, len: usize, version: u32) -> Result<
         let pushes: [f32; 2] = if version > 5 { from.get()? } else { [0.0; 2] };
         let is_push = pushes[0] >= 0.0 && pushes.iter().all(|push| push.is_finite());
         if row as usize >= len || impulses.iter().any(|impulse| impulse.is_nan()) || !is_push {
-            return Err(damaged("a wall pushes nothing"));
+            return Err(damaged("a wall has an impulse on no particle"));
         }
         all.push(WallImpulse { row, wall, impulses, pushes });
     }
@@ -451,6 +453,10 @@ impl World {
         let count = self.walls.all().len();
         let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
         let is_known = |of: &WallImpulse| (of.wall as usize) < FIRST as usize + count;
-        if all.all(is_known) { Ok(()) } else { Err(damaged("a wall pushes nothing")) }
+        if all.all(is_known) {
+            Ok(())
+        } else {
+            Err(damaged("a wall has an impulse on no particle"))
+        }
     }
 }

@@ -1,0 +1,112 @@
+//! `jostle.AndersenThermostat`.
+
+use jostle::forces;
+use pyo3::prelude::*;
+
+use super::read_seed;
+use crate::arrays::{Given, decimal, number};
+use crate::error::refused;
+
+/// A heat bath that gives each particle a new velocity at random times.
+///
+/// At the end of each step a particle gets a new velocity with the probability 1 - exp(-rate dt).
+/// Each component of it is normally distributed with the variance kT/m. So the particles reach the
+/// Maxwell distribution at this temperature (canonical ensemble); momentum and energy are not
+/// conserved. The random numbers are functions of `seed`, the particle's state and the time, so
+/// results have the same bits for every number of threads and every order of adding.
+///
+/// Parameters
+/// ----------
+/// temperature : float
+///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+///     particle, in units of mass times length² per second².
+/// rate : float
+///     Mean number of new velocities of a particle per second, at least 0.
+/// seed : int, default 0
+///     Seed of the random numbers, below 2³².
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not a number.
+/// ValueError
+///     If a number is out of range.
+///
+/// See Also
+/// --------
+/// ThermalWalls : Sides of the container with a temperature.
+///
+/// Notes
+/// -----
+/// A world has at most one. Angular velocities and immovable particles are not changed.
+///
+/// References
+/// ----------
+/// H. C. Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*,
+/// Journal of Chemical Physics 72, 2384 (1980).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> world = jostle.scenes.create("gas", n=1000)
+/// >>> world.forces = [jostle.AndersenThermostat(temperature=2.0, rate=5.0)]
+/// >>> world.step(1 / 60, steps=300)
+/// >>> abs(world.kinetic_energy / 1000 - 2.0) < 0.3
+/// True
+#[pyclass(module = "jostle", name = "AndersenThermostat", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyAndersenThermostat(pub forces::Andersen);
+
+#[pymethods]
+impl PyAndersenThermostat {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "rate", "seed");
+
+    #[new]
+    #[pyo3(
+        signature = (temperature, rate, seed=Given::NOTHING),
+        text_signature = "(temperature, rate, seed=0)"
+    )]
+    fn new(
+        temperature: &Bound<'_, PyAny>,
+        rate: &Bound<'_, PyAny>,
+        seed: Given<'_>,
+    ) -> PyResult<Self> {
+        let temperature = number("temperature", temperature)? as f32;
+        let rate = number("rate", rate)? as f32;
+        let bath = forces::Andersen { temperature, rate, seed: read_seed(&seed)? };
+        bath.validate().map_err(refused)?;
+        Ok(Self(bath))
+    }
+
+    /// Boltzmann's constant times the temperature.
+    #[getter]
+    fn temperature(&self) -> f64 {
+        decimal(self.0.temperature)
+    }
+
+    /// Mean number of new velocities of a particle per second.
+    #[getter]
+    fn rate(&self) -> f64 {
+        decimal(self.0.rate)
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(&self) -> u32 {
+        self.0.seed
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64, u32) {
+        (self.temperature(), self.rate(), self.seed())
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__().into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("AndersenThermostat({:?}, {:?}, {})", self.temperature(), self.rate(), self.seed())
+    }
+}

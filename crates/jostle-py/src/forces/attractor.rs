@@ -1,0 +1,160 @@
+//! `jostle.Attractor`.
+
+use jostle::Id;
+use jostle::forces::{self, Law, Pole};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
+
+use crate::arrays::{Given, count, decimal, number, point, word};
+use crate::error::{refused, value_error};
+
+/// A force towards a point or a particle.
+///
+/// An attracting particle is not accelerated by those that it attracts. On a torus the
+/// force is towards the nearest image of the point.
+///
+/// Parameters
+/// ----------
+/// point : array_like, shape (2,), optional
+///     The point, in units of length; or give `particle`.
+/// strength : float
+///     Acceleration per unit of distance ("harmonic"), or G times the attracting
+///     mass ("inverse_square"). If negative, the force is repulsive.
+/// law : {"harmonic", "inverse_square"}, default "harmonic"
+///     Acceleration is strength times distance, as in the article, or strength over
+///     distance squared. In the second case the force within a particle's own radius is
+///     that inside a homogeneous ball of that radius.
+/// particle : int, optional
+///     Id of the attracting particle; if it is removed, the attractor is removed.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If not exactly one of `point` and `particle` is given, or it does not hold numbers.
+/// ValueError
+///     If a number is not finite, or there is no such law.
+///
+/// See Also
+/// --------
+/// Gravitation : Attraction between all particles.
+/// World.force : Forces from NumPy.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> pull = jostle.Attractor((0, 0), 4.0)
+/// >>> world = jostle.World([(3, 0)], [(0, 0)], radii=1.0, forces=[pull])
+/// >>> world.step(0.0078539816, steps=200)  # half a period, π/2 seconds
+/// >>> world.positions.round(3)
+/// array([[-3.,  0.]], dtype=float32)
+/// >>> jostle.Attractor(particle=0, strength=9.0, law="inverse_square")
+/// Attractor(None, 9.0, 'inverse_square', particle=0)
+#[pyclass(module = "jostle", name = "Attractor", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyAttractor(pub forces::Attractor);
+
+#[pymethods]
+impl PyAttractor {
+    #[new]
+    #[pyo3(
+        signature = (point=None, strength=None, law=Given::NOTHING, *, particle=None),
+        text_signature = "(point=None, strength=None, law='harmonic', *, particle=None)"
+    )]
+    fn new(
+        point: Option<&Bound<'_, PyAny>>,
+        strength: Option<&Bound<'_, PyAny>>,
+        law: Given<'_>,
+        particle: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let pole = match (point, particle) {
+            (Some(point), None) => Pole::Point(self::point("point", point)?),
+            (None, Some(particle)) => Pole::Particle(id("particle", particle)?),
+            _ => {
+                let rule = "an Attractor needs either a point or a particle";
+                return Err(PyTypeError::new_err(rule));
+            }
+        };
+        let Some(strength) = strength else {
+            return Err(PyTypeError::new_err("an Attractor needs a strength"));
+        };
+        let strength = number("strength", strength)? as f32;
+        let attractor = forces::Attractor { pole, strength, law: read_law(&law)? };
+        attractor.validate().map_err(refused)?;
+        Ok(Self(attractor))
+    }
+
+    /// The attracting point, (x, y); None if it is a particle.
+    #[getter]
+    fn point(&self) -> Option<(f64, f64)> {
+        match self.0.pole {
+            Pole::Point(point) => Some(point.map(decimal).into()),
+            Pole::Particle(_) => None,
+        }
+    }
+
+    /// Acceleration per unit of distance, or G times the attracting mass.
+    #[getter]
+    fn strength(&self) -> f64 {
+        decimal(self.0.strength)
+    }
+
+    /// "harmonic" or "inverse_square".
+    #[getter]
+    fn law(&self) -> &'static str {
+        match self.0.law {
+            Law::Harmonic => "harmonic",
+            Law::InverseSquare => "inverse_square",
+        }
+    }
+
+    /// Id of the attracting particle, or None.
+    #[getter]
+    fn particle(&self) -> Option<Id> {
+        match self.0.pole {
+            Pole::Point(_) => None,
+            Pole::Particle(id) => Some(id),
+        }
+    }
+
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((Option<(f64, f64)>, f64, &'static str), Bound<'py, PyDict>)> {
+        let keywords = [("particle", self.particle())].into_py_dict(py)?;
+        Ok(((self.point(), self.strength(), self.law()), keywords))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        (self.point(), self.strength(), self.law(), self.particle()).into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let (strength, law) = (self.strength(), self.law());
+        match self.0.pole {
+            Pole::Point(point) => {
+                let [x, y] = point.map(decimal);
+                format!("Attractor(({x:?}, {y:?}), {strength:?}, '{law}')")
+            }
+            Pole::Particle(id) => {
+                format!("Attractor(None, {strength:?}, '{law}', particle={id})")
+            }
+        }
+    }
+}
+
+fn read_law(given: &Given<'_>) -> PyResult<Law> {
+    let rule = "'harmonic' or 'inverse_square'";
+    match word("law", given, rule)?.as_deref() {
+        None | Some("harmonic") => Ok(Law::Harmonic),
+        Some("inverse_square") => Ok(Law::InverseSquare),
+        Some(other) => Err(value_error("law", format!("'{other}'"), rule)),
+    }
+}
+
+/// The id of a particle.
+fn id(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Id> {
+    let id = count(name, value, 0)?;
+    Id::try_from(id).map_err(|_| value_error(name, id, "the id of a particle"))
+}

@@ -1,0 +1,151 @@
+//! `jostle.Flocking`.
+
+use jostle::forces::Flocking;
+use pyo3::prelude::*;
+
+use super::real_or;
+use crate::arrays::{Given, decimal, number};
+use crate::error::refused;
+
+/// Flocking: separation, alignment and cohesion.
+///
+/// The neighbours of a particle are those nearer than `cutoff`. Its acceleration is the mean over
+/// these of ``separation * (1 - d / cutoff)`` away from each, ``alignment`` times the difference of
+/// velocities, and ``cohesion`` times the offset. Forces keep the speed within limits.
+///
+/// Parameters
+/// ----------
+/// cutoff : float
+///     Distance below which particles are neighbours, in units of length. On a torus at most half of
+///     each side.
+/// separation : float
+///     Acceleration away from a neighbour at distance 0, at least 0.
+/// alignment : float
+///     Rate at which velocities become equal, per second, at least 0.
+/// cohesion : float
+///     Acceleration towards a neighbour per unit of distance, at least 0.
+/// max_speed : float
+///     Limit of the speed, in units of length per second; may be infinite.
+/// min_speed : float, default 0.0
+///     Lower limit of the speed of particles that move.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not a number.
+/// ValueError
+///     If a number is out of range. When it is assigned to `World.forces`, also if the cutoff is too
+///     large for the torus.
+///
+/// See Also
+/// --------
+/// PairForce : Forces between kinds of particles.
+///
+/// Notes
+/// -----
+/// The limits of the speed hold for the sum of all accelerations but gravity. Momentum and energy
+/// are not conserved.
+///
+/// References
+/// ----------
+/// C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> birds = jostle.Flocking(5.0, separation=0.0, alignment=2.0, cohesion=0.0, max_speed=9.0)
+/// >>> world = jostle.World([(0, 0), (0, 2)], [(1, 0), (3, 0)], 0.1, forces=[birds])
+/// >>> world.step(0.1, steps=100)
+/// >>> world.velocities.round(3)
+/// array([[2., 0.],
+///        [2., 0.]], dtype=float32)
+#[pyclass(module = "jostle", name = "Flocking", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyFlocking(pub Flocking);
+
+#[pymethods]
+impl PyFlocking {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str, &str, &str, &str) =
+        ("cutoff", "separation", "alignment", "cohesion", "max_speed", "min_speed");
+
+    #[new]
+    #[pyo3(
+        signature = (cutoff, separation, alignment, cohesion, max_speed, min_speed=Given::NOTHING),
+        text_signature = "(cutoff, separation, alignment, cohesion, max_speed, min_speed=0.0)"
+    )]
+    fn new(
+        cutoff: &Bound<'_, PyAny>,
+        separation: &Bound<'_, PyAny>,
+        alignment: &Bound<'_, PyAny>,
+        cohesion: &Bound<'_, PyAny>,
+        max_speed: &Bound<'_, PyAny>,
+        min_speed: Given<'_>,
+    ) -> PyResult<Self> {
+        let flocking = Flocking {
+            cutoff: number("cutoff", cutoff)? as f32,
+            separation: number("separation", separation)? as f32,
+            alignment: number("alignment", alignment)? as f32,
+            cohesion: number("cohesion", cohesion)? as f32,
+            max_speed: number("max_speed", max_speed)? as f32,
+            min_speed: real_or("min_speed", &min_speed, 0.0)?,
+        };
+        flocking.validate().map_err(refused)?;
+        Ok(Self(flocking))
+    }
+
+    /// Distance below which particles are neighbours, in units of length.
+    #[getter]
+    fn cutoff(&self) -> f64 {
+        decimal(self.0.cutoff)
+    }
+
+    /// Acceleration away from a neighbour at distance 0.
+    #[getter]
+    fn separation(&self) -> f64 {
+        decimal(self.0.separation)
+    }
+
+    /// Rate at which velocities become equal, per second.
+    #[getter]
+    fn alignment(&self) -> f64 {
+        decimal(self.0.alignment)
+    }
+
+    /// Acceleration towards a neighbour per unit of distance.
+    #[getter]
+    fn cohesion(&self) -> f64 {
+        decimal(self.0.cohesion)
+    }
+
+    /// Limit of the speed.
+    #[getter]
+    fn max_speed(&self) -> f64 {
+        decimal(self.0.max_speed)
+    }
+
+    /// Lower limit of the speed of particles that move.
+    #[getter]
+    fn min_speed(&self) -> f64 {
+        decimal(self.0.min_speed)
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64, f64, f64, f64, f64) {
+        let Flocking { cutoff, separation, alignment, cohesion, max_speed, min_speed } = self.0;
+        let [cutoff, separation, alignment] = [cutoff, separation, alignment].map(decimal);
+        let [cohesion, max_speed, min_speed] = [cohesion, max_speed, min_speed].map(decimal);
+        (cutoff, separation, alignment, cohesion, max_speed, min_speed)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__().into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let (cutoff, separation, alignment, cohesion, max, min) = self.__getnewargs__();
+        format!(
+            "Flocking({cutoff:?}, {separation:?}, {alignment:?}, {cohesion:?}, {max:?}, {min:?})"
+        )
+    }
+}

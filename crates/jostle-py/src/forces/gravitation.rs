@@ -1,0 +1,109 @@
+//! `jostle.Gravitation`.
+
+use jostle::forces;
+use pyo3::prelude::*;
+
+use super::real_or;
+use crate::arrays::{Given, decimal, number};
+use crate::error::refused;
+
+/// Gravitation between all particles.
+///
+/// The acceleration of each is the sum of G m d / (d² + softening²)^(3/2) over all
+/// others; on a torus with minimum images. Many particles are summed by the Barnes-Hut
+/// method on a quadtree, with an error of about half a percent for the default `theta`; few
+/// are summed directly. Momentum is conserved.
+///
+/// Parameters
+/// ----------
+/// G : float
+///     The gravitational constant.
+/// softening : float, default 0.0
+///     Distance below which the force is reduced, in units of length.
+/// theta : float, default 0.5
+///     A box is treated as one body if its diagonal divided by its distance is less; 0 to 1.
+///     With 0 every pair is summed.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument is not a number.
+/// ValueError
+///     If a number is out of range.
+///
+/// See Also
+/// --------
+/// Attractor : A central force without a reaction.
+///
+/// References
+/// ----------
+/// J. Barnes and P. Hut, *A hierarchical O(N log N) force-calculation algorithm*, Nature 324
+/// (1986).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> pull = jostle.Gravitation(1.0)
+/// >>> world = jostle.World([(-2, 0), (2, 0)], [(0, -.25), (0, .25)], .1, masses=1.0, forces=[pull])
+/// >>> world.step(0.1, steps=100)
+/// >>> [abs(round(p, 5)) for p in world.momentum]
+/// [0.0, 0.0]
+#[pyclass(module = "jostle", name = "Gravitation", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyGravitation(pub forces::Gravitation);
+
+// The default in the signature.
+const _: () = assert!(forces::gravitation::DEFAULT_THETA == 0.5);
+
+#[pymethods]
+impl PyGravitation {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str) = ("G", "softening", "theta");
+
+    #[new]
+    #[pyo3(
+        signature = (G, softening=Given::NOTHING, theta=Given::NOTHING),
+        text_signature = "(G, softening=0.0, theta=0.5)"
+    )]
+    #[expect(non_snake_case, reason = "its usual name")]
+    fn new(G: &Bound<'_, PyAny>, softening: Given<'_>, theta: Given<'_>) -> PyResult<Self> {
+        let g = number("G", G)? as f32;
+        let softening = real_or("softening", &softening, 0.0)?;
+        let theta = real_or("theta", &theta, forces::gravitation::DEFAULT_THETA)?;
+        let gravitation = forces::Gravitation { g, softening, theta };
+        gravitation.validate().map_err(refused)?;
+        Ok(Self(gravitation))
+    }
+
+    /// The gravitational constant.
+    #[getter(G)]
+    fn g(&self) -> f64 {
+        decimal(self.0.g)
+    }
+
+    /// Distance below which the force is reduced, in units of length.
+    #[getter]
+    fn softening(&self) -> f64 {
+        decimal(self.0.softening)
+    }
+
+    /// Diagonal divided by distance below which a box is treated as one body.
+    #[getter]
+    fn theta(&self) -> f64 {
+        decimal(self.0.theta)
+    }
+
+    fn __getnewargs__(&self) -> (f64, f64, f64) {
+        (self.g(), self.softening(), self.theta())
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        self.__getnewargs__().into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let (g, softening, theta) = self.__getnewargs__();
+        format!("Gravitation({g:?}, {softening:?}, {theta:?})")
+    }
+}

@@ -1,0 +1,141 @@
+//! `jostle.Springs`.
+
+use jostle::Each;
+use jostle::forces::{self, Spring};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::arrays::{Argument, Given, column, read_only, reals, table};
+use crate::error::refused;
+
+/// Springs between pairs of particles.
+///
+/// The force of each spring is stiffness times stretch plus damping times the rate of
+/// lengthening. Stiff springs are integrated in parts of a sub-step, whose number is limited;
+/// the stiffness is reduced if more would be necessary. If one of its ends is removed, a spring is
+/// removed too.
+///
+/// Parameters
+/// ----------
+/// pairs : array_like of int, shape (m, 2)
+///     Ids of the two ends of each spring.
+/// lengths : array_like, a number or shape (m,)
+///     Lengths at rest, in units of length.
+/// stiffness : array_like, a number or shape (m,)
+///     Force per unit of stretch.
+/// damping : array_like, a number or shape (m,), default 0.0
+///     Force per unit of speed.
+/// max_stretch : array_like, a number or shape (m,), optional
+///     Stretch beyond which a spring breaks at the end of a step, in units of length. If
+///     omitted, none breaks.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument has the wrong type.
+/// ValueError
+///     If a shape is wrong or a number is out of range; the message says which.
+///
+/// See Also
+/// --------
+/// Attractor : A force towards a point.
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> tie = jostle.Springs([(0, 1)], lengths=2.0, stiffness=40.0, damping=4.0)
+/// >>> world = jostle.World([(0, 0), (3, 0)], [(0, 0)] * 2, radii=0.5, masses=1.0, forces=[tie])
+/// >>> world.step(0.01, steps=500)
+/// >>> world.positions.round(3)
+/// array([[0.5, 0. ],
+///        [2.5, 0. ]], dtype=float32)
+#[pyclass(module = "jostle", name = "Springs", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PySprings(pub forces::Springs);
+
+#[pymethods]
+impl PySprings {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str, &str, &str) =
+        ("pairs", "lengths", "stiffness", "damping", "max_stretch");
+
+    #[new]
+    #[pyo3(
+        signature = (pairs, lengths, stiffness, damping=Given::NOTHING, max_stretch=None),
+        text_signature = "(pairs, lengths, stiffness, damping=0.0, max_stretch=None)"
+    )]
+    fn new(
+        pairs: &Bound<'_, PyAny>,
+        lengths: &Bound<'_, PyAny>,
+        stiffness: &Bound<'_, PyAny>,
+        damping: Given<'_>,
+        max_stretch: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let pairs = Argument::integers("pairs", pairs)?.id_pairs()?;
+        let len = pairs.len();
+        let column = |name, value: Option<&Bound<'_, PyAny>>, default| -> PyResult<Each<f32>> {
+            Ok(reals(name, value, len)?.unwrap_or(Each::One(default)))
+        };
+        let lengths = column("lengths", Some(lengths), 0.0)?;
+        let stiffness = column("stiffness", Some(stiffness), 0.0)?;
+        let damping = column("damping", damping.value(), 0.0)?;
+        let max_stretch = column("max_stretch", max_stretch, f32::INFINITY)?;
+        let spring = |row: usize| Spring {
+            pair: pairs[row],
+            length: lengths.at(row),
+            stiffness: stiffness.at(row),
+            damping: damping.at(row),
+            max_stretch: max_stretch.at(row),
+        };
+        let springs = forces::Springs((0..len).map(spring).collect());
+        springs.validate().map_err(refused)?;
+        Ok(Self(springs))
+    }
+
+    /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
+    #[getter]
+    fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        Ok(read_only(table(py, self.0.0.iter().map(|spring| spring.pair).collect())?))
+    }
+
+    /// Lengths at rest: ndarray of float32, shape (m,).
+    #[getter]
+    fn lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        read_only(column(py, self.0.0.iter().map(|spring| spring.length).collect()))
+    }
+
+    /// Force per unit of stretch: ndarray of float32, shape (m,).
+    #[getter]
+    fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        read_only(column(py, self.0.0.iter().map(|spring| spring.stiffness).collect()))
+    }
+
+    /// Force per unit of speed: ndarray of float32, shape (m,).
+    #[getter]
+    fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        read_only(column(py, self.0.0.iter().map(|spring| spring.damping).collect()))
+    }
+
+    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
+    /// breaks.
+    #[getter]
+    fn max_stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        read_only(column(py, self.0.0.iter().map(|spring| spring.max_stretch).collect()))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.0.len()
+    }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let columns = [self.lengths(py), self.stiffness(py), self.damping(py)];
+        let [lengths, stiffness, damping] = columns;
+        (self.pairs(py)?, lengths, stiffness, damping, self.max_stretch(py)).into_pyobject(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<jostle.Springs between {} pairs>", self.0.0.len())
+    }
+}

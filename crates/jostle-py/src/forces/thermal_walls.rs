@@ -1,0 +1,175 @@
+//! `jostle.ThermalWalls`.
+
+use jostle::{Error, forces};
+use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
+
+use super::motor::wall_numbers;
+use super::read_seed;
+use crate::arrays::{Given, decimal, long_ids, number};
+use crate::error::refused;
+
+/// Sides of the container, and walls, with a temperature.
+///
+/// A particle that hits such a wall leaves it with the velocity of a particle that enters through
+/// it from a gas in equilibrium: the speed along the normal has the density ∝ v exp(-m v²/2kT), the
+/// velocity along the wall is normally distributed with the variance kT/m. A gas between such walls
+/// reaches their temperature and the Maxwell distribution; between different temperatures there is
+/// a heat flow. The random numbers are functions of `seed`, the particle's state at the impact and
+/// the time, so results have the same bits for every number of threads and every order of adding.
+///
+/// Parameters
+/// ----------
+/// temperature : float
+///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
+///     particle, in units of mass times length² per second².
+/// sides : array_like of int, shape (k,), optional
+///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
+///     0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+///     is given.
+/// seed : int, default 0
+///     Seed of the random numbers, below 2³².
+/// walls : array_like of int, shape (m,), optional
+///     Indices of line segments in `World.walls`, which have the temperature on both sides. At a wall
+///     that moves, the velocities are relative to it.
+///
+/// Raises
+/// ------
+/// TypeError
+///     If an argument has the wrong type.
+/// ValueError
+///     If a number is out of range, or a side or a wall is given twice. When it is assigned to
+///     `World.forces`, also if a wall does not exist, or has a temperature already, or the container does
+///     not have a side. A change of `World.container` to one without it is refused, too.
+///
+/// See Also
+/// --------
+/// AndersenThermostat : A heat bath for all particles.
+/// Thermostat : The article's rule, which does not lead to the Maxwell distribution.
+///
+/// Notes
+/// -----
+/// Several of them may have different sides and walls. Angular velocities, and particles that rest on a wall,
+/// are not heated: use coefficients of restitution of 1. `World.wall_contacts` includes the change
+/// along the normal.
+///
+/// References
+/// ----------
+/// R. Tehver, F. Toigo, J. Koplik and J. R. Banavar, *Thermal walls in computer simulations*,
+/// Physical Review E 57, R17 (1998).
+///
+/// Examples
+/// --------
+/// >>> import jostle
+/// >>> hot, cold = jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1], seed=1)
+/// >>> world = jostle.scenes.create("gas", n=100)
+/// >>> world.forces = [hot, cold]
+/// >>> world.step(1 / 60, steps=10)
+/// >>> hot
+/// ThermalWalls(4.0, [0], 0)
+///
+/// A hot plate in the middle of the box:
+///
+/// >>> world.walls = [((5, 10), (15, 10))]
+/// >>> world.forces = [jostle.ThermalWalls(9.0, walls=[0])]
+/// >>> world.step(1 / 60, steps=10)
+#[pyclass(module = "jostle", name = "ThermalWalls", frozen, eq)]
+#[derive(PartialEq)]
+pub struct PyThermalWalls(pub forces::ThermalWalls);
+
+#[pymethods]
+impl PyThermalWalls {
+    #[classattr]
+    #[pyo3(name = "__match_args__")]
+    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "sides", "seed");
+
+    #[new]
+    #[pyo3(
+        signature = (temperature, sides=None, seed=Given::NOTHING, *, walls=None),
+        text_signature = "(temperature, sides=None, seed=0, *, walls=None)"
+    )]
+    fn new(
+        temperature: &Bound<'_, PyAny>,
+        sides: Option<&Bound<'_, PyAny>>,
+        seed: Given<'_>,
+        walls: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let temperature = number("temperature", temperature)? as f32;
+        let sides = sides.map_or(Ok([walls.is_none(); 4]), self::sides)?;
+        let indices = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
+        let walls = wall_numbers(&indices.map_or(Vec::new(), |indices| indices.rows(1)))?;
+        let hot = forces::ThermalWalls { temperature, sides, walls, seed: read_seed(&seed)? };
+        hot.validate().map_err(refused)?;
+        Ok(Self(hot))
+    }
+
+    /// Boltzmann's constant times the temperature.
+    #[getter]
+    fn temperature(&self) -> f64 {
+        decimal(self.0.temperature)
+    }
+
+    /// The sides of the container that have it: a tuple of int, ascending.
+    #[getter]
+    fn sides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.numbers())
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(&self) -> u32 {
+        self.0.seed
+    }
+
+    /// The indices of the walls that have it: a tuple of int.
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, &self.0.walls)
+    }
+
+    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
+    fn __getnewargs_ex__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<((f64, Bound<'py, PyTuple>, u32), Bound<'py, PyDict>)> {
+        let keywords = [("walls", self.walls(py)?)].into_py_dict(py)?;
+        Ok(((self.temperature(), self.sides(py)?, self.seed()), keywords))
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let all = (self.temperature(), self.sides(py)?, self.seed(), self.walls(py)?);
+        all.into_pyobject(py)?.hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let (sides, walls) = (self.numbers(), &self.0.walls);
+        let walls = if walls.is_empty() { String::new() } else { format!(", walls={walls:?}") };
+        format!("ThermalWalls({:?}, {sides:?}, {}{walls})", self.temperature(), self.seed())
+    }
+}
+
+impl PyThermalWalls {
+    fn numbers(&self) -> Vec<usize> {
+        (0..4).filter(|&side| self.0.sides[side]).collect()
+    }
+}
+
+/// The sides of the container with the numbers in an array.
+fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; 4]> {
+    let numbers = long_ids("sides", value, "side")?.rows(1);
+    let mut sides = [false; 4];
+    for (index, number) in numbers.into_iter().enumerate() {
+        let side = usize::try_from(number).ok().and_then(|side| sides.get_mut(side));
+        match side {
+            None => {
+                let rule = "the sides of a container are 0 to 3";
+                return Err(refused(Error::at("sides", index, number, rule)));
+            }
+            Some(true) => {
+                return Err(refused(Error::at("sides", index, number, "it is given twice")));
+            }
+            Some(side) => *side = true,
+        }
+    }
+    Ok(sides)
+}

@@ -1,0 +1,325 @@
+//! Adding, changing and removing the shapes of a space.
+
+use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use jostle::{Each, Scalar, Shapes};
+use numpy::Element;
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+
+use super::{Either, PySpace, long};
+use crate::arrays::{Argument, Given, bit_sets, column, reals};
+use crate::ids::Ids;
+use crate::queries::{Maybe, result_of};
+use crate::shapes::{Places, Where};
+
+#[pymethods]
+impl PySpace {
+    /// Add one shape or many.
+    ///
+    /// Parameters
+    /// ----------
+    /// centers : array_like, shape (k, 2) or (2,), optional
+    ///     Centres; required unless `boxes` is given.
+    /// radii : array_like, a number or shape (k,), default 0.0
+    ///     Radii.
+    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+    ///     Half widths and half heights. If omitted, the shapes are circles.
+    /// boxes : array_like, shape (k, 4) or (4,), optional
+    ///     Sides min_x, min_y, max_x, max_y of each shape, in place of `centers` and `half_sizes`.
+    ///     Objects with the attributes `left`, `top`, `right` and `bottom`, such as pygame's Rect,
+    ///     are accepted, also in a list or a tuple, but not in an array, which NumPy fills with
+    ///     x, y, width and height. The four numbers are compared without rounding: boxes that share
+    ///     an edge never overlap, whereas sides computed as ``center ± half_size`` are rounded.
+    /// categories : array_like of int, a number or shape (k,), default 1
+    ///     Categories of each shape, as a set of 32 bits.
+    /// masks : array_like of int, a number or shape (k,), default 0xFFFFFFFF
+    ///     Categories each shape may pair with, as a set of 32 bits. Shapes i and j may pair only
+    ///     if both ``categories[i] & masks[j]`` and ``categories[j] & masks[i]`` are not 0.
+    ///     A negative integer stands for its low 32 bits, so ``masks=~SHIP`` is every category
+    ///     except SHIP. For a uint8 or uint16 array, ``~`` sets no bits above the 8th or 16th.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (k,), or int
+    ///     Their ids; one id for one centre or one box. Ids start at 0: 0, 1, 2, ...
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
+    ///     `boxes` is given.
+    /// ValueError
+    ///     If a shape is wrong, a value is not finite, or a size is out of range: a radius is 0,
+    ///     or between 1e-18 and 1e18 in float32 and between 1e-150 and 1e150 in float64.
+    ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    /// resize : Change radii or half sizes.
+    /// set_filter : Change categories and masks.
+    /// remove : Remove shapes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> space.add([(0, 0), (5, 0)], radii=1.0)
+    /// array([0, 1])
+    /// >>> space.add((2, 2), half_sizes=(1, 0.5))
+    /// 2
+    /// >>> space.add(boxes=[(0, 3, 0.1, 4), (0.1, 3, 0.2, 4)])
+    /// array([3, 4])
+    #[pyo3(
+        signature = (
+            centers=None, radii=Given::NOTHING, half_sizes=None, *, boxes=None,
+            categories=Given::NOTHING, masks=Given::NOTHING,
+        ),
+        text_signature = "($self, centers=None, radii=0.0, half_sizes=None, *, boxes=None, \
+                          categories=1, masks=0xFFFFFFFF)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn add<'py>(
+        &self,
+        py: Python<'py>,
+        centers: Maybe<'_, 'py>,
+        radii: Given<'py>,
+        half_sizes: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
+        categories: Given<'py>,
+        masks: Given<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let (places, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
+            let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
+            let new = Draft {
+                radii: reals("radii", radii.value(), len.unwrap_or(1))?,
+                half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
+                filters: bits(filters, len.unwrap_or(1))?,
+            };
+            let ids = long(py, space, |space| space.add(&new.shapes(places)?))?;
+            let ids = result_of(ids, len.is_none())?;
+            if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
+        })
+    }
+
+    /// Change the centres or the boxes of shapes.
+    ///
+    /// Shapes whose values are unchanged cost almost nothing.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes, each at most once.
+    /// centers : array_like, shape (k, 2), or (2,) for one id, optional
+    ///     The new centres. A shape that was given as a box, and whose centre changes, is stored as
+    ///     ``center ± half_size`` from then on, with half the size of its box, and its sides are
+    ///     rounded. Give `boxes` to keep them exact.
+    /// boxes : array_like, shape (k, 4), or (4,) for one id, optional
+    ///     In place of `centers`, sides min_x, min_y, max_x, max_y of each shape, or pygame's Rects,
+    ///     as in :meth:`add`. The size may change too. Radii stay the same.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers, or if not exactly one of `centers` and
+    ///     `boxes` is given.
+    /// ValueError
+    ///     If an id does not exist or is given twice, a coordinate is not finite, or a
+    ///     minimum is above its maximum; then nothing moves.
+    ///
+    /// See Also
+    /// --------
+    /// resize : Change radii or half sizes.
+    /// update : The pairs that enter and leave by it.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (5, 0)], radii=1.0)
+    /// >>> space.move(ids, [(1, 0), (6, 0)])
+    /// >>> space.move(0, (2, 0))
+    /// >>> space.centers(ids)
+    /// array([[2., 0.],
+    ///        [6., 0.]])
+    /// >>> tile = space.add(boxes=(0, 0, 0.1, 0.1))
+    /// >>> space.move(tile, boxes=(0.1, 0, 0.2, 0.1))
+    #[pyo3(name = "move", signature = (ids, centers=None, *, boxes=None))]
+    fn move_to<'py>(
+        &self,
+        py: Python<'py>,
+        ids: &Bound<'py, PyAny>,
+        centers: Maybe<'_, 'py>,
+        boxes: Maybe<'_, 'py>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids, "shape")?;
+            let places = Where::read(centers, None, boxes)?;
+            let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
+            ids.result_of(long(py, space, |space| match &places {
+                Places::Centers(centers) => space.move_to(&ids.all, centers),
+                Places::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
+            })?)
+        })
+    }
+
+    /// Change the radii or the half sizes of shapes, or both.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes, each at most once.
+    /// radii : array_like, a number or shape (k,), optional
+    ///     If omitted, they stay the same.
+    /// half_sizes : array_like, a number, shape (2,) or (k, 2), optional
+    ///     If omitted, they stay the same. A shape that was given as a box, and whose size
+    ///     changes, is stored as ``center ± half_size`` from then on; ``move(ids, boxes=...)``
+    ///     gives it another box.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold numbers.
+    /// ValueError
+    ///     If an id does not exist or is given twice, or a size is not finite or out of
+    ///     range; then nothing changes.
+    ///
+    /// See Also
+    /// --------
+    /// move : Change centres or boxes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0)], radii=1.0)
+    /// >>> space.resize(ids, 2.0)
+    /// >>> space.update().entered
+    /// array([[0, 1]])
+    #[pyo3(signature = (ids, radii=None, half_sizes=None))]
+    fn resize(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        radii: Maybe<'_, '_>,
+        half_sizes: Maybe<'_, '_>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids, "shape")?;
+            let radii = reals("radii", radii, ids.all.len())?;
+            let sizes = sizes(half_sizes, ids.all.len())?;
+            let (radii, sizes) = (radii.as_ref(), sizes.as_ref());
+            ids.result_of(long(py, space, |space| space.resize(&ids.all, radii, sizes))?)
+        })
+    }
+
+    /// Change the categories or the masks of shapes, or both.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes, each at most once.
+    /// categories : array_like of int, a number or shape (k,), optional
+    ///     If omitted, they stay the same.
+    /// masks : array_like of int, a number or shape (k,), optional
+    ///     If omitted, they stay the same.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument does not hold integers.
+    /// ValueError
+    ///     If an id does not exist or is given twice, or a set of bits has more than 32;
+    ///     then nothing changes.
+    ///
+    /// See Also
+    /// --------
+    /// categories, masks : The present ones.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (1, 0)], radii=1.0)
+    /// >>> space.set_filter(0, masks=0)  # it can no longer pair
+    /// >>> len(space.pairs())
+    /// 0
+    #[pyo3(signature = (ids, categories=None, masks=None))]
+    fn set_filter(
+        &self,
+        py: Python<'_>,
+        ids: &Bound<'_, PyAny>,
+        categories: Maybe<'_, '_>,
+        masks: Maybe<'_, '_>,
+    ) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids, "shape")?;
+            let [categories, masks] = bits([categories, masks], ids.all.len())?;
+            let (categories, masks) = (categories.as_ref(), masks.as_ref());
+            ids.result_of(long(py, space, |space| space.set_filter(&ids.all, categories, masks))?)
+        })
+    }
+
+    /// Remove shapes. Their ids are never used again.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes, each at most once.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If `ids` does not hold integers.
+    /// ValueError
+    ///     If an id does not exist or is given twice; then none is removed.
+    ///
+    /// See Also
+    /// --------
+    /// add : Add shapes.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (5, 0), (9, 0)])
+    /// >>> space.remove(ids[:2])
+    /// >>> space.ids
+    /// array([2])
+    fn remove(&self, py: Python<'_>, ids: &Bound<'_, PyAny>) -> PyResult<()> {
+        with_space!(self, space => {
+            let ids = Ids::read(ids, "shape")?;
+            ids.result_of(long(py, space, |space| space.remove(&ids.all))?)
+        })
+    }
+}
+
+/// The arguments for new shapes, except their positions.
+struct Draft<T> {
+    radii: Option<Each<T>>,
+    half_sizes: Option<Each<[T; 2]>>,
+    filters: [Option<Each<u32>>; 2],
+}
+
+impl<T: Scalar> Draft<T> {
+    /// The shapes of the core, with checked values; without the GIL.
+    fn shapes(self, places: Places<T>) -> jostle::Result<Shapes<T>> {
+        let radii = self.radii.unwrap_or(Each::One(T::ZERO));
+        let filters = match self.filters {
+            [None, None] => None,
+            [categories, masks] => Some([
+                categories.unwrap_or(Each::One(DEFAULT_CATEGORY)),
+                masks.unwrap_or(Each::One(DEFAULT_MASK)),
+            ]),
+        };
+        places.shapes(radii, self.half_sizes, filters)
+    }
+}
+
+fn sizes<T: Scalar + Element>(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<[T; 2]>>> {
+    value.map(|value| Argument::reals("half_sizes", value)?.half_sizes(len)).transpose()
+}
+
+fn bits([categories, masks]: [Maybe<'_, '_>; 2], len: usize) -> PyResult<[Option<Each<u32>>; 2]> {
+    Ok([bit_sets("categories", categories, len)?, bit_sets("masks", masks, len)?])
+}

@@ -1,0 +1,207 @@
+//! The pairs of a space.
+
+use jostle::interrupt::Pulse;
+use jostle::space::{Events, Id, Wanted};
+use jostle::{Scalar, sorting};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+
+use super::{Either, PySpace, long};
+use crate::arrays::{Given, table, truth};
+use crate::error::refused;
+use crate::events::PyEvents;
+use crate::queries::{self, Maybe};
+use crate::results;
+use crate::settings;
+
+#[pymethods]
+impl PySpace {
+    /// Find the pairs that entered and left since the last update.
+    ///
+    /// The current state is compared with the state at the last update; the first update
+    /// compares with an empty space. A shape that was both added and removed in between has no
+    /// effect. The cost depends on the shapes that changed.
+    ///
+    /// Parameters
+    /// ----------
+    /// max_pairs : int, default 134217728
+    ///     Maximum number of overlapping pairs of shapes that changed.
+    ///
+    /// Returns
+    /// -------
+    /// Events
+    ///     Three arrays:
+    ///
+    ///     entered, stayed, left : ndarray of int64, shape (m, 2)
+    ///         Pairs of ids, the smaller first, sorted. `left` may contain the ids of removed
+    ///         shapes. `stayed` is computed when it is first read.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there are more than `max_pairs`; then the call has no effect.
+    ///
+    /// See Also
+    /// --------
+    /// pairs : All overlapping pairs, without events.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (1, 0), (8, 0)], radii=1.0)
+    /// >>> entered, stayed, left = space.update()
+    /// >>> entered
+    /// array([[0, 1]])
+    /// >>> space.move(2, (2, 0))
+    /// >>> entered, stayed, left = space.update()
+    /// >>> entered, stayed
+    /// (array([[1, 2]]), array([[0, 1]]))
+    #[pyo3(
+        signature = (*, max_pairs=Given::NOTHING),
+        text_signature = "($self, *, max_pairs=134217728)"
+    )]
+    fn update(slf: &Bound<'_, Self>, max_pairs: Given<'_>) -> PyResult<PyEvents> {
+        let max_pairs = settings::max_pairs(&max_pairs)?;
+        let this = slf.get();
+        let events = with_space!(this, space => {
+            long(slf.py(), space, |space| space.update(max_pairs))?.map_err(refused)
+        });
+        Ok(PyEvents::of(events?, slf.clone().unbind()))
+    }
+
+    /// Find every pair of overlapping shapes.
+    ///
+    /// Parameters
+    /// ----------
+    /// sort : bool, default False
+    ///     Whether to sort the pairs by the first, then by the second id. If False, their order
+    ///     depends on previous calls, but not on the number of threads.
+    /// max_pairs : int, default 134217728
+    ///     Maximum number of pairs to return; the default corresponds to 2 GiB.
+    /// mask : int, optional
+    ///     Find only pairs whose shapes both have a category in this set of bits.
+    /// distance : float, default 0.0
+    ///     Find pairs whose gap is below this, in units of length: each radius is increased by half
+    ///     of it. If 0, the shapes must overlap.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of int64, shape (m, 2)
+    ///     Ids of each pair, the smaller first, every pair once.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// See Also
+    /// --------
+    /// update : The pairs that entered and left.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (3, 0), (4, 0)], radii=1.0)
+    /// >>> space.pairs()
+    /// array([[1, 2]])
+    #[pyo3(
+        signature = (
+            *, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None, distance=Given::NOTHING,
+        ),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None, distance=0.0)"
+    )]
+    fn pairs<'py>(
+        &self,
+        py: Python<'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+        mask: Maybe<'_, 'py>,
+        distance: Given<'py>,
+    ) -> PyResult<Bound<'py, PyArray2<Id>>> {
+        let (mask, distance) = (queries::mask(mask)?, settings::distance(&distance)?);
+        let (sort, max_pairs) = (truth("sort", &sort)?, settings::max_pairs(&max_pairs)?);
+        with_space!(self, space => {
+            let pairs = long(py, space, |space| {
+                let distance = Scalar::from_f64(distance);
+                let mut pairs = space.pairs_within(&Wanted { distance, mask, max_pairs })?;
+                if sort {
+                    sorting::sort(&mut pairs, &mut Pulse::current())?;
+                }
+                Ok(pairs)
+            })?;
+            table(py, pairs.map_err(refused)?)
+        })
+    }
+
+    /// Find every pair of overlapping shapes, and how each overlaps.
+    ///
+    /// Parameters
+    /// ----------
+    /// sort : bool, default False
+    ///     Whether to sort the contacts by the first, then by the second id of the pair. If False,
+    ///     they come in the order of :meth:`pairs`.
+    /// max_pairs : int, default 134217728
+    ///     Maximum number of pairs to return.
+    /// mask : int, optional
+    ///     Find only pairs whose shapes both have a category in this set of bits.
+    ///
+    /// Returns
+    /// -------
+    /// Contacts
+    ///     The pairs with their normals and depths.
+    ///
+    ///     pairs : ndarray of int64, shape (m, 2)
+    ///         Ids i and j of each pair, the smaller first, every pair once.
+    ///     normals : ndarray of the space's dtype, shape (m, 2)
+    ///         Unit vectors from i to j. If the cores of the shapes overlap, the axis
+    ///         of least penetration; +x for coincident centres.
+    ///     depths : ndarray of the space's dtype, shape (m,)
+    ///         Penetration: the distance that j must move along the normal until the two only
+    ///         touch.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If more than `max_pairs` pairs overlap.
+    ///
+    /// See Also
+    /// --------
+    /// Quadtree.contacts : The same for a tree, or for two.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> ids = space.add([(0, 0), (0, 1.5)], radii=1.0)
+    /// >>> space.contacts()
+    /// Contacts(pairs=array([[0, 1]]), normals=array([[0., 1.]]), depths=array([0.5]))
+    #[pyo3(
+        signature = (*, sort=Given::NOTHING, max_pairs=Given::NOTHING, mask=None),
+        text_signature = "($self, *, sort=False, max_pairs=134217728, mask=None)"
+    )]
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        sort: Given<'py>,
+        max_pairs: Given<'py>,
+        mask: Maybe<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let filter = (queries::mask(mask)?, truth("sort", &sort)?);
+        let max_pairs = settings::max_pairs(&max_pairs)?;
+        with_space!(self, space => {
+            let found = long(py, space, |space| space.contacts(filter, max_pairs))?;
+            results::contacts(py, found.map_err(refused)?)
+        })
+    }
+}
+
+impl PySpace {
+    /// The pairs that overlapped at both updates, unless there has been another since.
+    pub fn stayed(&self, py: Python<'_>, events: &Events) -> PyResult<Option<Vec<[Id; 2]>>> {
+        with_space!(self, space => {
+            long(py, space, |space| space.stayed(events))?.map_err(refused)
+        })
+    }
+}

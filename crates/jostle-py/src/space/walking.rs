@@ -1,0 +1,159 @@
+//! Moving the shapes of a space among obstacles.
+
+use pyo3::prelude::*;
+
+use super::{Either, PySpace, long};
+use crate::arrays::{Argument, Given, read_only, segments};
+use crate::error::refused;
+use crate::queries::Maybe;
+use crate::slide;
+
+#[pymethods]
+impl PySpace {
+    /// Move shapes by displacements; they slide along the others and never enter them.
+    ///
+    /// A shape moves until it meets an obstacle, then along the surface of the obstacle, and so
+    /// on. The time of impact is computed along the whole path, so nothing passes through an
+    /// obstacle at any speed. A shape that touches an obstacle does not overlap it, and the
+    /// joints between tiles do not stop it. Discs, boxes and rounded boxes move among discs,
+    /// boxes, rounded boxes and the line segments of `walls`.
+    ///
+    /// Parameters
+    /// ----------
+    /// ids : int or array_like of int, shape (k,)
+    ///     The shapes to move, each at most once. A shape that was given as a box, and that moves,
+    ///     is stored as ``center ± half_size`` from then on.
+    /// displacements : array_like, shape (k, 2), or (2,) for one id
+    ///     By how much each is to move: its velocity times the duration of a step.
+    /// mask : int, optional
+    ///     The categories of the shapes that are obstacles, as a set of bits; all if omitted. Shapes
+    ///     that may not pair by their own categories and masks are no obstacles either.
+    /// max_slides : int, default 4
+    ///     Maximum number of obstacles along which a shape slides, at most 1000; it stops at the
+    ///     last one.
+    /// up : array_like, shape (2,), default (0, -1)
+    ///     The direction in which floors face; y grows downwards on screens. With (0, 0), as seen
+    ///     from above, every obstacle is a wall.
+    /// floor_angle : float, default pi / 4
+    ///     Largest angle between the normal of a floor and `up`, in radians. A shape stands on a
+    ///     floor without sliding down, and climbs it; a steeper slope is a wall.
+    /// one_way : int, default 0
+    ///     Categories of the obstacles that stop only shapes that are above them and move down.
+    ///
+    /// Returns
+    /// -------
+    /// Slides or Slide
+    ///     One `Slide` for one id. displacements : how far each shape has moved; remaining : the
+    ///     displacements without their components into the obstacles, for the velocity of the next
+    ///     step; hits : the ids of the obstacles that each has met; normals : one for each hit;
+    ///     on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the last
+    ///     floor, or -1. A wall has the number -2 minus its index.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an argument has the wrong type.
+    /// ValueError
+    ///     If an id does not exist or is given twice, or a value is not finite or out of range;
+    ///     then nothing moves.
+    ///
+    /// See Also
+    /// --------
+    /// move : Sets centres, also where other shapes are.
+    /// walls : Line segments, for slopes and outlines of polygons.
+    /// tiles : Merges the tiles of a grid into few boxes.
+    ///
+    /// Notes
+    /// -----
+    /// Shapes of one call that may meet move one after another, in the order of `ids`; the order
+    /// of others has no effect. A shape that overlaps obstacles at the start, because they have
+    /// moved, is first moved out of them; those that it cannot leave do not stop it. A shape that
+    /// met a floor in its last call is carried by it: if the floor has moved since, also in the
+    /// same call, the shape moves by the same vector first. What stops it then is in `hits` too.
+    ///
+    /// Examples
+    /// --------
+    /// A player falls onto a floor and slides along it; then a wall stops it.
+    ///
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> floor, wall = space.add(boxes=[(0, 10, 100, 20), (50, 0, 60, 10)])
+    /// >>> player = space.add((10, 5), half_sizes=(2, 4))
+    /// >>> slide = space.move_and_slide(player, (8, 5))
+    /// >>> slide.on_floor, slide.remaining
+    /// (True, array([8., 0.]))
+    /// >>> space.centers(player).round(6)
+    /// array([18.,  6.])
+    /// >>> slide = space.move_and_slide(player, (1000, 5))
+    /// >>> slide.on_floor, slide.on_wall, space.centers(player).round(6)
+    /// (True, True, array([48.,  6.]))
+    #[pyo3(
+        signature = (
+            ids, displacements, *, mask=None, max_slides=Given::NOTHING, up=Given::NOTHING,
+            floor_angle=Given::NOTHING, one_way=Given::NOTHING,
+        ),
+        text_signature = "($self, ids, displacements, *, mask=None, max_slides=4, up=(0, -1), \
+                          floor_angle=0.7853981633974483, one_way=0)"
+    )]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    fn move_and_slide<'py>(
+        &self,
+        py: Python<'py>,
+        ids: &Bound<'py, PyAny>,
+        displacements: &Bound<'py, PyAny>,
+        mask: Maybe<'_, 'py>,
+        max_slides: Given<'py>,
+        up: Given<'py>,
+        floor_angle: Given<'py>,
+        one_way: Given<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let rules = slide::Rules::read(mask, &max_slides, &up, &floor_angle, &one_way)?;
+        with_space!(self, space => rules.run(py, space, ids, displacements))
+    }
+
+    /// Walls: ndarray of the space's precision, shape (m, 2, 2), a read-only copy of the ends of
+    /// line segments in units of length.
+    ///
+    /// They are obstacles of `move_and_slide`, solid from both sides, and nothing else: pairs and
+    /// queries ignore them, and they have neither ids nor categories. Assign an array of this shape,
+    /// or None for no walls. In the `hits` and `floors` of `move_and_slide` the wall with the index
+    /// k has the number -2 - k.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the shape is wrong, or a coordinate is not finite.
+    ///
+    /// See Also
+    /// --------
+    /// jostle.polyline : Walls between consecutive points.
+    /// move_and_slide : Moves shapes along walls.
+    ///
+    /// Examples
+    /// --------
+    /// A character walks up a slope.
+    ///
+    /// >>> import jostle
+    /// >>> space = jostle.Space()
+    /// >>> space.walls = jostle.polyline([(-10, 0), (0, 0), (40, -30)])
+    /// >>> player = space.add((-5, -2), radii=2.0)
+    /// >>> slide = space.move_and_slide(player, (25, 1))
+    /// >>> slide.on_floor, slide.floor
+    /// (True, -3)
+    #[getter]
+    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        with_space!(self, space => {
+            let walls = long(py, space, |space| space.walls().to_vec())?;
+            Ok(read_only(segments(py, &walls)?).into_any())
+        })
+    }
+
+    #[setter]
+    fn set_walls(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        with_space!(self, space => {
+            let value = value.map(|value| Argument::reals("walls", value)).transpose()?;
+            let ends = value.map_or(Ok(Vec::new()), |value| value.segments())?;
+            long(py, space, |space| space.set_walls(ends))?.map_err(refused)
+        })
+    }
+}
