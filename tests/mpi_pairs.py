@@ -120,7 +120,7 @@ def main() -> None:
 
 
 def check_shares() -> None:
-    """All ranks find about as many pairs, wherever the shapes come from, even if one is far away."""
+    """All ranks find about as many pairs, wherever the shapes are, even if one is far away."""
     share = split(discs(8000, 80.0), all_on_last)
     for far in ((40.0, 40.0), (1e12, -1e11), (-1e300, 1e-300)):
         if len(share["centers"]):

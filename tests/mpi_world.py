@@ -55,7 +55,15 @@ REST: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": 
 
 SETTINGS = (
     *("gravity", "drag", "container", "container_restitution", "walls", "wall_velocities"),
-    *("wall_restitution", "wall_friction", "forces", "on_touch", "substeps", "sleeping", "track_events"),
+    *(
+        "wall_restitution",
+        "wall_friction",
+        "forces",
+        "on_touch",
+        "substeps",
+        "sleeping",
+        "track_events",
+    ),
 )
 
 
@@ -267,7 +275,9 @@ def test_files() -> None:
     # More than a chunk of ids, so that several ranks write.
     still: dict[str, Any] = {"movable": np.arange(40_000) < 2000, "cover": 0.3}
     world = gas(40_000, velocities=np.zeros((40_000, 2)), **still)
-    world.velocities = np.random.default_rng(1).normal(0, 20, (40_000, 2)) * still["movable"][:, None]
+    world.velocities = (
+        np.random.default_rng(1).normal(0, 20, (40_000, 2)) * still["movable"][:, None]
+    )
     check_file(folder / "world", world, 2)
     walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
     check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 30)
@@ -422,7 +432,7 @@ def test_pressed() -> None:
 
 
 def test_signals() -> None:
-    """A signal handler that raises on one rank, in a call other than `step`, raises on all after it."""
+    """A signal handler that raises on one rank raises on all, after the call."""
 
     class Interrupted:
         """A core that is interrupted by a signal when its particles are read."""
@@ -521,14 +531,16 @@ def test_events() -> None:
         for _ in range(8):
             world.step(1 / 60, steps)
             ours.step(1 / 60, steps)
-            found = [np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)]
+            found = [
+                np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)
+            ]
             for pairs, expected in zip(found, world.events, strict=True):
                 pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
                 assert np.array_equal(pairs, expected), name
                 seen += len(pairs)
         assert seen > 0, name
     try:
-        scattered(gas(9), evenly).events
+        _ = scattered(gas(9), evenly).events
     except RuntimeError as error:
         assert "track_events=True" in str(error)
 

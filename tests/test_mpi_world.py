@@ -3,7 +3,19 @@
 import pytest
 from mpi_ranks import HERE, needs_mpi, run_ranks
 
-CASES = ("gas", "containers", "rules", "nasty", "files", "errors", "pressed", "signals", "parts", "events", "forces")
+CASES = (
+    "gas",
+    "containers",
+    "rules",
+    "nasty",
+    "files",
+    "errors",
+    "pressed",
+    "signals",
+    "parts",
+    "events",
+    "forces",
+)
 
 
 @needs_mpi

@@ -6,9 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use jostle::decomposition::read_records;
-use jostle::{
-    Communicator, Container, Error, Id, Particles, Result, Stage, World, WorldSettings,
-};
+use jostle::{Communicator, Container, Error, Id, Particles, Result, Stage, World, WorldSettings};
 
 /// A rank waits as long for a message; then it reports that it would wait forever.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -92,7 +90,8 @@ fn gas(count: usize) -> Particles {
     let side = (count as f64).sqrt().ceil() as usize;
     let places: Vec<[f32; 2]> =
         (0..count).map(|k| [k % side, k / side].map(|cell| 2.5 * cell as f32)).collect();
-    let velocity = |k: usize| [0.0, 0.5].map(|shift| (k as f32 * 0.618 + shift).fract() * 30.0 - 15.0);
+    let velocity =
+        |k: usize| [0.0, 0.5].map(|shift| (k as f32 * 0.618 + shift).fract() * 30.0 - 15.0);
     Particles::new(places, (0..count).map(velocity).collect(), vec![1.0; count], 1.0)
 }
 

@@ -16,8 +16,8 @@ _PAIR = np.dtype([("first", "<i8"), ("second", "<i8"), ("when", "u1")])
 def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> jostle.WorldEvents:
     """The events, each pair on one rank.
 
-    `touched` are the pairs that this rank has seen at the end of the call before, in this one, and at
-    its end. Other ranks may have seen the same pairs.
+    `touched` are the pairs that this rank has seen at the end of the call before, in this one, and
+    at its end. Other ranks may have seen the same pairs.
     """
     rows = np.zeros(sum(map(len, touched)), _PAIR)
     pairs = np.concatenate(touched)

@@ -66,7 +66,9 @@ def collective(
     """
 
     @functools.wraps(call)
-    def whole(subject: Subject, /, *arguments: Parameters.args, **named: Parameters.kwargs) -> Result:
+    def whole(
+        subject: Subject, /, *arguments: Parameters.args, **named: Parameters.kwargs
+    ) -> Result:
         with held() as run:
             result = call(subject, *arguments, **named)
             with together(getattr(subject, "_comm", subject)):

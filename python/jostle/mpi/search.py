@@ -242,7 +242,9 @@ class _Spread:
         sizes = halves + rows["radius"] + 0.5 * self._distance
         far = np.abs(rows["center"]).astype(np.float64).max(axis=1, initial=0.0)
         with np.errstate(over="ignore"):
-            extents: NDArray[np.float64] = sizes + (sizes + far + self._period.max()) * self._rounding
+            extents: NDArray[np.float64] = (
+                sizes + (sizes + far + self._period.max()) * self._rounding
+            )
         return extents
 
     def _limit(self, own: NDArray[Any]) -> float:

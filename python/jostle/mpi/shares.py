@@ -107,9 +107,7 @@ class Cells:
     that are not periodic.
     """
 
-    def __init__(
-        self, scales: list[Scale], width: float, periods: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, scales: list[Scale], width: float, periods: NDArray[np.float64]) -> None:
         self._periods = periods
         #: Where all cells but the first begin.
         self._edges = [

@@ -57,8 +57,9 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `momentum`, `events` and `collisions`. The particles of all ranks have the same states, in bits, as those
-    of one `jostle.World` with all of them, whatever the number of ranks and the distribution.
+    `momentum`, `events` and `collisions`. The particles of all ranks have the same states, in bits,
+    as those of one `jostle.World` with all of them, whatever the number of ranks and the
+    distribution.
 
     Parameters
     ----------
@@ -92,8 +93,8 @@ class World:
     -----
     Not supported are merging, islands that sleep (pass ``sleeping=False`` if gravity acts and a
     coefficient of restitution is below 1), and forces other than `PairForce`, `Flocking`,
-    `Thermostat`, `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the kinds
-    of this rank's particles; there may be two.
+    `Thermostat`, `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the
+    kinds of this rank's particles; there may be two.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
     32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
@@ -415,9 +416,7 @@ class World:
         """
         with together(self._comm):
             if not self._core.track_events:
-                raise RuntimeError(
-                    "events are not tracked; make the world with track_events=True"
-                )
+                raise RuntimeError("events are not tracked; make the world with track_events=True")
         return events_of(self._comm, *self._core._own_touches())
 
     @property
@@ -567,11 +566,10 @@ class World:
         core._take_impulses(*impulses)
 
     def _parts(self) -> list[NDArray[Any]]:
-        """The particles of this rank, and the impulses that the core keeps, as `PARTS` lists them."""
+        """The particles of this rank, and the impulses that the core keeps: all `PARTS`."""
         parts = [self._core._own_records(), *self._core._own_impulses()]
         return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
 
     def _records(self) -> NDArray[Any]:
         """The particles of this rank."""
         return np.frombuffer(self._core._own_records(), RECORD)
-

@@ -168,7 +168,8 @@ mod tests {
         for list in lists {
             let samples: Vec<(f64, f64)> = list.iter().map(|&x| (x, 0.5)).collect();
             let scale = Scale::new(&samples, None);
-            let mut probes = vec![f64::NEG_INFINITY, -1e30, 0.0, 1e-13, 0.5, 2.0, 1e30, f64::INFINITY];
+            let mut probes =
+                vec![f64::NEG_INFINITY, -1e30, 0.0, 1e-13, 0.5, 2.0, 1e30, f64::INFINITY];
             probes.extend(list.iter().flat_map(|x| [x - 0.25, *x, x + 0.25]));
             probes.extend(&scale.edges);
             probes.sort_unstable_by(f64::total_cmp);

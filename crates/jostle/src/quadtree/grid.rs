@@ -165,7 +165,10 @@ mod tests {
         let grid = Grid::around([-1e18; 2], [1e18; 2]);
         for x in [1e-30f32, 1e-3, 1.0, 12_345.678, 1e9, 1e17] {
             let [a, b] = [x, x.next_up()].map(|x| [f64::from(x), 5.0]);
-            assert_eq!((grid.compare(a, b), grid.compare(b, a)), (Ordering::Less, Ordering::Greater));
+            assert_eq!(
+                (grid.compare(a, b), grid.compare(b, a)),
+                (Ordering::Less, Ordering::Greater)
+            );
             assert_eq!(grid.compare(a, a), Ordering::Equal);
         }
         let inner = grid.inside(grid.key([3.0, 5.0]));

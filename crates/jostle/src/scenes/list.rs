@@ -1,8 +1,8 @@
 //! The list of all scenes.
 
 use super::{
-    Make, Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing, pinball,
-    sand, soft, stars,
+    Make, Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing,
+    pinball, sand, soft, stars,
 };
 
 /// All scenes.

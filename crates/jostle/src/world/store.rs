@@ -80,7 +80,9 @@ impl World {
             !is_finite(&motion(place), &self.persistent.wall_pushes[place])
                 || !spin(place).is_finite()
         };
-        let place = (0..self.rows.len()).filter(bad).min_by_key(|&place| self.id_among_all(self.rows[place]));
+        let place = (0..self.rows.len())
+            .filter(bad)
+            .min_by_key(|&place| self.id_among_all(self.rows[place]));
         let place = place.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(place);
         let columns: [(&str, &[f32]); 4] = [

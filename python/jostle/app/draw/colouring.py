@@ -29,7 +29,7 @@ Values = NDArray[np.floating]
 
 
 class Statistics:
-    """Statistics of the values of a frame. A frame may be a part of a larger one, which has others."""
+    """Statistics of the values of a frame; a frame that is a part of a larger one has others."""
 
     def extremes(self, values: Values) -> tuple[float, float] | None:
         """Return the smallest and the largest value; None if there is none."""

@@ -33,7 +33,9 @@ def report(
         ("KiB a step", f"{kib.mean():,.1f}", f"{kib.max():,.1f}"),
         ("repeats a step", f"{traffic['repeats']:.2f}", ""),
     ]
-    stages = [(f"{name}, ms", f"{of.mean:,.2f}", f"{of.longest:,.2f}") for name, of in spans.items()]
+    stages = [
+        (f"{name}, ms", f"{of.mean:,.2f}", f"{of.longest:,.2f}") for name, of in spans.items()
+    ]
     whole = [
         ("steps", f"{times.steps:,}", f"{rate:,.1f} a second"),
         ("all particles", f"{world.total:,}", plural(comm.size, "rank")),

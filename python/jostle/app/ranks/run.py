@@ -68,7 +68,8 @@ def refusal(settings: Settings) -> str | None:
 def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
     """Run a scene on all ranks; the first writes the video and prints.
 
-    Raises `Stopped` on all ranks after Ctrl-C, and `RankError` on those that did not fail themselves.
+    Raises `Stopped` on all ranks after Ctrl-C, and `RankError` on those that did not fail
+    themselves.
     """
     # All ranks handle signals at the same place, so that none waits for another.
     with interrupt.raised(), held() as run_handlers:
