@@ -273,10 +273,10 @@ def test_files() -> None:
     """A saved world continues with the same bits on other numbers of ranks, and in one process."""
     folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
     # More than a chunk of ids, so that several ranks write.
-    still: dict[str, Any] = {"movable": np.arange(40_000) < 2000, "cover": 0.3}
-    world = gas(40_000, velocities=np.zeros((40_000, 2)), **still)
+    still: dict[str, Any] = {"movable": np.arange(20_000) < 2000, "cover": 0.3}
+    world = gas(20_000, velocities=np.zeros((20_000, 2)), **still)
     world.velocities = (
-        np.random.default_rng(1).normal(0, 20, (40_000, 2)) * still["movable"][:, None]
+        np.random.default_rng(1).normal(0, 20, (20_000, 2)) * still["movable"][:, None]
     )
     check_file(folder / "world", world, 2)
     walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
@@ -332,7 +332,7 @@ def check_refused_files(folder: Path) -> None:
             (folder / name).write_bytes(data)
         COMM.Barrier()
         refuse(lambda name=name: jostle.mpi.World.load(COMM, folder / name), message)
-        refuse(lambda name=name: jostle.World.load(folder / name), "data is")
+        refuse(lambda name=name: jostle.World.load(folder / name), f"{folder / name} holds")
     refuse(lambda: jostle.mpi.World.load(COMM, folder / "none"), "none")
 
 
@@ -543,6 +543,22 @@ def test_events() -> None:
         _ = scattered(gas(9), evenly).events
     except RuntimeError as error:
         assert "track_events=True" in str(error)
+
+
+def test_calls() -> None:
+    """The numbers of calls of a step in docs/mpi.md."""
+    size = COMM.size
+    sparse = {"n": 200, "cover": 0.1}
+    for container, calls in (("box", 16), (None, 17), ("torus", 19)):
+        options = {} if container == "box" else {"container": container}
+        world = scattered(gas(**sparse, **options), evenly)
+        world._core._rebalance_every(1000)
+        counts = []
+        for _ in range(3):
+            before = world.traffic["calls"]
+            world.step(1 / 600)
+            counts.append(world.traffic["calls"] - before)
+        assert size == 1 or counts == [calls + 18, calls, calls], (container, counts)
 
 
 def test_parts() -> None:

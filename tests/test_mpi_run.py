@@ -60,7 +60,8 @@ def test_ranks_record_a_video_and_continue_from_a_checkpoint(tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("stars", "-n", "50"), "forces[0]"),
+        (("piston", "-n", "50"), "forces[0]"),
+        (("stars", "-n", "50"), "on_touch is merge"),
         (("gas", "--method", "article-quadtree"), "method is the article's"),
         (("gas", "--resume", "nowhere"), "nowhere"),
         (("nothing",), "there is no scene 'nothing'"),

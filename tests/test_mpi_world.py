@@ -12,6 +12,7 @@ CASES = (
     "errors",
     "pressed",
     "signals",
+    "calls",
     "parts",
     "events",
     "forces",

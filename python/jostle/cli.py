@@ -410,7 +410,7 @@ def _run_on_ranks(
     from mpi4py import MPI
 
     from jostle.app.headless import SIZE
-    from jostle.app.ranks.run import DEFAULT_STEPS, Plan, Stopped, refusal, run
+    from jostle.app.ranks.run import DEFAULT_STEPS, Plan, Stopped, leave_together, refusal, run
     from jostle.mpi import RankError
 
     if why := refusal(settings):
@@ -419,15 +419,19 @@ def _run_on_ranks(
     plan = Plan(settings, steps or DEFAULT_STEPS, out, checkpoint, resume, size)
     try:
         run(MPI.COMM_WORLD, plan, console)
+        return
     except Stopped as stopped:
         _tell(str(stopped))
-        raise typer.Exit(interrupt.CODE) from None
+        code = interrupt.CODE
     except (RankError, ValueError, MemoryError, OSError) as error:
-        _refuse(f"the run over ranks has ended: {error}")
+        _tell(f"jostle: the run over ranks has ended: {error}")
+        code = 2
     except BaseException:
         # The other ranks do not know of this one's error.
         traceback.print_exc()
         MPI.COMM_WORLD.Abort(1)
+    leave_together(MPI.COMM_WORLD)
+    raise typer.Exit(code)
 
 
 def _start(settings: Settings, config: Config) -> Simulation:

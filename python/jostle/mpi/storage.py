@@ -30,6 +30,9 @@ _CHUNK = 1 << 14
 
 _HEAD = np.dtype([("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")])
 
+#: Fields by which rows are sorted, the last one first.
+_ORDER = ("wall", "other", "id")
+
 #: Bytes of a chunk, and their checksum.
 _ENTRY = np.dtype([("size", "<u8"), ("checksum", "<u8")])
 
@@ -37,7 +40,8 @@ _ENTRY = np.dtype([("size", "<u8"), ("checksum", "<u8")])
 def by_ids(comm: MPI.Intracomm, rows: NDArray[Any], total: int, unit: int = 1) -> NDArray[Any]:
     """Send rows to ranks so that each has a range of ids, in units of so many."""
     rows = send(comm, rows, _ranks_of(rows["id"], comm.size, total, unit))
-    return rows[np.argsort(rows["id"], kind="stable")]
+    names = [name for name in _ORDER if name in (rows.dtype.names or ())]
+    return rows[np.lexsort([rows[name] for name in names])]
 
 
 def _starts(size: int, total: int, unit: int) -> NDArray[np.int64]:

@@ -30,6 +30,7 @@ from jostle.app.storage.paths import free_name
 from jostle.mpi.exchange import together
 from jostle.mpi.interrupts import held
 
+PATIENCE = 20.0  # seconds from the error of one rank until all have ended
 DEFAULT_STEPS = round(DEFAULT_SECONDS / TIME_STEP)
 
 #: Settings that a run over ranks has not, and their values in runs without them.
@@ -86,6 +87,18 @@ def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
         table = report(comm, film.title, world, film.times, film.seconds)
     if comm.rank == 0:
         _print(console, table, files, film.saved)
+
+
+def leave_together(comm: MPI.Intracomm) -> None:
+    """Wait until all ranks end, so that the launcher ends none of them before it has printed.
+
+    Ranks that wait for another one in a call are ended.
+    """
+    request, limit = comm.Ibarrier(), time.monotonic() + PATIENCE
+    while not request.Test():
+        if time.monotonic() > limit:
+            comm.Abort(1)
+        time.sleep(0.01)
 
 
 def _steps_of(world: jostle.mpi.World) -> int:
