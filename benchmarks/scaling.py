@@ -2,11 +2,13 @@
 
 It predicts the time of real ranks from them.
 
-    python benchmarks/scaling.py                  # a gas of 100,000, ranks up to 64
-    python benchmarks/scaling.py -n 1000000 --ranks 1 4 16
+    python benchmarks/scaling.py                  # a gas of 100,000, 1 to 256 ranks
+    python benchmarks/scaling.py -n 300000 --ranks 2 4 --steps 8
+    python benchmarks/scaling.py --scene pile -n 300 --ranks 1 2 4 --steps 20
+    python benchmarks/scaling.py --alone -n 300000 --steps 8
 
 The CPU time of each rank is that of its thread, about that of a rank with a core of its own.
-Predictions add messages, by the assumptions below.
+Predictions add messages, by the assumptions below. `--alone` compares one rank with `jostle.World`.
 """
 
 from __future__ import annotations
@@ -46,29 +48,16 @@ class Measured:
     repeats: float
 
 
-def measure(comm: SimulatedComm, n: int, steps: int, warm_up: int) -> Measured:
-    """Step a gas; the shares of the ranks are columns of its box."""
-    whole = jostle.scenes.create("gas", n=n, seed=1)
-    mine = np.arange(n) * comm.size // n == comm.rank
-    world = jostle.mpi.World(
-        comm,
-        whole.positions[mine],
-        whole.velocities[mine],
-        whole.radii[mine],
-        masses=whole.masses[mine],
-        restitution=whole.restitution,
-        container=whole.container,
-    )
-    del whole
-    for _ in range(warm_up):
-        world.step(DT)
-        world._core._set_work(1.0)
+def measure(comm: SimulatedComm, options: argparse.Namespace) -> Measured:
+    """Step a scene, of which each rank has made its particles."""
+    name, n, steps = options.scene, options.n, options.steps
+    world = jostle.mpi.create_scene(comm, name, n=n, seed=1, sleeping=False)
+    for _ in range(options.warm_up):
+        step_evenly(world)
     before, start, in_calls = world.traffic, time.thread_time(), comm.seconds
     own = ghosts = 0
     for _ in range(steps):
-        world.step(DT)
-        # Threads disturb each other, so domains have equal numbers of particles instead.
-        world._core._set_work(1.0)
+        step_evenly(world)
         own, ghosts = own + len(world), ghosts + world.ghosts
     seconds = time.thread_time() - start - (comm.seconds - in_calls)
     of = {name: (world.traffic[name] - before[name]) / steps for name in before}
@@ -76,6 +65,32 @@ def measure(comm: SimulatedComm, n: int, steps: int, warm_up: int) -> Measured:
         *(own / steps, ghosts / steps, of["calls"], of["messages"], of["bytes"]),
         *(seconds / steps, of["repeats"]),
     )
+
+
+def step_evenly(world: jostle.mpi.World) -> None:
+    """Make a step; domains have equal numbers of particles, because threads disturb each other."""
+    world.step(DT)
+    world._core._set_work(1.0)
+
+
+def compare_alone(options: argparse.Namespace) -> None:
+    """Print the CPU time of a step of one rank and of `jostle.World`, interleaved."""
+
+    def one(comm: SimulatedComm) -> None:
+        whole = jostle.scenes.create(options.scene, n=options.n, seed=1)
+        whole.sleeping, whole.threads = False, 1
+        ours = jostle.mpi.create_scene(comm, options.scene, n=options.n, seed=1, sleeping=False)
+        spent: dict[str, list[float]] = {"World": [], "one rank": []}
+        for step in range(options.warm_up + options.steps):
+            for name, world in (("World", whole), ("one rank", ours)):
+                start = time.thread_time()
+                world.step(DT)
+                if step >= options.warm_up:
+                    spent[name].append(time.thread_time() - start)
+        for name, seconds in spent.items():
+            print(f"{name:9} {1e3 * np.median(seconds):9.2f} ms of CPU time a step")
+
+    Ranks(1).run(one)
 
 
 def predicted(all_ranks: list[Measured], size: int) -> float:
@@ -87,22 +102,60 @@ def predicted(all_ranks: list[Measured], size: int) -> float:
     return slowest + calls + rank.messages * LATENCY + rank.size / BANDWIDTH
 
 
+def print_predictions(found: list[Measured], size: int) -> None:
+    """Print weak and strong scaling, from the work and the ghosts of the ranks of one run."""
+    own, ghosts, seconds = (
+        float(np.mean([getattr(rank, name) for rank in found]))
+        for name in ("own", "ghosts", "seconds")
+    )
+    work, along = seconds / (own + ghosts), ghosts / math.sqrt(own)
+    calls, messages = found[0].calls, float(np.mean([rank.messages for rank in found]))
+    a_ghost = float(np.mean([rank.size for rank in found])) / max(ghosts, 1.0)
+    print(
+        f"\npredicted from {size} ranks: {1e6 * work:.2f} µs of work a particle, "
+        f"{along:.1f} √n ghosts, {a_ghost:.0f} bytes each, {calls:.0f} calls, "
+        f"{messages:.0f} messages\nassumed: {LATENCY:.0e} s a message, {CALL:.0e} s a call, "
+        f"{BANDWIDTH:.0e} bytes a second"
+    )
+    print(" ranks     weak, 1,000,000 each         strong, 1,000,000 in all")
+    print("              ms   efficiency         own   ghosts         ms   efficiency")
+
+    def step(n: float, ranks: int) -> tuple[float, float]:
+        near = along * math.sqrt(n) if ranks > 1 else 0.0
+        stages = math.log2(ranks) if ranks > 1 else 0.0
+        waits = calls * (CALL + LATENCY * stages) if ranks > 1 else 0.0
+        sent = messages * LATENCY + near * a_ghost / BANDWIDTH if ranks > 1 else 0.0
+        return work * (n + near) + waits + sent, near
+
+    alone, _ = step(1e6, 1)
+    for ranks in (1, 4, 16, 64, 256, 1000):
+        weak, _ = step(1e6, ranks)
+        strong, near = step(1e6 / ranks, ranks)
+        print(
+            f"{ranks:6} {1e3 * weak:10.2f} {alone / weak:12.3f} {1e6 / ranks:11.0f} {near:8.0f} "
+            f"{1e3 * strong:10.3f} {alone / (ranks * strong):12.3f}"
+        )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", default="gas", help="scene")
     parser.add_argument("-n", type=int, default=100_000, help="number of particles")
-    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64])
-    parser.add_argument("--steps", type=int, default=10)
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2, 4, 16, 64, 256])
+    parser.add_argument("--steps", type=int, default=5)
     parser.add_argument("--warm-up", type=int, default=35)
+    parser.add_argument("--alone", action="store_true", help="compare one rank with jostle.World")
     options = parser.parse_args()
+    if options.alone:
+        compare_alone(options)
+        return
     print(
         "ranks      own   ghosts largest/mean calls messages  KiB  repeats  CPU ms  "
         "predicted ms  efficiency"
     )
     alone = None
     for size in options.ranks:
-        found = Ranks(size).run(
-            lambda comm: measure(comm, options.n, options.steps, options.warm_up)
-        )
+        found = Ranks(size).run(lambda comm: measure(comm, options))
         own = np.array([rank.own for rank in found])
         seconds = predicted(found, size)
         alone = alone or seconds * size
@@ -115,6 +168,8 @@ def main() -> None:
             f"{alone / (seconds * size):6.2f}",
             flush=True,
         )
+    if found[0].ghosts:
+        print_predictions(found, options.ranks[-1])
 
 
 if __name__ == "__main__":

@@ -59,7 +59,8 @@ class SimulatedComm:
         #: CPU time of all calls, which a real rank would spend in MPI.
         self.seconds = 0.0
 
-    def Dup(self) -> SimulatedComm:
+    def Get_attr(self, _: int) -> SimulatedComm:
+        """Return the duplicate: there are no other messages."""
         return self
 
     def allgather(self, value: Any) -> list[Any]:
@@ -83,6 +84,9 @@ class SimulatedComm:
         start, before = time.thread_time(), self.seconds
         _array(everything)[:] = np.concatenate(self.allgather(_array(own).copy()))
         self.seconds = before + time.thread_time() - start
+
+    def Allgatherv(self, own: Any, got: list[Any]) -> None:
+        self.Allgather(own, got)
 
     def Allreduce(self, own: Any, result: Any, op: MPI.Op = MPI.SUM) -> None:
         act = np.sum if op == MPI.SUM else np.max

@@ -72,6 +72,12 @@ def main() -> None:
     check(rows)
     rows["centers"][77] = (1e9, -1e7)
     check(rows)
+    rows["centers"][78:81] = [(1e300, 1e300), (-1e300, 0.0), (1e300, 1e300)]
+    check(rows)
+    # In float32, where the largest coordinates are not exact.
+    rows = {name: column.astype(np.float32) for name, column in discs(2000).items()}
+    rows["centers"][::100] += np.float32(3e8)
+    check(rows)
     # Few large shapes among many points.
     rows = discs(4000)
     rows["radii"] = np.where(np.arange(4000) % 40 == 0, 3.0, 0.0)
@@ -114,10 +120,13 @@ def main() -> None:
 
 
 def check_shares() -> None:
-    """All ranks find about as many pairs, wherever the shapes come from."""
+    """All ranks find about as many pairs, wherever the shapes are, even if one is far away."""
     share = split(discs(8000, 80.0), all_on_last)
-    counts = COMM.allgather(len(jostle.mpi.find_pairs(COMM, **share)))
-    assert max(counts) < 2 * sum(counts) / COMM.size + 10, counts
+    for far in ((40.0, 40.0), (1e12, -1e11), (-1e300, 1e-300)):
+        if len(share["centers"]):
+            share["centers"][1234] = far
+        counts = COMM.allgather(len(jostle.mpi.find_pairs(COMM, **share)))
+        assert max(counts) < 2 * sum(counts) / COMM.size + 10, (far, counts)
 
 
 def check_errors() -> None:

@@ -17,6 +17,19 @@ LAUNCHER = shutil.which("mpiexec", path=str(BESIDE_PYTHON)) or shutil.which("mpi
 SECONDS = 600
 
 
+#: What ranks get beside the environment of the tests.
+ENVIRONMENT = {
+    # Open MPI refuses more ranks than cores, and the root user, unless it is told otherwise.
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    # Ranks that wait let others have their core: there are more ranks than cores.
+    "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",
+    "PYTHONPATH": str(HERE),
+}
+
+
 def why_not() -> str | None:
     """Why programs cannot run on several ranks here."""
     if LAUNCHER is None:
@@ -34,19 +47,10 @@ def run_ranks(
 
     Fails with the output if the exit status is not 0, or, unless `is_right`, if it is.
     """
-    # Open MPI refuses more ranks than cores, and the root user, unless it is told otherwise.
-    allowed = {
-        "OMPI_ALLOW_RUN_AS_ROOT": "1",
-        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-        "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-        "OMPI_MCA_rmaps_base_oversubscribe": "1",
-        # Ranks that wait let others have their core: there are more ranks than cores.
-        "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",
-    }
     command = [LAUNCHER, "-n", str(ranks), sys.executable, *map(str, program)]
     done = subprocess.run(
         command,
-        env={**os.environ, **allowed, "PYTHONPATH": str(HERE)},
+        env={**os.environ, **ENVIRONMENT},
         cwd=folder,
         timeout=SECONDS,
         text=True,

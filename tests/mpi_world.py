@@ -1,12 +1,14 @@
 """A program of test_mpi_world: compares the hashes of distributed worlds with one process."""
 
 import os
+import resource
 import shutil
 import signal
 import sys
 import tempfile
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from mpi4py import MPI
 
 import jostle
 import jostle.mpi
+import jostle.mpi.storage
 
 COMM = MPI.COMM_WORLD
 STEPS = 300
@@ -47,9 +50,20 @@ COLUMNS = (
     *("masses", "movable", "friction", "angles", "angular_velocities"),
     *("categories", "masks", "sensors"),
 )
+#: A pile that stays awake.
+REST: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
+
 SETTINGS = (
     *("gravity", "drag", "container", "container_restitution", "walls", "wall_velocities"),
-    *("wall_restitution", "wall_friction", "forces", "on_touch", "substeps", "sleeping"),
+    *(
+        "wall_restitution",
+        "wall_friction",
+        "forces",
+        "on_touch",
+        "substeps",
+        "sleeping",
+        "track_events",
+    ),
 )
 
 
@@ -58,6 +72,12 @@ def scattered(world: jostle.World, where: Distribution) -> jostle.mpi.World:
     mine = parts(len(world), where)
     columns = {name: getattr(world, name)[mine] for name in COLUMNS}
     settings: dict[str, Any] = {name: getattr(world, name) for name in SETTINGS}
+    settings["forces"] = [
+        jostle.PairForce(force.kinds[mine], force.table, force.cutoff, force.damping)
+        if isinstance(force, jostle.PairForce)
+        else force
+        for force in world.forces
+    ]
     # One number is the world's.
     is_one = (world.restitutions == 1).all()
     restitution = world.restitution if is_one else world.restitutions[mine]
@@ -156,7 +176,7 @@ def test_scenes() -> None:
 
 
 def test_piles() -> None:
-    rest: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": False}
+    rest = REST
     for where in (evenly, all_on_first, unevenly):
         check("pile", gas(300, **rest), 1 / 60, 25, where)
     check("friction", gas(200, friction=0.5, **rest), 1 / 60, 25)
@@ -252,46 +272,120 @@ def test_nasty() -> None:
 def test_files() -> None:
     """A saved world continues with the same bits on other numbers of ranks, and in one process."""
     folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-    world = gas(40_000 // 20)
-    ours = check("before", world, 1 / 60, 50)
-    ours.save(folder / "world")
-    assert sorted(path.name for path in folder.iterdir()) == ["world"]
-    world.step(1 / 60, 50)
+    # More than a chunk of ids, so that several ranks write.
+    still: dict[str, Any] = {"movable": np.arange(20_000) < 2000, "cover": 0.3}
+    world = gas(20_000, velocities=np.zeros((20_000, 2)), **still)
+    world.velocities = (
+        np.random.default_rng(1).normal(0, 20, (20_000, 2)) * still["movable"][:, None]
+    )
+    check_file(folder / "world", world, 2)
+    walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
+    check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 30)
+    check_refused_files(folder)
+    check_failed_writing(folder)
+    COMM.Barrier()
+    if COMM.rank == 0:
+        shutil.rmtree(folder)
+
+
+def check_file(path: Path, world: jostle.World, steps: int) -> None:
+    ours = check(path.name, world, 1 / 60, steps)
+    ours.save(path)
+    COMM.Barrier()
+    assert not list(path.parent.glob(".*")), "nothing is left beside the file"
+    world.step(1 / 60, steps)
     # All ranks, one rank alone, and groups of two.
     for comm in (COMM, MPI.COMM_SELF, COMM.Split(COMM.rank // 2)):
-        again = jostle.mpi.World.load(comm, folder / "world")
+        again = jostle.mpi.World.load(comm, path)
         assert again.time == ours.time and again.total == len(world)
-        again.step(1 / 60, 50)
+        again.step(1 / 60, steps)
         assert again.state_hash() == world.state_hash()
     alone = ours.gather(COMM.size - 1)
     assert (alone is not None) == (COMM.rank == COMM.size - 1)
     if alone is not None:
-        assert alone.state_hash() == ours_hash_of(alone)
-        alone.step(1 / 60, 50)
-        assert alone.state_hash() == world.state_hash()
+        plain = jostle.World.load(path)
+        assert plain.time == alone.time and plain.walls.shape == world.walls.shape
+        for one in (alone, plain):
+            assert one.state_hash() == ours_hash_of(one)
+            one.step(1 / 60, steps)
+            assert one.state_hash() == world.state_hash()
     for root in (-1, COMM.size):
         refuse(lambda root=root: ours.gather(root), f"root is {root}")
-    COMM.Barrier()
-    # A damaged file, one that is cut off, another file, and none.
-    whole = (folder / "world").read_bytes()
-    COMM.Barrier()
-    damaged = whole[:-30] + bytes([whole[-30] ^ 1]) + whole[-29:]
+    # Any number of ranks writes the same file.
+    ours.step(1 / 60, steps)
+    whole = path.read_bytes()
+    again = jostle.mpi.World.load(MPI.COMM_SELF, path)
+    again.save(path.with_name(f"{COMM.rank}"))
+    assert path.with_name(f"{COMM.rank}").read_bytes() == whole
+
+
+def check_refused_files(folder: Path) -> None:
+    """A damaged file, one that is cut off, another file, and none."""
+    whole = (folder / "pile").read_bytes()
     for name, data, message in (
-        ("damaged", damaged, "is damaged"),
+        ("damaged", whole[:-30] + bytes([whole[-30] ^ 1]) + whole[-29:], "is damaged"),
         ("short", whole[:-1], "is cut off"),
+        ("shorter", whole[:30], "is cut off"),
         ("other", b"something else", "is not a file"),
     ):
         if COMM.rank == 0:
             (folder / name).write_bytes(data)
         COMM.Barrier()
         refuse(lambda name=name: jostle.mpi.World.load(COMM, folder / name), message)
+        refuse(lambda name=name: jostle.World.load(folder / name), f"{folder / name} holds")
     refuse(lambda: jostle.mpi.World.load(COMM, folder / "none"), "none")
-    # A file that cannot be written leaves the old one as it was.
-    refuse(lambda: ours.save(folder / "no" / "where"), "no")
-    assert (folder / "world").read_bytes() == whole
+
+
+def check_failed_writing(folder: Path) -> None:
+    """A file that cannot be written leaves the old one as it was, and no rank waits for others."""
+    path = folder / "world"
+    whole = path.read_bytes()
     COMM.Barrier()
-    if COMM.rank == 0:
-        shutil.rmtree(folder)
+    ours = scattered(gas(50), evenly)
+    refuse(lambda: ours.save(folder / "no" / "where"), "no")
+    storage, last = jostle.mpi.storage, COMM.rank == COMM.size - 1
+
+    class Full:
+        """A file on a disk that is full for the last rank."""
+
+        def __init__(self, file: MPI.File) -> None:
+            self._file = file
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._file, name)
+
+        def Write_at(self, *arguments: Any) -> None:
+            if last:
+                raise MPI.Exception(MPI.ERR_NO_SPACE)
+            self._file.Write_at(*arguments)
+
+    class Files:
+        File = type("File", (), {"Open": lambda *of: Full(MPI.File.Open(*of))})
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(MPI, name)
+
+    storage.MPI = Files()
+    try:
+        ours.save(path)
+    except OSError as error:
+        assert last and "world" in str(error), error
+    except jostle.mpi.RankError as error:
+        assert not last and f"rank {COMM.size - 1}: OSError" in str(error), error
+    else:
+        raise AssertionError("the disk is full")
+    finally:
+        storage.MPI = MPI
+    COMM.Barrier()
+    assert path.read_bytes() == whole and not list(folder.glob(".*"))
+    # On all ranks, as the system says it.
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    refuse(lambda: ours.save(path), "world")
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    COMM.Barrier()
+    assert path.read_bytes() == whole and not list(folder.glob(".*"))
+    ours.save(path)
 
 
 def ours_hash_of(world: jostle.World) -> int:
@@ -337,6 +431,152 @@ def test_pressed() -> None:
     assert world.state_hash() != before
 
 
+def test_signals() -> None:
+    """A signal handler that raises on one rank raises on all, after the call."""
+
+    class Interrupted:
+        """A core that is interrupted by a signal when its particles are read."""
+
+        def __init__(self, core: Any) -> None:
+            self._of = core
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self._of, name)
+
+        def _own_records(self) -> bytes:
+            signal.raise_signal(signal.SIGUSR1)
+            return self._of._own_records()
+
+    def handler(*_: object) -> None:
+        raise InterruptedError("told so")
+
+    world, last = scattered(gas(50), evenly), COMM.rank == COMM.size - 1
+    before, core = world.state_hash(), world._core
+    signal.signal(signal.SIGUSR1, handler)
+    if last:
+        world._core = Interrupted(core)
+    calls: list[Callable[[], Any]] = [
+        world.state_hash,
+        world.gather,
+        lambda: world.kinetic_energy,
+        lambda: world.momentum,
+    ]
+    for call in calls:
+        try:
+            call()
+        except InterruptedError as error:
+            assert last and str(error) == "told so", error
+        except jostle.mpi.RankError as error:
+            assert not last and "told so" in str(error), error
+        else:
+            raise AssertionError("the handler raises")
+    world._core = core
+    assert signal.getsignal(signal.SIGUSR1) is handler
+    # A handler that does not raise runs, and changes nothing.
+    told = []
+    signal.signal(signal.SIGUSR1, lambda *_: told.append(world.time))
+    if last:
+        world._core = Interrupted(core)
+    assert world.state_hash() == before
+    assert told == [0.0] * last
+
+
+def test_many() -> None:
+    """MPI has a limited number of communicators; worlds use it up neither now nor later."""
+    for comm in (COMM, MPI.COMM_SELF):
+        for _ in range(1500):
+            jostle.mpi.World(comm, [], [], [])
+
+
+def test_forces() -> None:
+    """Forces between neighbours, whose particles have neighbours on other ranks."""
+    for name in ("life", "fluid", "flock"):
+        check(name, jostle.scenes.create(name, n=300, seed=2), 1 / 60, 40, unevenly)
+    kinds = np.arange(400) % 3
+    table = np.random.default_rng(4).normal(0, 300, (3, 3, 12))
+    long = jostle.PairForce(kinds, table, 11.0, damping=3.0)
+    other = jostle.PairForce(np.arange(400) % 2, table[:2, :2], 4.0)
+    flocking = jostle.Flocking(6.0, 40.0, 1.0, 0.5, max_speed=60.0)
+    world = gas(400, forces=[long, flocking, other], container="torus", substeps=3)
+    ours = check("three forces", world, 1 / 60, 25)
+    alone = ours.gather()
+    if alone is not None:
+        assert np.array_equal(alone.forces[0].kinds, kinds)
+        alone.step(1 / 60, 5)
+    ours.step(1 / 60, 5)
+    state = COMM.bcast(alone.state_hash() if alone is not None else None)
+    assert ours.state_hash() == state
+    ours = jostle.mpi.create_scene(COMM, "life", n=100, seed=3)
+    assert ours.state_hash() == jostle.scenes.create("life", n=100, seed=3).state_hash()
+    if COMM.size > 1:
+        force = jostle.PairForce([], table * (1 + COMM.rank), 4.0)
+        make = partial(jostle.mpi.World, COMM, [], [], [], forces=[force])
+        refuse(make, "forces is not the same")
+
+
+def test_events() -> None:
+    """All ranks together have the events of one process, also of pairs that move to other ranks."""
+    kinds = np.arange(400) % 5
+    options: dict[str, Any] = {"track_events": True, "container": "torus"}
+    still = {"movable": kinds > 1, "sensors": kinds < 2}
+    for name, world, steps in (
+        ("gas", gas(400, cover=0.6, **options), 3),
+        ("sensors", gas(400, **still, **options), 4),
+        ("ignore", gas(400, on_touch="ignore", **options), 2),
+        ("rest", gas(60, track_events=True, **REST), 5),
+    ):
+        ours = scattered(world, unevenly)
+        ours._core._rebalance_every(3)
+        seen = 0
+        for _ in range(8):
+            world.step(1 / 60, steps)
+            ours.step(1 / 60, steps)
+            found = [
+                np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)
+            ]
+            for pairs, expected in zip(found, world.events, strict=True):
+                pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+                assert np.array_equal(pairs, expected), name
+                seen += len(pairs)
+        assert seen > 0, name
+    try:
+        _ = scattered(gas(9), evenly).events
+    except RuntimeError as error:
+        assert "track_events=True" in str(error)
+
+
+def test_calls() -> None:
+    """The numbers of calls of a step in docs/mpi.md."""
+    size = COMM.size
+    sparse = {"n": 200, "cover": 0.1}
+    for container, calls in (("box", 16), (None, 17), ("torus", 19)):
+        options = {} if container == "box" else {"container": container}
+        world = scattered(gas(**sparse, **options), evenly)
+        world._core._rebalance_every(1000)
+        counts = []
+        for _ in range(3):
+            before = world.traffic["calls"]
+            world.step(1 / 600)
+            counts.append(world.traffic["calls"] - before)
+        assert size == 1 or counts == [calls + 18, calls, calls], (container, counts)
+
+
+def test_parts() -> None:
+    """Scenes that are made in parts have the particles of one process."""
+    for name in ("gas", "pile", "thermostat", "mixed", "clusters"):
+        for n in (0, 1, 2, 7, 200):
+            whole = jostle.scenes.create(name, n=n, seed=4)
+            ours = jostle.mpi.create_scene(COMM, name, n=n, seed=4, sleeping=False)
+            assert ours.state_hash() == whole.state_hash(), (name, n)
+            assert ours.total == len(whole) and len(ours) <= len(whole) // COMM.size + 1
+    for _ in range(2):
+        whole.step(1 / 60, 10)
+        ours.step(1 / 60, 10)
+        assert ours.state_hash() == whole.state_hash()
+    refuse(lambda: jostle.mpi.create_scene(COMM, "nothing"), "nothing")
+    refuse(lambda: jostle.mpi.create_scene(COMM, "stars", n=10), "")
+
+
 def test_errors() -> None:
     """What is refused is refused on all ranks, and an error leaves the world as it was."""
     rest = {"gravity": (0.0, 9.8), "restitution": 0.5}  # and sleeping=True
@@ -348,7 +588,6 @@ def test_errors() -> None:
         ("sleeping", lambda: scattered(gas(50, **rest), evenly).step(1 / 60)),
         ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
         ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
-        ("track_events", lambda: jostle.mpi.World(COMM, [], [], [], track_events=True)),
         ("dt", lambda: world.step(-1.0)),
         ("gravity", lambda: jostle.mpi.World(COMM, [], [], [], gravity=(COMM.rank, 0))),
         ("walls", lambda: jostle.mpi.World(COMM, [], [], [], walls=walls)),
@@ -371,7 +610,7 @@ def test_errors() -> None:
     try:
         hurried.step(100.0)
     except ValueError as error:
-        assert COMM.rank == COMM.size - 1 and "dt" in str(error), error
+        assert COMM.rank == COMM.size - 1 and "particle 49 would move" in str(error), error
     except jostle.mpi.RankError as error:
         assert COMM.rank < COMM.size - 1, error
         assert f"rank {COMM.size - 1}: ValueError: dt" in str(error), error

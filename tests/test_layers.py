@@ -147,7 +147,7 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 # ---- the Python package --------------------------------------------------------------------------
 
-COMMAND = {"cli.py", "interrupt.py", "tables.py"}
+COMMAND = {"cli.py", "interrupt.py", "launcher.py", "tables.py"}
 ADAPTERS = ["pygame"]  # those that are packages
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 LIBRARY += [path for name in ADAPTERS for path in sorted((PACKAGE / name).glob("*.py"))]
@@ -170,7 +170,7 @@ def test_library_never_imports_the_app(path: Path) -> None:
     assert not [
         name
         for name in imports(path)
-        if re.match(r"jostle\.(app|bench|tune|sweep|mpi|cli|interrupt|tables)\b", name)
+        if re.match(r"jostle\.(app|bench|tune|sweep|mpi|cli|interrupt|launcher|tables)\b", name)
     ]
 
 
@@ -196,7 +196,7 @@ MPI = sorted((PACKAGE / "mpi").glob("*.py"))
 
 @pytest.mark.parametrize("path", MPI, ids=names_of(MPI, PACKAGE))
 def test_mpi_uses_the_library_and_mpi4py(path: Path) -> None:
-    above = r"jostle\.(app|bench|tune|sweep|cli|interrupt|tables)\b"
+    above = r"jostle\.(app|bench|tune|sweep|cli|interrupt|launcher|tables)\b"
     names = list(imports(path))
     assert not [name for name in names if re.match(above, name)]
     allowed = {"jostle", "numpy", "mpi4py", *sys.stdlib_module_names}
@@ -264,7 +264,7 @@ def test_a_file_uses_only_files_above_it_in_the_table(package: Path) -> None:
 # The layers of the app: packages, and modules outside packages.
 LAYERS = (
     *("simulate", "draw", "measure", "act", "race", "runner", "storage", "session"),
-    *("gui", "panels", "window", "headless", "film_report", "tour"),
+    *("gui", "panels", "window", "headless", "film_report", "ranks", "tour"),
 )
 SIBLINGS_IN_APP = [("draw", "measure"), ("window", "headless")]
 

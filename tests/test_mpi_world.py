@@ -3,7 +3,20 @@
 import pytest
 from mpi_ranks import HERE, needs_mpi, run_ranks
 
-CASES = ("gas", "containers", "rules", "nasty", "files", "errors", "pressed")
+CASES = (
+    "gas",
+    "containers",
+    "rules",
+    "nasty",
+    "files",
+    "errors",
+    "pressed",
+    "signals",
+    "calls",
+    "parts",
+    "events",
+    "forces",
+)
 
 
 @needs_mpi
@@ -26,6 +39,11 @@ def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str, ran
 @pytest.mark.slow
 def test_larger_worlds_have_the_bits_of_one_process_after_300_steps() -> None:
     assert "all bits are right" in run_ranks(3, HERE / "mpi_world.py", "long")
+
+
+@needs_mpi
+def test_worlds_do_not_use_up_the_communicators() -> None:
+    assert "all bits are right" in run_ranks(2, HERE / "mpi_world.py", "many")
 
 
 @needs_mpi

@@ -63,7 +63,9 @@ __all__ = [
     "__version__",
     "abandon_threads",
     "begin_hash",
+    "checksum",
     "create_scene",
+    "create_scene_part",
     "describe_scene",
     "find_pairs",
     "hash_records",
@@ -300,6 +302,9 @@ class RankError(RuntimeError):
 
 def begin_hash(total: int) -> int:
     """Begin the hash of the state of `total` particles. For `jostle.mpi`."""
+
+def checksum(bytes: bytes) -> int:
+    """The checksum of bytes in files. For `jostle.mpi`."""
 
 def hash_records(hash: int, records: bytes, column: int) -> int:
     """Continue the hash of the state with one column of the particles of records. For `jostle.mpi`."""
@@ -5457,6 +5462,11 @@ def create_scene(name: str, n: SupportsIndex | None = None, seed: SupportsIndex 
     >>> len(world)
     100
     """
+
+def create_scene_part(
+    name: str, n: SupportsIndex | None, seed: SupportsIndex, rank: int, size: int
+) -> World:
+    """Make the particles of one of several ranks. For `jostle.mpi`."""
 
 def scene_view(name: str, n: SupportsIndex | None = None) -> tuple[float, float, float, float]:
     """Return the part of a scene's world to display.

@@ -7,6 +7,7 @@ import io
 import os
 import sys
 import tempfile
+import traceback
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
@@ -35,6 +36,7 @@ from jostle.app.simulate.settings import (
 from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
 from jostle.app.simulate.validation import AnyRule, check, one_of, similar, whole
+from jostle.launcher import is_started_by_mpi, speaks
 
 if TYPE_CHECKING:
     from jostle.app.storage.config import Config
@@ -120,6 +122,15 @@ def run(
         bool, typer.Option("--headless", help="Record a video instead of opening a window.")
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the video and the picture.")] = Path("out"),
+    mpi: Annotated[
+        bool, typer.Option("--mpi", help="Run over the ranks of MPI, as if mpirun starts several.")
+    ] = False,
+    checkpoint: Annotated[
+        int | None, typer.Option(help="Steps between checkpoints of a run over ranks.")
+    ] = None,
+    resume: Annotated[
+        Path | None, typer.Option(help="A checkpoint to continue, on any number of ranks.")
+    ] = None,
 ) -> None:
     """Run a scene in a window, or record a video if there is no display."""
     if scene is not None:
@@ -139,6 +150,13 @@ def run(
     for name in FIXED_BY_ARTICLE if settings.by_article else ():
         if name in given or name in config.given:
             _refuse(f"{_option(name)} cannot be set here: the article's are fixed")
+    if mpi or is_started_by_mpi():
+        _check("checkpoint", checkpoint, STEPS)
+        _run_on_ranks(settings, config, steps, out, checkpoint, resume)
+        return
+    for option, value in (("--checkpoint", checkpoint), ("--resume", resume)):
+        if value is not None:
+            _refuse(f"{option} is for runs over ranks; add --mpi, or start the command with mpirun")
     why_no_window = None
     if not headless:
         why_no_window = (
@@ -378,6 +396,44 @@ def _film(settings: Settings, steps: int | None, out: Path, config: Config) -> N
     console.print(f"video    {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 
+def _run_on_ranks(
+    settings: Settings,
+    config: Config,
+    steps: int | None,
+    out: Path,
+    checkpoint: int | None,
+    resume: Path | None,
+) -> None:
+    """Record a video of a scene whose particles are distributed over the ranks of MPI."""
+    if importlib.util.find_spec("mpi4py") is None:
+        _refuse('a run over ranks needs mpi4py, which is not installed; pip install "jostle[mpi]"')
+    from mpi4py import MPI
+
+    from jostle.app.headless import SIZE
+    from jostle.app.ranks.run import DEFAULT_STEPS, Plan, Stopped, leave_together, refusal, run
+    from jostle.mpi import RankError
+
+    if why := refusal(settings):
+        _refuse(why)
+    size = config.size or SIZE
+    plan = Plan(settings, steps or DEFAULT_STEPS, out, checkpoint, resume, size)
+    try:
+        run(MPI.COMM_WORLD, plan, console)
+        return
+    except Stopped as stopped:
+        _tell(str(stopped))
+        code = interrupt.CODE
+    except (RankError, ValueError, MemoryError, OSError) as error:
+        _tell(f"jostle: the run over ranks has ended: {error}")
+        code = 2
+    except BaseException:
+        # The other ranks do not know of this one's error.
+        traceback.print_exc()
+        MPI.COMM_WORLD.Abort(1)
+    leave_together(MPI.COMM_WORLD)
+    raise typer.Exit(code)
+
+
 def _start(settings: Settings, config: Config) -> Simulation:
     """Return the simulation; an error of the library becomes a message of the command."""
     try:
@@ -465,8 +521,14 @@ def _check_extra(*modules: str) -> None:
 
 
 def _refuse(sentence: str) -> NoReturn:
-    print(f"jostle: {sentence}", file=sys.stderr)
+    _tell(f"jostle: {sentence}")
     raise typer.Exit(2)
+
+
+def _tell(message: str) -> None:
+    """Print a message, once for all processes that MPI has started."""
+    if speaks():
+        print(message, file=sys.stderr)
 
 
 def main() -> None:
@@ -496,7 +558,7 @@ def _exit_code() -> int:
         code = app(standalone_mode=False)
     except usage_error as error:
         if sentence := error.format_message():  # type: ignore[attr-defined]
-            print(f"jostle: {sentence}", file=sys.stderr)
+            _tell(f"jostle: {sentence}")
         return 2
     except (typer.Abort, KeyboardInterrupt):
         return interrupt.CODE

@@ -17,7 +17,7 @@ create_exception!(
      of that rank and its message."
 );
 
-/// An object with the methods `gather` and `exchange`, of a rank.
+/// An object with the methods `gather`, `gather_all`, `transpose` and `exchange`, of a rank.
 pub struct PyCommunicator {
     object: Py<PyAny>,
     rank: usize,
@@ -53,6 +53,18 @@ impl Communicator for PyCommunicator {
             let all = self.object.bind(py).call_method1("gather", (PyBytes::new(py, own),))?;
             Ok(all.cast::<PyBytes>()?.as_bytes().to_vec())
         })
+    }
+
+    fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>> {
+        called(|py| {
+            let arguments = (PyBytes::new(py, own), counts.to_vec());
+            let all = self.object.bind(py).call_method1("gather_all", arguments)?;
+            Ok(all.cast::<PyBytes>()?.as_bytes().to_vec())
+        })
+    }
+
+    fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>> {
+        called(|py| self.object.bind(py).call_method1("transpose", (to.to_vec(),))?.extract())
     }
 
     fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {

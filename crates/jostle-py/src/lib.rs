@@ -36,7 +36,7 @@ mod _core {
     use pyo3::types::IntoPyDict;
 
     use super::scenes::{
-        create, default_count, describe, fountains, galton_board, names, view, wall,
+        create, create_part, default_count, describe, fountains, galton_board, names, view, wall,
     };
 
     #[pymodule_export]
@@ -61,7 +61,7 @@ mod _core {
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
-    use super::world::{PyWorld, begin_hash, hash_records};
+    use super::world::{PyWorld, begin_hash, checksum, hash_records};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]
@@ -96,6 +96,7 @@ mod _core {
         module.add("scene_names", wrap_pyfunction!(names, module)?)?;
         module.add("describe_scene", wrap_pyfunction!(describe, module)?)?;
         module.add("create_scene", wrap_pyfunction!(create, module)?)?;
+        module.add("create_scene_part", wrap_pyfunction!(create_part, module)?)?;
         module.add("scene_view", wrap_pyfunction!(view, module)?)?;
         module.add("scene_default_count", wrap_pyfunction!(default_count, module)?)?;
         module.add("scene_fountains", wrap_pyfunction!(fountains, module)?)?;

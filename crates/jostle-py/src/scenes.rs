@@ -147,6 +147,22 @@ pub fn create(
     Ok(PyWorld::of(world.map_err(refused)?))
 }
 
+/// Make the particles of one of several ranks. For `jostle.mpi`.
+#[pyfunction]
+pub fn create_part(
+    py: Python<'_>,
+    name: &Bound<'_, PyAny>,
+    n: Option<&Bound<'_, PyAny>>,
+    seed: &Bound<'_, PyAny>,
+    rank: usize,
+    size: usize,
+) -> PyResult<PyWorld> {
+    let (scene, n) = (scene(name)?, particles(n)?);
+    let seed = count("seed", seed, 0)?;
+    let world = py.detach(|| scene.create_part(n, seed as u64, [rank, size]));
+    Ok(PyWorld::of(world.map_err(refused)?))
+}
+
 /// Return the part of a scene's world to display.
 ///
 /// Parameters

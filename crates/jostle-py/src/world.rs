@@ -25,7 +25,7 @@ use crate::lock::{Guard, Shared};
 use crate::particles::{Arguments, Draft};
 use crate::settings;
 use crate::walls;
-pub use ranks::{begin_hash, hash_records};
+pub use ranks::{begin_hash, checksum, hash_records};
 
 /// Particles: discs that move, collide and bounce off walls.
 ///

@@ -94,6 +94,11 @@ impl Writer {
 pub struct Reader<'a>(&'a [u8]);
 
 impl<'a> Reader<'a> {
+    /// Reads bytes that have no header.
+    pub fn without_head(bytes: &'a [u8]) -> Self {
+        Self(bytes)
+    }
+
     /// Checks the header that [`Writer::finish`] has written; returns the version too.
     pub fn open(
         bytes: &'a [u8],

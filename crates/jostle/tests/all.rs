@@ -19,6 +19,7 @@ mod neighbors;
 mod periodic;
 mod physics;
 mod query;
+mod ranks;
 mod scenes;
 mod separate;
 mod sides;

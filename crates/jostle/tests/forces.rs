@@ -91,6 +91,7 @@ fn accelerations(
         seconds,
         method,
         threads,
+        extent: None,
     };
     let mut found = Vec::new();
     let force = Force::Gravitation(gravitation);

@@ -53,6 +53,7 @@ impl State {
             seconds: 0.01,
             method,
             threads: Some(threads),
+            extent: None,
         };
         let mut found = Vec::new();
         let force = self.with_kinds(force);

@@ -51,7 +51,7 @@ EVERY = 0.2  # seconds between updates
 
 
 @dataclass(frozen=True)
-class _Row:
+class Row:
     """A line of the panel: a name at the left, a value at the right, and a bar before it."""
 
     name: str
@@ -83,11 +83,11 @@ class Readout:
     def draw(self, painter: Painter, engine: Engine, rate: float | None, now: float) -> None:
         """Draw the panel; `rate` is the number of steps per second."""
         if self._sheet is None or now >= self._due:
-            self._sheet = _sheet(self._rows(engine, rate))
+            self._sheet = sheet_of(self._rows(engine, rate))
             self._due = now + EVERY
         painter.sheet(self._sheet, (EDGE, EDGE))
 
-    def _rows(self, engine: Engine, rate: float | None) -> list[_Row | None]:
+    def _rows(self, engine: Engine, rate: float | None) -> list[Row | None]:
         """Return the lines; None is a rule between two parts."""
         facts, n = engine.frame.stats, len(engine.frame)
         every_pair = pairs_of(n)
@@ -95,24 +95,24 @@ class Readout:
         # Drawing is last, in the order of work.
         stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
         return [
-            _Row(engine.scene, size=TITLE, colour=TEXT),
-            _Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
+            Row(engine.scene, size=TITLE, colour=TEXT),
+            Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
             None,
-            _Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
+            Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
             None,
-            _Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
-            *(_Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
+            Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
+            *(Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
             None,
-            _Row("pairs tested", f"{facts.pairs_tested:,}"),
-            _Row("of n(n−1)/2", f"{every_pair:,}"),
-            _Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
-            _Row("touching", f"{facts.touching:,}"),
-            _Row("asleep", f"{facts.asleep:,}"),
-            _Row("kinetic energy", scientific(facts.kinetic_energy)),
+            Row("pairs tested", f"{facts.pairs_tested:,}"),
+            Row("of n(n−1)/2", f"{every_pair:,}"),
+            Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
+            Row("touching", f"{facts.touching:,}"),
+            Row("asleep", f"{facts.asleep:,}"),
+            Row("kinetic energy", scientific(facts.kinetic_energy)),
         ]
 
 
-def _sheet(rows: list[_Row | None]) -> pygame.Surface:
+def sheet_of(rows: list[Row | None]) -> pygame.Surface:
     """Return the lines on a panel, from top to bottom."""
     sheet = panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
     y, right = PAD, WIDTH - PAD

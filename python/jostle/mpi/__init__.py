@@ -6,10 +6,11 @@ process. Needs mpi4py and an MPI library: ``pip install jostle[mpi]``.
 
 from jostle._core import RankError
 
+from .scenes import create_scene
 from .search import find_pairs
 from .world import World
 
-__all__ = ["RankError", "World", "find_pairs"]
+__all__ = ["RankError", "World", "create_scene", "find_pairs"]
 
-for _public in (World, find_pairs):
+for _public in (World, create_scene, find_pairs):
     _public.__module__ = "jostle.mpi"

@@ -41,6 +41,23 @@ def _text(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
 
 
+#: Keeps the duplicate of a communicator, and frees it with the communicator.
+_DUPLICATE = MPI.Comm.Create_keyval(delete_fn=lambda comm, key, duplicate: duplicate.Free())
+
+
+def duplicate_of(comm: MPI.Intracomm) -> MPI.Intracomm:
+    """Return the duplicate of a communicator that all worlds of it share.
+
+    Its messages do not mix with those of the caller. It is freed when the communicator is freed, a
+    call of all ranks; worlds are freed at a different time on each rank.
+    """
+    duplicate: MPI.Intracomm | None = comm.Get_attr(_DUPLICATE)
+    if duplicate is None:
+        duplicate = comm.Dup()
+        comm.Set_attr(_DUPLICATE, duplicate)
+    return duplicate
+
+
 def first_id(comm: MPI.Intracomm, count: int) -> int:
     """Number of rows of all ranks before this one."""
     return int(comm.exscan(count, op=MPI.SUM) or 0)

@@ -11,15 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 
 from .exchange import deliver, extremes, first_id, joined, send, together, totals
-from .shares import Cells, cuts, morton_keys
+from .interrupts import collective
+from .shares import Cells, Scale, cuts, morton_keys
 
 #: Large shapes at most; all ranks know them.
 _MOST_LARGE = 1024
 
-#: Cells along each axis of the grid in which ranks mark where their shapes are, at most.
-_MOST_CELLS = 256
 
-
+@collective
 def find_pairs(
     comm: MPI.Intracomm,
     centers: ArrayLike,
@@ -100,7 +99,7 @@ def find_pairs(
         share.check(distance, period)
     own = share.rows(comm)
     spread = _Spread(comm, own, float(distance), period)
-    own = send(comm, own, spread.homes(own["center"]))
+    own = send(comm, own, spread.homes(own))
     is_large = spread.extents(own) > spread.limit
     large = joined(comm, own[is_large])
     small = own[~is_large]
@@ -214,24 +213,11 @@ class _Spread:
         self._distance = distance
         pair = np.broadcast_to(np.array(period if period is not None else 0.0, object), 2)
         self._period = np.array([side or 0.0 for side in pair], np.float64)
-        centers = self._wrapped(own["center"])
-        none = np.full(2, -np.inf)
-        top = centers.max(axis=0) if len(centers) else none
-        bottom = -centers.min(axis=0) if len(centers) else none
-        largest = extremes(comm, np.concatenate([top, bottom]))
-        high, low = largest[:2], -largest[2:]
-        is_empty = not np.isfinite(high).all()
-        self._origin = np.where(is_empty | (self._period > 0), 0.0, low)
-        # An odd scale keeps sums of large coordinates finite.
-        sides = np.where(self._period > 0, self._period, high * 0.5 - self._origin * 0.5)
-        scale = np.where(self._period > 0, 1.0, 2.0)
-        sides = np.where(np.isfinite(sides) & (sides > 0), sides, 1.0)
-        side = sides.max() if not (self._period > 0).any() else sides
-        self._sides = np.broadcast_to(side, 2) * scale
         self._rounding = 16 * float(np.finfo(own["radius"].dtype).eps)
-        self._magnitude = 0.0 if is_empty else float(np.abs(largest).max())
+        centers = self._wrapped(own["center"])
+        self._scales = [Scale(comm, numbers) for numbers in centers.T]
         self.limit = self._limit(own)
-        self._cuts = cuts(comm, morton_keys(self._places(own["center"])))
+        self._cuts = cuts(comm, self._keys(own))
 
     def _wrapped(self, centers: NDArray[Any]) -> NDArray[np.float64]:
         centers = centers.astype(np.float64)
@@ -240,21 +226,25 @@ class _Spread:
                 centers[:, axis] %= side
         return centers
 
-    def _places(self, centers: NDArray[Any]) -> NDArray[np.float64]:
-        """Positions in the unit square."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            places: NDArray[np.float64] = (self._wrapped(centers) - self._origin) / self._sides
-        return places
+    def _keys(self, rows: NDArray[Any]) -> NDArray[np.int64]:
+        centers = self._wrapped(rows["center"])
+        shares = zip(self._scales, centers.T, strict=True)
+        return morton_keys([scale.shares(numbers) for scale, numbers in shares])
 
-    def homes(self, centers: NDArray[Any]) -> NDArray[np.intp]:
+    def homes(self, rows: NDArray[Any]) -> NDArray[np.intp]:
         """The rank of each shape."""
-        keys = morton_keys(self._places(centers))
-        return np.searchsorted(self._cuts, keys, side="right")
+        return np.searchsorted(self._cuts, self._keys(rows), side="right")
 
     def extents(self, rows: NDArray[Any]) -> NDArray[np.float64]:
-        """Distances from the centre within which each shape is, along the longer side."""
+        """Distances from the centre within which each shape is, along the longer side; rounding
+        is included."""
         halves = rows["half_size"].astype(np.float64).max(axis=1, initial=0.0)
-        extents: NDArray[np.float64] = halves + rows["radius"] + 0.5 * self._distance
+        sizes = halves + rows["radius"] + 0.5 * self._distance
+        far = np.abs(rows["center"]).astype(np.float64).max(axis=1, initial=0.0)
+        with np.errstate(over="ignore"):
+            extents: NDArray[np.float64] = (
+                sizes + (sizes + far + self._period.max()) * self._rounding
+            )
         return extents
 
     def _limit(self, own: NDArray[Any]) -> float:
@@ -272,15 +262,9 @@ class _Spread:
         comm = self._comm
         extents = self.extents(small)
         largest = extremes(comm, np.array([extents.max(initial=0.0)]))[0]
-        padded = largest * (1 + self._rounding) + self._magnitude * self._rounding
         # A box is not wider than a cell, so its corners are in all cells that it overlaps.
-        fit = self._sides.min() / max(2 * padded, np.finfo(float).tiny)
-        cells = Cells(int(np.clip(fit, 1, _MOST_CELLS)), tuple(self._period > 0))
-        sizes = np.minimum(
-            extents * (1 + self._rounding) + self._magnitude * self._rounding, padded
-        )
-        with np.errstate(over="ignore", invalid="ignore"):
-            corners = cells.corners(self._places(small["center"]), sizes[:, None] / self._sides)
+        cells = Cells(self._scales, 2 * largest * (1 + self._rounding), self._period)
+        corners = cells.corners(self._wrapped(small["center"]), extents)
         occupied = cells.ranks_of(comm, corners)
         parts = [small[:0]] * comm.size
         for rank in range(comm.rank + 1, comm.size):

@@ -1,13 +1,15 @@
 """Files of distributed worlds: one file, which all ranks write and read in parts.
 
-The file has a head, the settings as a snapshot of a world without particles, a checksum for each
-chunk of particles, and the particles as records in the order of ids.
+The file has a head, the settings as a snapshot of a world without particles, a table of chunks, and
+the chunks. A chunk has the particles of a range of ids: the numbers of rows of all `PARTS`, then
+their rows. The core reads such a file, too: `snapshot/parts.rs`.
 """
 
 from __future__ import annotations
 
 import os
-import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,22 +17,31 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .exchange import send, together
+from jostle._core import checksum
+
+from .exchange import raise_together, send, together
+from .records import PARTS
 
 _MAGIC = b"jostle ranks\x1a\n\0\0"
-_VERSION = 1
+_VERSION = 2
 
-#: Particles of a chunk. Each rank has whole chunks, so that checksums do not depend on the ranks.
+#: Ids of a chunk. Each rank has whole chunks, so that the file does not depend on the ranks.
 _CHUNK = 1 << 14
 
 _HEAD = np.dtype([("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")])
 
+#: Fields by which rows are sorted, the last one first.
+_ORDER = ("wall", "other", "id")
+
+#: Bytes of a chunk, and their checksum.
+_ENTRY = np.dtype([("size", "<u8"), ("checksum", "<u8")])
+
 
 def by_ids(comm: MPI.Intracomm, rows: NDArray[Any], total: int, unit: int = 1) -> NDArray[Any]:
-    """Send particles to ranks so that each has a range of ids, in units of so many."""
-    starts = _starts(comm.size, total, unit)
-    rows = send(comm, rows, np.searchsorted(starts[1:], rows["id"], side="right"))
-    return np.sort(rows, order="id")
+    """Send rows to ranks so that each has a range of ids, in units of so many."""
+    rows = send(comm, rows, _ranks_of(rows["id"], comm.size, total, unit))
+    names = [name for name in _ORDER if name in (rows.dtype.names or ())]
+    return rows[np.lexsort([rows[name] for name in names])]
 
 
 def _starts(size: int, total: int, unit: int) -> NDArray[np.int64]:
@@ -39,79 +50,153 @@ def _starts(size: int, total: int, unit: int) -> NDArray[np.int64]:
     return np.minimum(np.arange(size) * units // size * unit, total)
 
 
-def write(comm: MPI.Intracomm, path: Path, settings: bytes, rows: NDArray[Any]) -> None:
+def _ranks_of(ids: NDArray[np.int64], size: int, total: int, unit: int) -> NDArray[np.intp]:
+    return np.searchsorted(_starts(size, total, unit)[1:], ids, side="right")
+
+
+def _chunks_of(rank: int, size: int, total: int) -> tuple[int, int]:
+    """The chunks of a rank: the first one, and the one after the last."""
+    count = -(-total // _CHUNK)
+    return rank * count // size, (rank + 1) * count // size
+
+
+def write(comm: MPI.Intracomm, path: Path, settings: bytes, parts: list[NDArray[Any]]) -> None:
     """Write a file beside `path`, and rename it when it is complete; `settings` of rank 0 count."""
-    total = int(comm.allreduce(len(rows)))
-    rows = by_ids(comm, rows, total, _CHUNK)
-    first = int(_starts(comm.size, total, _CHUNK)[comm.rank])
-    sums = np.array(
-        [zlib.crc32(rows[at : at + _CHUNK].tobytes()) for at in range(0, len(rows), _CHUNK)], "<u4"
-    )
+    total = int(comm.allreduce(len(parts[0])))
+    parts = [by_ids(comm, rows, total, _CHUNK) for rows in parts]
+    first, last = _chunks_of(comm.rank, comm.size, total)
+    chunks = [_chunk(parts, number) for number in range(first, last)]
+    table = np.array([(len(chunk), checksum(chunk)) for chunk in chunks], _ENTRY)
     settings = comm.bcast(settings)
+    head = np.array([(_MAGIC, _VERSION, total, len(settings))], _HEAD).tobytes() + settings
+    table_at = len(head)
+    size = int(table["size"].sum())
+    chunks_at = table_at + _ENTRY.itemsize * -(-total // _CHUNK)
+    own_at = chunks_at + int(comm.exscan(size) or 0)
     beside = path.with_name(f".{path.name}.partial")
-    sums_at = _HEAD.itemsize + len(settings)
-    rows_at = sums_at + 4 * -(-total // _CHUNK)
-    with _all_or_none(comm, beside, MPI.MODE_CREATE | MPI.MODE_WRONLY) as file:
-        file.Set_size(rows_at + total * rows.dtype.itemsize)
-        head = np.array([(_MAGIC, _VERSION, total, len(settings))], _HEAD).tobytes() + settings
-        file.Write_at_all(0, head if comm.rank == 0 else b"")
-        file.Write_at_all(sums_at + 4 * (first // _CHUNK), sums.tobytes())
-        file.Write_at_all(rows_at + first * rows.dtype.itemsize, rows.tobytes())
-        file.Sync()
-    with together(comm):
+    with _new_file(comm, beside, chunks_at + int(comm.allreduce(size))) as file:
+        if comm.rank == 0:
+            file.Write_at(0, head)
+        file.Write_at(table_at + _ENTRY.itemsize * first, table.tobytes())
+        file.Write_at(own_at, b"".join(chunks))
+    with together(comm), _removed_after_errors(comm, beside):
         if comm.rank == 0:
             os.replace(beside, path)
 
 
-class _all_or_none:
-    """A file of all ranks; the error of opening it is raised by all."""
+def _chunk(parts: list[NDArray[Any]], number: int) -> bytes:
+    """The rows of a chunk, from rows that are sorted by ids."""
+    ends = [number * _CHUNK, (number + 1) * _CHUNK]
+    limits = [np.searchsorted(rows["id"], ends) for rows in parts]
+    rows = [rows[first:last] for rows, (first, last) in zip(parts, limits, strict=True)]
+    return b"".join([np.array(list(map(len, rows)), "<u8").tobytes(), *(r.tobytes() for r in rows)])
 
-    def __init__(self, comm: MPI.Intracomm, path: Path, mode: int) -> None:
-        self._comm, self._path, self._mode = comm, path, mode
 
-    def __enter__(self) -> MPI.File:
-        error: Exception | None = None
+@contextmanager
+def _new_file(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
+    """Open a file of all ranks for a block without calls of all ranks.
+
+    All ranks make all calls, even if one fails; then all raise, and the file is removed.
+    """
+    error: BaseException | None = None
+
+    @contextmanager
+    def kept() -> Iterator[None]:
+        """Keep the first error."""
+        nonlocal error
         try:
-            self._file = MPI.File.Open(self._comm, os.fspath(self._path), self._mode)
+            yield
         except MPI.Exception as raised:
-            error = OSError(f"{self._path}: {raised.Get_error_string()}")
-        if error is not None:
-            raise error
-        return self._file
+            error = error or OSError(f"{path}: {raised.Get_error_string()}")
+        except BaseException as raised:
+            error = error or raised
 
-    def __exit__(self, *_: object) -> None:
-        self._file.Close()
+    with _removed_after_errors(comm, path):
+        with kept():
+            file = MPI.File.Open(comm, os.fspath(path), MPI.MODE_CREATE | MPI.MODE_WRONLY)
+        raise_together(comm, error)
+        with kept():
+            file.Set_size(size)
+        with kept():
+            yield file
+        with kept():
+            file.Sync()
+        with kept():
+            file.Close()
+        raise_together(comm, error)
 
 
-def read(comm: MPI.Intracomm, path: Path, record: np.dtype[np.void]) -> tuple[bytes, NDArray[Any]]:
-    """Return the settings, and this rank's range of the particles."""
+@contextmanager
+def _removed_after_errors(comm: MPI.Intracomm, path: Path) -> Iterator[None]:
+    try:
+        yield
+    except BaseException:
+        if comm.rank == 0:
+            with suppress(OSError):
+                path.unlink()
+        raise
+
+
+def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, list[NDArray[Any]]]:
+    """Return the settings, and the `PARTS` of this rank's range of ids.
+
+    A rank gets the resting contacts of its particles with those of others, too.
+    """
     with together(comm):
         with path.open("rb") as file:
-            head = np.frombuffer(file.read(_HEAD.itemsize).ljust(_HEAD.itemsize, b"\0"), _HEAD)[0]
-            size = os.fstat(file.fileno()).st_size
-            if head["magic"] != _MAGIC.rstrip(b"\0"):
-                raise ValueError(f"{path} is not a file of jostle.mpi.World.save")
-            if head["version"] != _VERSION:
-                raise ValueError(
-                    f"{path} has format {head['version']}; this version of jostle reads {_VERSION}"
-                )
-            total = int(head["particles"])
-            sums_at = _HEAD.itemsize + int(head["settings"])
-            rows_at = sums_at + 4 * -(-total // _CHUNK)
-            if size != rows_at + total * record.itemsize:
-                raise ValueError(f"{path} is cut off, or has something after its end")
-            settings = file.read(int(head["settings"]))
-            starts = np.append(_starts(comm.size, total, _CHUNK), total)
-            first, last = (int(at) for at in starts[comm.rank : comm.rank + 2])
-            file.seek(sums_at + 4 * (first // _CHUNK))
-            sums = np.frombuffer(file.read(4 * -(-(last - first) // _CHUNK)), "<u4")
-            file.seek(rows_at + first * record.itemsize)
-            rows = np.frombuffer(file.read((last - first) * record.itemsize), record)
-        for number, expected in enumerate(sums):
-            chunk = rows[number * _CHUNK : (number + 1) * _CHUNK]
-            if zlib.crc32(chunk.tobytes()) != expected:
-                at = first + number * _CHUNK
-                raise ValueError(
-                    f"{path} is damaged: the particles from {at} on are not as written"
-                )
-    return settings, rows
+            settings, total, chunks = _read_chunks(file, path, comm.rank, comm.size)
+        parts = [
+            np.concatenate([np.zeros(0, kind), *(rows[part] for rows in chunks)])
+            for part, kind in enumerate(PARTS)
+        ]
+    resting = parts[2]
+    homes = [_ranks_of(resting[name], comm.size, total, _CHUNK) for name in ("id", "other")]
+    is_shared = homes[0] != homes[1]
+    parts[2] = np.concatenate([resting, send(comm, resting[is_shared], homes[1][is_shared])])
+    return settings, parts
+
+
+def _read_chunks(
+    file: Any, path: Path, rank: int, size: int
+) -> tuple[bytes, int, list[list[NDArray[Any]]]]:
+    """Return the settings, the number of particles, and the rows of each of this rank's chunks."""
+    head = np.frombuffer(file.read(_HEAD.itemsize).ljust(_HEAD.itemsize, b"\0"), _HEAD)[0]
+    if head["magic"] != _MAGIC.rstrip(b"\0"):
+        raise ValueError(f"{path} is not a file of jostle.mpi.World.save")
+    if head["version"] != _VERSION:
+        raise ValueError(
+            f"{path} has format {head['version']}; this version of jostle reads {_VERSION}"
+        )
+    total, length = int(head["particles"]), int(head["settings"])
+    count = -(-total // _CHUNK)
+    found = os.fstat(file.fileno()).st_size
+    chunks_at = _HEAD.itemsize + length + count * _ENTRY.itemsize
+    settings, table = (file.read(size) if chunks_at <= found else b""
+                       for size in (length, count * _ENTRY.itemsize))  # fmt: skip
+    entries = np.frombuffer(table, _ENTRY)
+    if chunks_at + int(entries["size"].sum()) != found:
+        raise ValueError(f"{path} is cut off, or has something after its end")
+    first, last = _chunks_of(rank, size, total)
+    file.seek(int(entries["size"][:first].sum()), os.SEEK_CUR)
+    chunks = []
+    for number in range(first, last):
+        chunk = file.read(int(entries[number]["size"]))
+        rows = _rows_of(chunk) if checksum(chunk) == entries[number]["checksum"] else None
+        ids = np.arange(number * _CHUNK, min((number + 1) * _CHUNK, total))
+        if rows is None or not np.array_equal(rows[0]["id"], ids):
+            raise ValueError(
+                f"{path} is damaged: the particles from {number * _CHUNK} on are not as written"
+            )
+        chunks.append(rows)
+    return settings, total, chunks
+
+
+def _rows_of(chunk: bytes) -> list[NDArray[Any]]:
+    """The rows of all parts in a chunk."""
+    counts = np.frombuffer(chunk[: 8 * len(PARTS)], "<u8").tolist()
+    sizes = [count * kind.itemsize for count, kind in zip(counts, PARTS, strict=True)]
+    ends = np.cumsum([8 * len(PARTS), *sizes]).tolist()
+    return [
+        np.frombuffer(chunk[start:end], kind)
+        for start, end, kind in zip(ends, ends[1:], PARTS, strict=False)
+    ]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import hashlib
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -15,30 +16,21 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
-from .exchange import deliver, first_id, from_all, raise_together, together, totals
-from .interrupts import held
+from .events import events_of
+from .exchange import (
+    deliver,
+    duplicate_of,
+    first_id,
+    from_all,
+    raise_together,
+    together,
+    totals,
+)
+from .interrupts import collective, held
+from .messages import Messages
+from .records import PARTS, RECORD
 from .storage import by_ids, read, write
 from .sums import exact_sum
-
-#: A particle as the core writes it.
-RECORD = np.dtype(
-    [
-        ("id", "<i8"),
-        ("angle", "<f8"),
-        ("position", "<f4", 2),
-        ("residual", "<f4", 2),
-        ("velocity", "<f4", 2),
-        ("radius", "<f4"),
-        ("mass", "<f4"),
-        ("restitution", "<f4"),
-        ("friction", "<f4"),
-        ("angular_velocity", "<f4"),
-        ("category", "<u4"),
-        ("mask", "<u4"),
-        ("movable", "?"),
-        ("sensor", "?"),
-    ]
-)
 
 #: Share of the last step in the mean time that a rank needs for a particle.
 _SMOOTHING = 0.1
@@ -54,20 +46,26 @@ def _bytes_of(setting: object) -> bytes:
     """All of a setting; the text of a long array would be shortened."""
     if isinstance(setting, np.ndarray):
         return repr((setting.shape, setting.dtype)).encode() + setting.tobytes()
-    return repr(setting).encode()
+    if isinstance(setting, list | tuple):
+        return b"".join(map(_bytes_of, setting))
+    if isinstance(setting, jostle.PairForce):  # the kinds are those of the rank's particles
+        return _bytes_of(setting.table) + _bytes_of((setting.cutoff, setting.damping))
+    return repr(setting).encode() + b";"
 
 
 class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `momentum` and `collisions`. The particles of all ranks have the same states, in bits, as those
-    of one `jostle.World` with all of them, whatever the number of ranks and the distribution.
+    `momentum`, `events` and `collisions`. The particles of all ranks have the same states, in bits,
+    as those of one `jostle.World` with all of them, whatever the number of ranks and the
+    distribution.
 
     Parameters
     ----------
     comm : mpi4py.MPI.Intracomm
-        The ranks. A duplicate of it is used.
+        The ranks. All worlds of a communicator share one duplicate of it, which is freed with it,
+        so they are used from one thread at a time, and not after the communicator is freed.
     positions, velocities : array_like, shape (n, 2)
         Those of this rank's share, wherever they are; n may be 0. The ids count the particles of
         rank 0 first, then those of rank 1, and so on.
@@ -93,9 +91,10 @@ class World:
 
     Notes
     -----
-    Not supported are merging, `track_events`, islands that sleep (pass ``sleeping=False`` if
-    gravity acts and a coefficient of restitution is below 1), and forces other than `Thermostat`,
-    `ThermalWalls` and `AndersenThermostat`. They are refused.
+    Not supported are merging, islands that sleep (pass ``sleeping=False`` if gravity acts and a
+    coefficient of restitution is below 1), and forces other than `PairForce`, `Flocking`,
+    `Thermostat`, `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the
+    kinds of this rank's particles; there may be two.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
     32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
@@ -122,24 +121,39 @@ class World:
         threads: int | None = 1,
         **options: Any,
     ) -> None:
-        self._begin(comm)
-        with together(self._comm):
-            positions, velocities = (
+        def part(*_: int) -> Any:
+            places, speeds = (
                 np.zeros((0, 2)) if np.size(column) == 0 else column
                 for column in (positions, velocities)
             )
-            core: Any = jostle.World(positions, velocities, radii, threads=threads, **options)
+            return jostle.World(places, speeds, radii, threads=threads, **options)
+
+        self._begin(comm)
+        self._distribute(part)
+
+    @classmethod
+    def _of_parts(cls, comm: MPI.Intracomm, part: Callable[[int, int], Any]) -> World:
+        """The world whose part of a rank, of so many, a function makes."""
+        world = cls.__new__(cls)
+        world._begin(comm)
+        world._distribute(part)
+        return world
+
+    def _begin(self, comm: MPI.Intracomm) -> None:
+        self._comm = duplicate_of(comm)
+        self._messages = Messages(self._comm)
+        self._work: float | None = None
+
+    @collective
+    def _distribute(self, part: Callable[[int, int], Any]) -> None:
+        """Make the worlds of all ranks one, with ids in the order of ranks."""
+        with together(self._comm):
+            core = part(self._comm.rank, self._comm.size)
             core._check_distributable()
         self._core: Any = core
         self._check_settings()
-        count = len(core)
-        ids = first_id(self._comm, count) + np.arange(count)
+        ids = first_id(self._comm, len(core)) + np.arange(len(core))
         core._distribute(self._messages, ids)
-
-    def _begin(self, comm: MPI.Intracomm) -> None:
-        self._comm = comm.Dup()
-        self._messages = _Messages(self._comm)
-        self._work: float | None = None
 
     def _check_settings(self) -> None:
         """Refuse settings that differ between ranks."""
@@ -169,14 +183,20 @@ class World:
             If the step is refused, as by `jostle.World.step`. Then the world is as before this
             step, on all ranks.
         RankError
-            If another rank cannot do the step, or is interrupted.
+            If another rank cannot do the step, or if a signal handler raises there.
+
+        Notes
+        -----
+        Signal handlers, such as that of Ctrl-C, run after the current step. If one raises on any
+        rank, no rank makes a further step.
         """
-        with together(self._comm):
-            self._core._begin_steps(dt)
-        with held() as pressed:
+        with held() as run_handlers:
+            with together(self._comm):
+                self._core._begin_steps(dt)
             for _ in range(steps):
                 self._step(dt)
-                raise_together(self._comm, KeyboardInterrupt() if pressed() else None)
+                with together(self._comm):
+                    run_handlers()
 
     def _step(self, dt: float) -> None:
         start, waited = time.perf_counter(), self._messages.seconds
@@ -305,11 +325,24 @@ class World:
         return {**counts, "seconds": self._messages.seconds}
 
     @property
+    def container(self) -> jostle.Box | jostle.Circle | jostle.Torus | None:
+        """The region of the particles, see `jostle.World.container`."""
+        container: jostle.Box | jostle.Circle | jostle.Torus | None = self._core.container
+        return container
+
+    @property
+    def walls(self) -> NDArray[np.float32]:
+        """Line segments: ndarray of float32, shape (m, 2, 2), see `jostle.World.walls`."""
+        walls: NDArray[np.float32] = self._core.walls
+        return walls
+
+    @property
     def profile(self) -> dict[str, float]:
         """Milliseconds of each stage of the last step on this rank, see `jostle.World.profile`."""
         return dict(self._core.profile)
 
     @property
+    @collective
     def kinetic_energy(self) -> float:
         """Sum of ½ m v² + ½ I ω² of the movable particles of all ranks, with I = m r²/2.
 
@@ -327,6 +360,7 @@ class World:
         )
 
     @property
+    @collective
     def momentum(self) -> tuple[float, float]:
         """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
         rows = self._records()
@@ -373,11 +407,26 @@ class World:
         return jostle.WallContacts(ids[found.ids[own]], *columns)
 
     @property
+    @collective
+    def events(self) -> jostle.WorldEvents:
+        """The pairs that began and ceased to touch in the last call of `step`, each on one rank.
+
+        The pairs are of ids, sorted; see `jostle.World.events`. After `load` no pair touches before
+        the first step.
+        """
+        with together(self._comm):
+            if not self._core.track_events:
+                raise RuntimeError("events are not tracked; make the world with track_events=True")
+        return events_of(self._comm, *self._core._own_touches())
+
+    @property
+    @collective
     def collisions(self) -> jostle.WorldCollisions:
         """The number of collisions in the last call of `step`, see `jostle.World.collisions`."""
         counts = totals(self._comm, np.array(self._core.collisions, np.int64))
         return jostle.WorldCollisions(*map(int, counts))
 
+    @collective
     def state_hash(self) -> int:
         """Return the hash of all particles, the same on all ranks.
 
@@ -411,6 +460,7 @@ class World:
                 state = self._comm.bcast(state, root=rank)
         return state
 
+    @collective
     def gather(self, root: int = 0) -> jostle.World | None:
         """Bring all particles to one rank.
 
@@ -422,9 +472,8 @@ class World:
         Returns
         -------
         jostle.World or None
-            On `root` a world of all particles in the order of ids; None on other ranks. A gas
-            continues with the same bits. Impulses of contacts are not gathered, so resting
-            contacts begin without warm starting.
+            On `root` a world of all particles in the order of ids, which continues with the same
+            bits; None on other ranks.
 
         Raises
         ------
@@ -434,15 +483,19 @@ class World:
         with together(self._comm):
             if not 0 <= root < self._comm.size:
                 raise ValueError(f"root is {root}; it must be from 0 to {self._comm.size - 1}")
-        rows = self._records()
-        parts = [rows[:0]] * self._comm.size
-        parts[root] = rows
-        rows = deliver(self._comm, parts)
+        gathered = []
+        for rows in self._parts():
+            to = [rows[:0]] * self._comm.size
+            to[root] = rows
+            gathered.append(np.sort(deliver(self._comm, to), order="id", kind="stable"))
         if self._comm.rank != root:
             return None
-        world: jostle.World = self._core._of_records(np.sort(rows, order="id").tobytes())
-        return world
+        records, *impulses = (rows.tobytes() for rows in gathered)
+        world: Any = self._core._of_records(records)
+        world._take_impulses(*impulses)
+        return cast(jostle.World, world)
 
+    @collective
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the world into one file, in which each rank writes a part.
 
@@ -455,21 +508,14 @@ class World:
         ------
         OSError
             If the file cannot be written; then an existing one is unchanged.
-        ValueError
-            If particles may rest on others: the file has no impulses of contacts, so the world
-            would not continue with the same bits.
 
         See Also
         --------
         load : Reads the file, on any number of ranks.
+        jostle.World.load : Reads the file in one process.
         """
-        with together(self._comm):
-            if self._core._rests():
-                raise ValueError(
-                    "path: a distributed world with resting contacts cannot be saved yet"
-                )
         settings = self._core._of_records(b"").snapshot()
-        write(self._comm, Path(path), settings, self._records())
+        write(self._comm, Path(path), settings, self._parts())
 
     @classmethod
     def load(
@@ -489,8 +535,7 @@ class World:
         Returns
         -------
         World
-            A world that continues with the same bits. ``load(MPI.COMM_SELF, path).gather()`` is a
-            `jostle.World`.
+            A world that continues with the same bits.
 
         Raises
         ------
@@ -505,50 +550,26 @@ class World:
         """
         world = cls.__new__(cls)
         world._begin(comm)
-        settings, rows = read(world._comm, Path(path), RECORD)
-        with together(world._comm):
-            empty: Any = jostle.World.restore(settings)
-            core = empty._of_records(rows.tobytes())
-            core.threads = threads
-        world._core = core
-        core._distribute(world._messages, rows["id"].copy())
+        world._load(Path(path), threads)
         return world
+
+    @collective
+    def _load(self, path: Path, threads: int | None) -> None:
+        settings, parts = read(self._comm, path)
+        records, *impulses = (rows.tobytes() for rows in parts)
+        with together(self._comm):
+            empty: Any = jostle.World.restore(settings)
+            core = empty._of_records(records)
+            core.threads = threads
+        self._core = core
+        core._distribute(self._messages, parts[0]["id"].copy())
+        core._take_impulses(*impulses)
+
+    def _parts(self) -> list[NDArray[Any]]:
+        """The particles of this rank, and the impulses that the core keeps: all `PARTS`."""
+        parts = [self._core._own_records(), *self._core._own_impulses()]
+        return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
 
     def _records(self) -> NDArray[Any]:
         """The particles of this rank."""
         return np.frombuffer(self._core._own_records(), RECORD)
-
-
-class _Messages:
-    """Messages between the ranks, for the core."""
-
-    def __init__(self, comm: MPI.Intracomm) -> None:
-        self._comm = comm
-        self.rank, self.size = comm.rank, comm.size
-        #: Time in calls, waiting included.
-        self.seconds = 0.0
-
-    def gather(self, own: bytes) -> bytes:
-        """Gather as many bytes from each rank."""
-        start = time.perf_counter()
-        everything = bytearray(len(own) * self.size)
-        self._comm.Allgather([own, MPI.BYTE], [everything, MPI.BYTE])
-        self.seconds += time.perf_counter() - start
-        return bytes(everything)
-
-    def exchange(self, parts: list[bytes], counts: list[int]) -> list[bytes]:
-        """Send bytes to each rank; returns those from each rank, of which there are `counts`."""
-        if not parts:
-            return []
-        start = time.perf_counter()
-        sent, got = (
-            np.array(all_counts, np.int64) for all_counts in (list(map(len, parts)), counts)
-        )
-        ends = np.cumsum(got)
-        everything = bytearray(int(got.sum()))
-        self._comm.Alltoallv(
-            [b"".join(parts), sent, np.cumsum(sent) - sent, MPI.BYTE],
-            [everything, got, ends - got, MPI.BYTE],
-        )
-        self.seconds += time.perf_counter() - start
-        return [bytes(everything[end - count : end]) for end, count in zip(ends, got, strict=True)]

@@ -9,19 +9,13 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExe
 from contextlib import contextmanager
 from typing import Any
 
+from jostle.launcher import is_started_by_mpi
+
 from .plan import Run
 from .run import do
 
-#: Variables by which launchers tell processes how many there are.
-_SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "SLURM_STEP_NUM_TASKS")
-
 #: Runs that wait for each process, so that none is idle.
 _AHEAD = 2
-
-
-def is_started_by_mpi() -> bool:
-    """Return whether mpirun, or another launcher, has started several processes."""
-    return any(int(os.environ.get(name) or 1) > 1 for name in _SIZES)
 
 
 @contextmanager

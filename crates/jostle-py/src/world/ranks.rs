@@ -2,12 +2,12 @@
 
 use jostle::decomposition::read_records;
 use jostle::{Column, StateHash};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use super::PyWorld;
-use crate::arrays::column;
+use crate::arrays::{column, table};
 use crate::communicator::PyCommunicator;
 use crate::error::refused;
 use crate::interrupt::detached;
@@ -51,11 +51,6 @@ impl PyWorld {
         self.long(py, |state| state.begin(dt))?.map_err(refused)
     }
 
-    /// Whether contacts may rest. For `jostle.mpi`.
-    fn _rests(&self, py: Python<'_>) -> PyResult<bool> {
-        Ok(self.state(py)?.world.may_have_resting_contacts())
-    }
-
     /// The numbers of this rank's part. For `jostle.mpi`.
     fn _own<'py>(&self, py: Python<'py>) -> PyResult<Option<Numbers<'py>>> {
         let own = self.long(py, |state| state.world.own_particles())?;
@@ -73,6 +68,31 @@ impl PyWorld {
     /// The own particles as records. For `jostle.mpi`.
     fn _own_records<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
+    }
+
+    /// What the solver keeps of the own particles: the impulses of sides, contacts and walls. For
+    /// `jostle.mpi`.
+    fn _own_impulses<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 3]> {
+        let all = self.long(py, |state| state.world.own_impulses())?;
+        Ok(all.map(|bytes| PyBytes::new(py, &bytes)))
+    }
+
+    /// Take what `_own_impulses` returned, of all particles of this world. For `jostle.mpi`.
+    fn _take_impulses(
+        &self,
+        py: Python<'_>,
+        sides: &[u8],
+        resting: &[u8],
+        pushes: &[u8],
+    ) -> PyResult<()> {
+        let impulses = [sides, resting, pushes];
+        self.long(py, |state| state.world.take_impulses(impulses))?.map_err(refused)
+    }
+
+    /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.
+    fn _own_touches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
+        let all = self.long(py, |state| state.world.own_touches())?;
+        all.into_iter().map(|pairs| table(py, pairs)).collect()
     }
 
     /// A world like this one with the particles of records. For `jostle.mpi`.
@@ -94,6 +114,12 @@ impl PyWorld {
     }
 }
 
+/// The checksum of bytes in files. For `jostle.mpi`.
+#[pyfunction]
+pub fn checksum(bytes: &[u8]) -> u64 {
+    jostle::bytes::checksum(bytes)
+}
+
 /// Begin the hash of the state of `total` particles. For `jostle.mpi`.
 #[pyfunction]
 pub fn begin_hash(total: usize) -> u64 {
@@ -103,7 +129,7 @@ pub fn begin_hash(total: usize) -> u64 {
 /// Continue the hash of the state with one column of the particles of records. For `jostle.mpi`.
 #[pyfunction]
 pub fn hash_records(hash: u64, records: &[u8], column: usize) -> u64 {
-    let (mut particles, _) = read_records(records);
+    let (mut particles, ..) = read_records(records);
     // Other ranks may have values that are not the default.
     particles.spins_mut();
     particles.filters_mut();

@@ -1,43 +1,29 @@
 //! The cells in which the particles of each rank are, so that ranks know which of theirs are near
 //! others.
 
+use super::scale::{CELLS, Scale};
 use crate::container::Container;
 
 /// Particles in a cell, on average.
 const IN_A_CELL: f64 = 16.0;
 
-/// Cells along each axis, at most.
-const MOST: f64 = 256.0;
-
-/// A grid of cells over all particles.
+/// A grid of cells over all particles: about as many are in each column, and in each row.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    origin: [f64; 2],
-    /// Cells in a unit of length.
-    per_length: [f64; 2],
-    extent: f64,
+pub struct Grid<'a> {
+    scales: &'a [Scale; 2],
+    /// A cell has 2 to the power of this cells of the scales along each axis.
+    shift: u32,
     /// Cells along each axis.
     count: usize,
-    is_periodic: bool,
+    period: Option<[f32; 2]>,
 }
 
-impl Grid {
-    /// The grid over `total` particles between `low` and `high`; over all of a torus.
-    pub fn new(container: &Container, [low, high]: [[f64; 2]; 2], total: usize) -> Self {
-        let count = (total as f64 / IN_A_CELL).sqrt().clamp(1.0, MOST).floor();
-        let period = container.period().map(|size| size.map(f64::from));
-        let origin = if period.is_some() { [0.0; 2] } else { low };
-        let sides = [0, 1].map(|k| {
-            let side = period.map_or(high[k] - low[k], |size| size[k]);
-            if side > 0.0 && side.is_finite() { side } else { 1.0 }
-        });
-        Self {
-            origin,
-            per_length: sides.map(|side| count / side),
-            extent: sides[0].max(sides[1]),
-            count: count as usize,
-            is_periodic: period.is_some(),
-        }
+impl<'a> Grid<'a> {
+    /// The grid over `total` particles that have these scales.
+    pub fn new(container: &Container, scales: &'a [Scale; 2], total: usize) -> Self {
+        let wanted = (total as f64 / IN_A_CELL).sqrt().clamp(1.0, CELLS as f64) as usize;
+        let shift = (CELLS / wanted).next_power_of_two().trailing_zeros();
+        Self { scales, shift, count: CELLS >> shift, period: container.period() }
     }
 
     /// The number of cells.
@@ -45,28 +31,31 @@ impl Grid {
         self.count * self.count
     }
 
-    /// The longer side of all cells together.
-    pub fn extent(&self) -> f64 {
-        self.extent
+    #[inline(always)]
+    fn cell(&self, axis: usize, x: f64) -> u16 {
+        (self.scales[axis].cell(x) >> self.shift) as u16
     }
 
     /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last of
     /// each. On a torus the first may be behind the last.
     #[inline(always)]
     pub fn range(&self, center: [f32; 2], radius: f64) -> [[u16; 2]; 2] {
-        let last_cell = self.count as f64 - 1.0;
-        [0, 1].map(|k| {
-            let along = f64::from(center[k]) - self.origin[k];
-            let ends = [along - radius, along + radius].map(|v| (v * self.per_length[k]).floor());
-            if !self.is_periodic {
-                return ends.map(|cell| cell.clamp(0.0, last_cell) as u16);
+        [0, 1].map(|axis| {
+            let center = f64::from(center[axis]);
+            let ends = [center - radius, center + radius];
+            let Some(size) = self.period else {
+                return ends.map(|end| self.cell(axis, end));
+            };
+            let (side, all) = (f64::from(size[axis]), [0, (self.count - 1) as u16]);
+            if ends[1] - ends[0] < side {
+                let [first, last] = ends.map(|end| end - side * (end / side).floor());
+                let cells = [first, last].map(|end| self.cell(axis, end));
+                // Not around the torus, from a cell to itself.
+                if cells[0] != cells[1] || first <= last {
+                    return cells;
+                }
             }
-            // All cells, if it is about as wide as the torus.
-            if ends[1] - ends[0] >= last_cell || !(ends[1] - ends[0]).is_finite() {
-                return [0, last_cell as u16];
-            }
-            let count = self.count as f64;
-            ends.map(|cell| (cell - count * (cell / count).floor()) as u16)
+            all
         })
     }
 
@@ -93,21 +82,43 @@ impl Grid {
     }
 }
 
-/// A bit for each cell.
+/// A mark for each cell.
 #[derive(Clone, Debug, Default)]
-pub struct Marks(pub Vec<u8>);
+pub struct Marks(Vec<bool>);
 
 impl Marks {
     /// No cell of a grid.
-    pub fn new(grid: &Grid) -> Self {
-        Self(vec![0; grid.cells().div_ceil(8)])
+    pub fn new(grid: &Grid<'_>) -> Self {
+        Self(vec![false; grid.cells()])
     }
 
     /// Marks a cell.
     #[inline(always)]
     pub fn set(&mut self, cell: usize) {
-        self.0[cell / 8] |= 1 << (cell % 8);
+        self.0[cell] = true;
     }
+
+    /// The runs of marked cells as bytes: the first and the last cell of each.
+    pub fn runs(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut rest = 0;
+        for run in self.0.chunk_by(|a, b| a == b) {
+            let cells = [rest, rest + run.len() - 1];
+            rest += run.len();
+            if run[0] {
+                bytes.extend(cells.iter().flat_map(|&cell| (cell as u16).to_le_bytes()));
+            }
+        }
+        bytes
+    }
+}
+
+/// The cells of runs.
+fn cells_of(runs: &[u8]) -> impl Iterator<Item = usize> {
+    let (runs, _) = runs.as_chunks::<4>();
+    runs.iter().flat_map(|&[a, b, c, d]| {
+        usize::from(u16::from_le_bytes([a, b]))..=usize::from(u16::from_le_bytes([c, d]))
+    })
 }
 
 /// The ranks near each cell: compressed sparse rows.
@@ -118,21 +129,24 @@ pub struct Near {
 }
 
 impl Near {
-    /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the marks of each
-    /// rank.
-    pub fn new(grid: &Grid, all: &[u8], own: usize) -> Self {
-        let bytes = grid.cells().div_ceil(8);
-        let mut near = Self::default();
-        for cell in 0..grid.cells() {
-            near.starts.push(near.ranks.len() as u32);
-            for (rank, marks) in all.chunks_exact(bytes).enumerate() {
-                if rank != own && marks[cell / 8] & 1 << (cell % 8) != 0 {
-                    near.ranks.push(rank as u32);
-                }
-            }
+    /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the runs of each rank.
+    pub fn new(grid: &Grid<'_>, all: &[Vec<u8>], own: usize) -> Self {
+        let marked = || {
+            let others = (0..).zip(all).filter(move |(rank, _)| *rank as usize != own);
+            others.flat_map(|(rank, runs)| cells_of(runs).map(move |cell| (rank, cell)))
+        };
+        let mut starts = vec![0; grid.cells() + 1];
+        marked().for_each(|(_, cell)| starts[cell + 1] += 1);
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
         }
-        near.starts.push(near.ranks.len() as u32);
-        near
+        let mut next = starts.clone();
+        let mut ranks = vec![0; starts[grid.cells()] as usize];
+        for (rank, cell) in marked() {
+            ranks[next[cell] as usize] = rank;
+            next[cell] += 1;
+        }
+        Self { starts, ranks }
     }
 
     /// The ranks that have marked a cell.
@@ -146,7 +160,16 @@ impl Near {
 mod tests {
     use super::*;
 
-    fn cells(grid: &Grid, center: [f32; 2], radius: f64) -> Vec<usize> {
+    /// Even scales over an area.
+    fn even([width, height]: [f64; 2]) -> [Scale; 2] {
+        [width, height].map(|side| {
+            let place = |k: usize| (side * k as f64 / CELLS as f64, 1.0);
+            let samples: Vec<_> = (0..=CELLS).map(place).collect();
+            Scale::new(&samples, Some(side))
+        })
+    }
+
+    fn cells(grid: &Grid<'_>, center: [f32; 2], radius: f64) -> Vec<usize> {
         let mut cells = Vec::new();
         grid.each_cell(grid.range(center, radius), |cell| cells.push(cell));
         cells.sort_unstable();
@@ -155,7 +178,8 @@ mod tests {
 
     #[test]
     fn circles_cover_the_cells_of_their_aabb() {
-        let grid = Grid::new(&Container::None, [[0.0, 0.0], [4.0, 8.0]], 256);
+        let scales = even([4.0, 8.0]);
+        let grid = Grid::new(&Container::None, &scales, 256);
         assert_eq!(grid.cells(), 16);
         assert_eq!(cells(&grid, [0.5, 1.0], 0.25), [0]);
         assert_eq!(cells(&grid, [1.0, 2.0], 0.25), [0, 1, 4, 5]);
@@ -165,22 +189,37 @@ mod tests {
 
     #[test]
     fn circles_on_a_torus_cover_cells_on_both_sides() {
-        let grid = Grid::new(&Container::Torus { size: [4.0, 4.0] }, [[0.0; 2]; 2], 256);
+        let scales = even([4.0, 4.0]);
+        let grid = Grid::new(&Container::Torus { size: [4.0, 4.0] }, &scales, 256);
         assert_eq!(cells(&grid, [0.0, 0.5], 0.25), [0, 12]);
         assert_eq!(cells(&grid, [0.0, 0.0], 0.25), [0, 3, 12, 15]);
         assert_eq!(cells(&grid, [1.0, 1.0], 2.0).len(), 16);
+        // Around the torus, from a cell to the same cell.
+        assert_eq!(cells(&grid, [2.5, 0.5], 1.99).len(), 16);
     }
 
     #[test]
     fn near_lists_the_other_ranks_of_each_cell() {
-        let grid = Grid::new(&Container::None, [[0.0; 2], [4.0; 2]], 256);
+        let scales = even([4.0, 4.0]);
+        let grid = Grid::new(&Container::None, &scales, 256);
         let marked = |cells: &[usize]| {
             let mut marks = Marks::new(&grid);
             cells.iter().for_each(|&cell| marks.set(cell));
-            marks.0
+            marks.runs()
         };
-        let near = Near::new(&grid, &[marked(&[0, 9]), marked(&[9]), marked(&[9, 15])].concat(), 1);
+        assert_eq!(marked(&[]), []);
+        assert_eq!(marked(&[3, 4, 5, 15]), [3, 0, 5, 0, 15, 0, 15, 0]);
+        let near = Near::new(&grid, &[marked(&[0, 9]), marked(&[9]), marked(&[9, 10, 15])], 1);
         assert_eq!((near.of(0), near.of(9), near.of(15)), (&[0][..], &[0, 2][..], &[2][..]));
+        assert_eq!(near.of(10), [2]);
         assert!((1..9).all(|cell| near.of(cell).is_empty()));
+    }
+
+    #[test]
+    fn a_particle_far_away_leaves_the_cells_of_the_others_small() {
+        let samples: Vec<_> = (0..1000).map(f64::from).chain([1e18]).map(|x| (x, 1.0)).collect();
+        let scales = [Scale::new(&samples, None), Scale::new(&samples, None)];
+        let grid = Grid::new(&Container::None, &scales, 100_000);
+        assert!(cells(&grid, [500.0, 500.0], 20.0).len() < grid.cells() / 100);
     }
 }

@@ -1,21 +1,21 @@
 //! Where the Morton curve is cut into the domains of the ranks.
 
+use super::scale::Scale;
+
 /// Keys that each rank samples.
 pub const SAMPLES: usize = 256;
 
-/// Cells along each axis, as bits: clusters that are smaller by this factor than the whole are cut too.
+/// Cells along each axis, as bits.
 const BITS: u32 = 31;
 
-/// The Morton key of a position between `low` and `high`.
+/// The Morton key of a position on the scales of both axes.
 #[inline(always)]
-pub fn key([low, high]: [[f64; 2]; 2], position: [f32; 2]) -> u64 {
+pub fn key(scales: &[Scale; 2], position: [f32; 2]) -> u64 {
     let cells = f64::from(1u32 << BITS);
-    let side = (high[0] - low[0]).max(high[1] - low[1]);
-    let scale = if side > 0.0 { cells / side } else { 0.0 };
     // A cast limits numbers that are out of range.
     let index = |k: usize| {
-        let along = (f64::from(position[k]) - low[k]) * scale;
-        spread(along.clamp(0.0, cells - 1.0) as u64)
+        let along = scales[k].share(f64::from(position[k])) * cells;
+        spread(along.min(cells - 1.0) as u64)
     };
     index(0) | index(1) << 1
 }
@@ -72,12 +72,24 @@ mod tests {
 
     #[test]
     fn keys_are_in_morton_order_and_limited() {
-        let area = [[0.0; 2], [8.0, 4.0]];
-        let keys = [[0.0, 0.0], [5.0, 0.0], [1.0, 3.9], [99.0, 99.0]].map(|at| key(area, at));
-        assert_eq!(keys[0], 0);
-        assert!(keys[2] < keys[1] && keys[1] < keys[3]);
-        assert_eq!(key([[1.0; 2]; 2], [1.0, 1.0]), 0);
-        assert_eq!(keys[3], (1 << (2 * BITS)) - 1);
+        let scale = |to: f64| Scale::new(&[(0.0, 1.0), (to, 1.0)], None);
+        let scales = [scale(8.0), scale(4.0)];
+        let keys = [[0.0, 0.0], [5.0, 0.0], [1.0, 3.9], [99.0, 99.0]].map(|at| key(&scales, at));
+        assert!(keys.is_sorted_by(|a, b| a < b), "{keys:?}");
+        let point = || Scale::new(&[(1.0, 1.0)], None);
+        let keys = [0.5, 1.0, 1.5].map(|x| key(&[point(), point()], [x; 2]));
+        assert!(keys[0] < keys[1] && keys[1] <= keys[2], "{keys:?}");
+        assert_eq!(keys[2], (1 << (2 * BITS)) - 1);
+    }
+
+    #[test]
+    fn a_position_far_away_does_not_join_the_keys_of_the_others() {
+        let mut samples: Vec<(f64, f64)> = (0..1000).map(|x| (f64::from(x), 1.0)).collect();
+        samples.push((1e18, 1.0));
+        let scales = [Scale::new(&samples, None), Scale::new(&samples, None)];
+        let mut keys: Vec<u64> = (0..1000).map(|x| key(&scales, [x as f32; 2])).collect();
+        keys.dedup();
+        assert!(keys.len() > 990, "{}", keys.len());
     }
 
     #[test]
@@ -91,5 +103,33 @@ mod tests {
         let uneven = cuts_of(&[(keys(0, 2048), 2.0), (keys(2048, 4096), 1.0), (vec![], 0.0)]);
         assert!(uneven[0].abs_diff(1024) < 20 && uneven[1].abs_diff(2048) < 20, "{uneven:?}");
         assert_eq!(cuts_of(&[(vec![], 0.0), (vec![], 0.0)]), [u64::MAX]);
+    }
+
+    /// The largest share of all keys that a rank gets, times the number of ranks.
+    fn imbalance(parts: &[Vec<u64>]) -> f64 {
+        let ranks: Vec<(Vec<u64>, f64)> =
+            parts.iter().map(|keys| (sample(&mut keys.clone()), keys.len() as f64)).collect();
+        let mut counts = vec![0.0; parts.len()];
+        let cuts = cuts(&ranks);
+        let all = parts.iter().flatten();
+        all.for_each(|key| counts[cuts.partition_point(|cut| cut <= key)] += 1.0);
+        let total: f64 = counts.iter().sum();
+        counts.iter().fold(0.0, |most, &count| f64::max(most, count)) / total * parts.len() as f64
+    }
+
+    #[test]
+    fn the_imbalance_is_bounded() {
+        const RANKS: u64 = 32;
+        let square = |k: u64| k * k;
+        // All ranks have keys everywhere, at first.
+        let mixed = |rank: u64| (0..2000).map(|k| square(k * RANKS + rank)).collect();
+        assert!(imbalance(&(0..RANKS).map(mixed).collect::<Vec<_>>()) < 1.0 + 32.0 / 256.0);
+        // Later each has a range of the curve.
+        let range = |rank: u64| (rank * 2000..(rank + 1) * 2000).map(square).collect();
+        assert!(imbalance(&(0..RANKS).map(range).collect::<Vec<_>>()) < 1.0 + 2.0 / 256.0);
+        // All keys on one rank.
+        let mut one: Vec<Vec<u64>> = vec![vec![]; 8];
+        one[3] = (0..64_000).map(square).collect();
+        assert!(imbalance(&one) < 1.0 + 8.0 / 256.0);
     }
 }

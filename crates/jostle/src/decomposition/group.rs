@@ -12,6 +12,10 @@ pub trait Communicator: Send {
     fn size(&self) -> usize;
     /// Gathers as many bytes from each rank, in the order of ranks.
     fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>>;
+    /// The same, with `counts` bytes from the ranks.
+    fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>>;
+    /// Sends one number to each rank; returns those from each rank.
+    fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>>;
     /// Sends bytes to each rank; returns those from each rank, of which there are `counts`.
     fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>>;
 }
@@ -104,21 +108,24 @@ impl Group {
         Ok(std::array::from_fn(|k| all.iter().map(|of| of[k]).sum()))
     }
 
-    /// Gathers as many bytes from each rank, in the order of ranks.
-    pub fn share(&mut self, own: &[u8]) -> Result<Vec<u8>> {
-        self.gather([])?;
+    /// Gathers bytes from each rank, in the order of ranks.
+    pub fn share(&mut self, own: &[u8]) -> Result<Vec<Vec<u8>>> {
+        let counts = self.gather([own.len() as u64])?;
+        let counts: Vec<usize> = counts.iter().map(|[count]| *count as usize).collect();
         self.traffic.calls += 1;
-        self.communicator.gather(own)
+        let all = self.communicator.gather_all(own, &counts)?;
+        let mut rest = &all[..];
+        let of_rank = |&count: &usize| rest.split_off(..count).unwrap_or_default().to_vec();
+        Ok(counts.iter().map(of_rank).collect())
     }
 
     /// Sends bytes to each rank; returns those from each rank.
     pub fn exchange(&mut self, to: &[Vec<u8>]) -> Result<Vec<Vec<u8>>> {
-        let own: Vec<u8> = to.iter().flat_map(|part| (part.len() as u64).to_le_bytes()).collect();
-        let all = self.share(&own)?;
-        let (rank, size) = (self.rank(), self.size());
-        let (lengths, _) = all.as_chunks::<8>();
-        let length = |from: usize| u64::from_le_bytes(lengths[from * size + rank]) as usize;
-        let counts: Vec<usize> = (0..size).map(length).collect();
+        let lengths: Vec<u64> = to.iter().map(|part| part.len() as u64).collect();
+        self.gather([])?;
+        self.traffic.calls += 1;
+        let counts = self.communicator.transpose(&lengths)?;
+        let counts: Vec<usize> = counts.iter().map(|&count| count as usize).collect();
         self.exchange_known(to, &counts)
     }
 

@@ -6,6 +6,7 @@ mod cells;
 mod cuts;
 mod group;
 mod records;
+mod scale;
 
 use std::sync::Mutex;
 
@@ -16,6 +17,7 @@ pub use cells::{Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records};
+pub use scale::{CELLS, Scale, read_samples, sample_places};
 
 /// What a sub-step shares with other ranks.
 #[derive(Debug, Clone, Copy)]

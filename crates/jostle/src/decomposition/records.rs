@@ -1,15 +1,16 @@
 //! Particles as bytes, one record of fixed length for each.
 
 use crate::bytes::Plain;
+use crate::forces::Kinds;
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
 use crate::space::Id;
 
 /// Bytes of a record.
-pub const RECORD: usize = 70;
+pub const RECORD: usize = 72;
 
-/// Appends the record of the particle in a row.
-pub fn put_record(to: &mut Vec<u8>, id: Id, all: &Particles, row: usize) {
+/// Appends the record of the particle in a row, with its id and its kinds.
+pub fn put_record(to: &mut Vec<u8>, (id, kinds): (Id, Kinds), all: &Particles, row: usize) {
     let start = to.len();
     to.resize(start + RECORD, 0);
     let mut rest = &mut to[start..];
@@ -21,6 +22,7 @@ pub fn put_record(to: &mut Vec<u8>, id: Id, all: &Particles, row: usize) {
     put(&mut rest, [spin.friction, spin.velocity]);
     put(&mut rest, [filter.category, filter.mask]);
     put(&mut rest, [u8::from(all.movable[row]), u8::from(all.is_sensor(row))]);
+    put(&mut rest, kinds);
 }
 
 fn put<P: Plain>(rest: &mut &mut [u8], value: P) {
@@ -29,9 +31,9 @@ fn put<P: Plain>(rest: &mut &mut [u8], value: P) {
     *rest = after;
 }
 
-/// The particles of some records, and their ids.
-pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>) {
-    let (mut all, mut ids) = (Particles::default(), Vec::new());
+/// The particles of some records, their ids and their kinds.
+pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>, Vec<Kinds>) {
+    let (mut all, mut ids, mut kinds) = (Particles::default(), Vec::new(), Vec::new());
     for record in bytes.chunks_exact(RECORD) {
         let mut rest = record;
         ids.push(get::<u64>(&mut rest) as Id);
@@ -41,6 +43,7 @@ pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>) {
         let [friction, turning] = get::<[f32; 2]>(&mut rest);
         let [category, mask] = get::<[u32; 2]>(&mut rest);
         let [movable, is_sensor] = get::<[u8; 2]>(&mut rest);
+        kinds.push(get::<Kinds>(&mut rest));
         all.positions.push(position);
         all.residuals.push(residual);
         all.velocities.push(velocity);
@@ -53,7 +56,7 @@ pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>) {
         all.sensors.push(is_sensor > 0);
     }
     all.simplify();
-    (all, ids)
+    (all, ids, kinds)
 }
 
 fn get<P: Plain>(rest: &mut &[u8]) -> P {
@@ -76,12 +79,14 @@ mod tests {
         all.filters_mut()[1] = Filter { category: 2, mask: 3 };
         all.sensors_mut()[1] = true;
         let mut bytes = Vec::new();
-        put_record(&mut bytes, -1, &all, 0);
-        put_record(&mut bytes, 1 << 40, &all, 1);
-        assert_eq!(read_records(&bytes), (all, vec![-1, 1 << 40]));
+        put_record(&mut bytes, (-1, [3, 0]), &all, 0);
+        put_record(&mut bytes, (1 << 40, [0, 63]), &all, 1);
+        assert_eq!(bytes.len(), 2 * RECORD);
+        let kinds = vec![[3, 0], [0, 63]];
+        assert_eq!(read_records(&bytes), (all, vec![-1, 1 << 40], kinds));
         let plain = Particles::new(vec![[0.0; 2]], vec![[0.0; 2]], vec![1.0], 1.0);
         let mut bytes = Vec::new();
-        put_record(&mut bytes, 0, &plain, 0);
-        assert_eq!(read_records(&bytes), (plain, vec![0]));
+        put_record(&mut bytes, (0, [0; 2]), &plain, 0);
+        assert_eq!(read_records(&bytes), (plain, vec![0], vec![[0; 2]]));
     }
 }

@@ -201,6 +201,9 @@ pub fn check_sides(forces: &[Force], container: Container) -> Result<()> {
     Ok(())
 }
 
+/// The kinds of a particle of a distributed world, in the first forces between kinds.
+pub type Kinds = [u8; 2];
+
 /// Changes the kinds of rows, for forces between kinds.
 pub fn change_kinds(forces: &mut [Force], change: impl Fn(&mut Vec<u8>)) {
     for force in forces {
@@ -208,6 +211,40 @@ pub fn change_kinds(forces: &mut [Force], change: impl Fn(&mut Vec<u8>)) {
             change(&mut pair.kinds);
         }
     }
+}
+
+/// The largest cutoff of forces between neighbours; 0 without any.
+pub fn largest_cutoff(forces: &[Force]) -> f32 {
+    let cutoff = |force: &Force| match force {
+        Force::Pair(pair) => pair.table.cutoff(),
+        Force::Flocking(flocking) => flocking.cutoff,
+        _ => 0.0,
+    };
+    forces.iter().map(cutoff).fold(0.0, f32::max)
+}
+
+/// Replaces the kinds of all rows, for forces between kinds.
+pub fn set_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
+    change_kinds(forces, Vec::clear);
+    add_kinds(forces, of_rows);
+}
+
+/// Adds the kinds of new rows, for forces between kinds.
+pub fn add_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
+    let pairs = forces.iter_mut().filter_map(|force| match force {
+        Force::Pair(pair) => Some(pair),
+        _ => None,
+    });
+    for (number, pair) in pairs.enumerate() {
+        pair.kinds.extend(of_rows.iter().map(|kinds| kinds[number]));
+    }
+}
+
+/// The kinds of a row in the forces between kinds.
+pub fn kinds_of(forces: &[Force], row: usize) -> Kinds {
+    let mut kinds = Kinds::default();
+    kinds.iter_mut().zip(pairs(forces)).for_each(|(kind, pair)| *kind = pair.kinds[row]);
+    kinds
 }
 
 /// The number of kinds that all forces between kinds have; None if there is no such force.
@@ -308,6 +345,8 @@ pub struct Bodies<'a> {
     pub method: Method,
     /// Number of threads.
     pub threads: Option<usize>,
+    /// The AABB of the bodies of all ranks, if the world is distributed.
+    pub extent: Option<[[f32; 2]; 2]>,
 }
 
 impl Bodies<'_> {

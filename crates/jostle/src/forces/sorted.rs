@@ -39,6 +39,8 @@ impl Sorted {
         let settings =
             Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
         // Not interrupted: the caller cannot undo a part of a step.
+        self.tree.set_extent(bodies.extent);
+        self.tree.set_nested();
         let built = interrupt::unwatched(|| self.tree.rebuild(&self.shapes, settings, tie));
         built.expect("there is scratch for the tree of a force");
         self.find_groups(most);

@@ -1,9 +1,14 @@
 //! Square grids whose cells are numbered in Morton order.
 
+use std::cmp::Ordering;
+
 use crate::morton;
 
 /// Number of subdivisions of a grid: its keys have two bits for each.
 pub const GRID_LEVELS: u32 = 16;
+
+/// Grids within grids that separate all different float32 coordinates.
+pub const NESTED: usize = 16;
 
 /// A square grid over a set of centres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,6 +74,27 @@ impl Grid {
         keys
     }
 
+    /// The grid over the cell of a key.
+    pub fn inside(&self, key: u32) -> Self {
+        let side = self.side / f64::from(1u32 << GRID_LEVELS);
+        let index = morton::cell(key);
+        let origin = [0, 1].map(|axis| self.origin[axis] + f64::from(index[axis]) * side);
+        Self { prescale: self.prescale, origin, side }
+    }
+
+    /// The Morton order of two centres by the keys of this grid, of its cells, of their cells and so on.
+    pub fn compare(&self, a: [f64; 2], b: [f64; 2]) -> Ordering {
+        let mut grid = *self;
+        for _ in 0..NESTED {
+            let keys = [a, b].map(|center| grid.key(center));
+            if keys[0] != keys[1] || a == b {
+                return keys[0].cmp(&keys[1]);
+            }
+            grid = grid.inside(keys[0]);
+        }
+        Ordering::Equal
+    }
+
     /// The cell of `key` after `level` subdivisions: min x, min y, max x, max y.
     pub fn cell(&self, key: u32, level: u32) -> [f64; 4] {
         let side = self.side / f64::from(1u32 << level);
@@ -132,6 +158,21 @@ mod tests {
                 assert!(cell[1] <= center[1] && center[1] < cell[3], "{cell:?} {center:?}");
             }
         }
+    }
+
+    #[test]
+    fn nested_grids_separate_float32_at_any_scale() {
+        let grid = Grid::around([-1e18; 2], [1e18; 2]);
+        for x in [1e-30f32, 1e-3, 1.0, 12_345.678, 1e9, 1e17] {
+            let [a, b] = [x, x.next_up()].map(|x| [f64::from(x), 5.0]);
+            assert_eq!(
+                (grid.compare(a, b), grid.compare(b, a)),
+                (Ordering::Less, Ordering::Greater)
+            );
+            assert_eq!(grid.compare(a, a), Ordering::Equal);
+        }
+        let inner = grid.inside(grid.key([3.0, 5.0]));
+        assert_eq!(inner.cell(0, 0), grid.cell(grid.key([3.0, 5.0]), GRID_LEVELS));
     }
 
     #[test]

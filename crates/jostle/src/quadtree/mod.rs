@@ -131,6 +131,11 @@ impl<T: Scalar> Quadtree<T> {
         self.order.extent = extent;
     }
 
+    /// Lets later builds order two shapes by their centres alone, whatever others there are.
+    pub fn set_nested(&mut self) {
+        self.order.is_nested = true;
+    }
+
     /// As [`Quadtree::rebuild`], without a check of the invariants in debug builds.
     pub fn rebuild_unchecked(
         &mut self,

@@ -11,7 +11,7 @@ use std::cmp::Ordering;
 use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
-use super::grid::Grid;
+use super::grid::{Grid, NESTED};
 use super::sort::{Item, Parts, Precision, Sorter, Source};
 use crate::error::Result;
 use crate::geometry::Scalar;
@@ -69,6 +69,9 @@ pub struct Order<T> {
     pub keyed: Vec<Keyed<T>>,
     /// The AABB of the grid, if it is given.
     pub extent: Option<[[T; 2]; 2]>,
+    /// Whether finer grids are the cells of the first one, so that the order of two shapes does not depend on
+    /// others.
+    pub is_nested: bool,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter<T>,
     /// Ranges of places that share a key.
@@ -164,12 +167,20 @@ impl<T: Scalar> Order<T> {
         threads: Option<usize>,
         open: &mut VecDeque<Range<usize>>,
     ) -> Result<()> {
+        let (root, is_nested) = (self.keyed[0].grid, self.is_nested);
         let items = &mut self.keyed[0].items[range.clone()];
-        let finer = if items.len() > SHORT_RUN { grid_of(items) } else { None };
+        let finer = match items.len() {
+            0..=SHORT_RUN => None,
+            _ if is_nested => cell_of(root, items),
+            _ => grid_of(items),
+        };
         let Some(grid) = finer.filter(Grid::is_finite) else {
             items.sort_unstable_by(|a, b| {
                 let ([a_x, a_y], [b_x, b_y]) = (a.center, b.center);
-                let by_place = a_x.total_order(&b_x).then_with(|| a_y.total_order(&b_y));
+                let nested = || root.compare(a.center.map(T::to_f64), b.center.map(T::to_f64));
+                let by_cell = if is_nested { nested() } else { Ordering::Equal };
+                let by_x = by_cell.then_with(|| a_x.total_order(&b_x));
+                let by_place = by_x.then_with(|| a_y.total_order(&b_y));
                 let by_tie = by_place.then_with(|| tie(a.row as usize, b.row as usize));
                 by_tie.then(a.row.cmp(&b.row))
             });
@@ -343,6 +354,20 @@ fn grid_of<T: Scalar>(items: &[Item<T>]) -> Option<Grid> {
         }
     }
     grid_around([min, max])
+}
+
+/// The first of the cells of a grid, of their cells and so on that separates some shapes; None if none does.
+fn cell_of<T: Scalar>(root: Grid, items: &[Item<T>]) -> Option<Grid> {
+    let mut grid = root;
+    for _ in 0..NESTED {
+        let key = |item: &Item<T>| grid.key(item.center.map(T::to_f64));
+        let first = key(&items[0]);
+        if !items.iter().all(|item| key(item) == first) {
+            return Some(grid);
+        }
+        grid = grid.inside(first);
+    }
+    None
 }
 
 /// The grid over a bounding box; None if it is a point.

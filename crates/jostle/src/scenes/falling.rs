@@ -1,6 +1,8 @@
 //! Scenes with gravity in which discs fall and come to rest.
 
-use super::placing::{Area, lattice, scatter};
+use std::ops::Range;
+
+use super::placing::{Area, kept, lattice_places, scatter};
 use super::random::Random;
 use super::{Start, area_of, boxed};
 use crate::particles::Particles;
@@ -46,15 +48,16 @@ pub fn pile_view(n: usize) -> Area {
     [0.0, 0.0, pile_width(n), pile_width(n) * 0.75]
 }
 
-pub fn pile(n: usize, random: &mut Random) -> Start {
+pub fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Start {
     let [_, _, width, height] = pile_view(n);
     let spacing = 2.2 * PILE_RADII[1];
     let columns = (width / spacing).floor().max(1.0);
     let rows = (n as f32 / columns).ceil();
     let fill = [0.0, height - rows * spacing, columns * spacing, height];
-    let places = lattice(n, fill, 0.05 * spacing, random);
-    let radii = (0..n).map(|_| random.between(PILE_RADII[0], PILE_RADII[1])).collect();
-    let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 40.0)).collect();
+    let places = kept(&kept_rows, lattice_places(n, fill, 0.05 * spacing, random));
+    let radius = |_| random.between(PILE_RADII[0], PILE_RADII[1]);
+    let radii = kept(&kept_rows, (0..n).map(radius));
+    let velocities = kept(&kept_rows, (0..n).map(|_| random.in_disc().map(|v| v * 40.0)));
     let walls = [0.0, fill[1].min(0.0) - height, width, height];
     let settings = WorldSettings { gravity: [0.0, 900.0], restitution: 0.2, ..boxed(walls) };
     Start::new(Particles::new(places, velocities, radii, 1.0), settings)

@@ -1,6 +1,8 @@
 //! Scenes without gravity: gases of discs.
 
-use super::placing::{Area, lattice, scatter};
+use std::ops::Range;
+
+use super::placing::{Area, kept, lattice, lattice_places, scatter};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
 use crate::particles::Particles;
@@ -19,7 +21,11 @@ const CLUSTER_AREA: f32 = 0.01;
 const CLUSTERS: usize = 9;
 
 fn velocities(count: usize, random: &mut Random) -> Vec<[f32; 2]> {
-    (0..count).map(|_| random.in_disc().map(|v| v * SPEED)).collect()
+    velocities_of(count, random).collect()
+}
+
+fn velocities_of(count: usize, random: &mut Random) -> impl Iterator<Item = [f32; 2]> {
+    (0..count).map(|_| random.in_disc().map(|v| v * SPEED))
 }
 
 pub fn gas_view(n: usize) -> Area {
@@ -27,13 +33,13 @@ pub fn gas_view(n: usize) -> Area {
     [0.0, 0.0, side, side]
 }
 
-pub fn gas(n: usize, random: &mut Random) -> Start {
+pub fn gas(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
     let area = gas_view(n);
     let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
-    let places = lattice(n, area, 0.9 * gap.max(0.0), random);
-    let velocities = velocities(n, random);
-    let settings = boxed(area);
-    Start::new(Particles::new(places, velocities, vec![RADIUS; n], 1.0), settings)
+    let places = kept(&rows, lattice_places(n, area, 0.9 * gap.max(0.0), random));
+    let velocities = kept(&rows, velocities_of(n, random));
+    let radii = vec![RADIUS; places.len()];
+    Start::new(Particles::new(places, velocities, radii, 1.0), boxed(area))
 }
 
 /// Radii from 1 to 100. Each factor of two covers the same area: the density of radii is

@@ -1,6 +1,8 @@
 //! Scenes without gravity with two kinds of discs.
 
-use super::placing::{Area, lattice};
+use std::ops::Range;
+
+use super::placing::{Area, kept, lattice, lattice_places};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
 use crate::forces::{Force, Thermostat};
@@ -25,18 +27,24 @@ pub fn thermostat_view(n: usize) -> Area {
 }
 
 /// Half of the discs are on either side.
-pub fn thermostat(n: usize, random: &mut Random) -> Start {
+pub fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
     let area = thermostat_view(n);
     let [min_x, min_y, max_x, max_y] = area;
     let middle = (min_x + max_x) / 2.0;
     let light = n.div_ceil(2);
-    let mut places = lattice(light, [min_x, min_y, middle, max_y], 0.5, random);
-    places.extend(lattice(n - light, [middle, min_y, max_x, max_y], 0.5, random));
+    let sides = [[min_x, min_y, middle, max_y], [middle, min_y, max_x, max_y]];
+    let mut places = Vec::new();
+    for (first, count, side) in [(0, light, sides[0]), (light, n - light, sides[1])] {
+        let rows = rows.start.saturating_sub(first)..rows.end.saturating_sub(first);
+        places.extend(kept(&rows, lattice_places(count, side, 0.5, random)));
+    }
     let kind = |row: usize| usize::from(row >= light);
-    let velocities = (0..n).map(|row| random.in_disc().map(|v| v * SPEEDS[kind(row)])).collect();
-    let mut particles = Particles::new(places, velocities, vec![RADIUS; n], 1.0);
-    let masses = particles.masses.iter_mut().enumerate();
-    masses.for_each(|(row, mass)| *mass *= DENSITIES[kind(row)]);
+    let velocity = |row| random.in_disc().map(|v| v * SPEEDS[kind(row)]);
+    let velocities = kept(&rows, (0..n).map(velocity));
+    let radii = vec![RADIUS; places.len()];
+    let mut particles = Particles::new(places, velocities, radii, 1.0);
+    let masses = particles.masses.iter_mut().zip(rows.start..);
+    masses.for_each(|(mass, row)| *mass *= DENSITIES[kind(row)]);
     let settings = boxed(area);
     Start::new(particles, settings).with(Force::Thermostat(WALLS))
 }

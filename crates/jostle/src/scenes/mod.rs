@@ -22,6 +22,8 @@ mod sand;
 mod soft;
 mod stars;
 
+use std::ops::Range;
+
 use crate::container::Container;
 use crate::error::{Error, Result};
 use crate::forces::Force;
@@ -49,8 +51,16 @@ pub struct Scene {
     pub default_count: usize,
     /// A description in two sentences.
     pub about: &'static str,
-    make: fn(usize, &mut Random) -> Start,
+    make: Make,
     view: fn(usize) -> [f32; 4],
+}
+
+/// A function that makes the initial state with a number of particles.
+#[derive(Clone, Copy)]
+enum Make {
+    Whole(fn(usize, &mut Random) -> Start),
+    /// It can make a range of the particles without the others.
+    Parts(fn(usize, &mut Random, Range<usize>) -> Start),
 }
 
 /// The initial state of a scene.
@@ -89,8 +99,34 @@ pub fn find(name: &str) -> Result<&'static Scene> {
 impl Scene {
     /// Its world with `count` particles (`None`: the default number).
     pub fn create(&self, count: Option<usize>, seed: u64) -> Result<World> {
+        self.create_rows(self.count(count)?, seed, 0..usize::MAX)
+    }
+
+    /// The part of its world that has the particles of one of `size` ranks, with the settings of the whole.
+    /// The parts of all ranks, one after the other, are the particles of [`Scene::create`]. Not all scenes can
+    /// be made in parts; the others are made as a whole first.
+    pub fn create_part(
+        &self,
+        count: Option<usize>,
+        seed: u64,
+        [rank, size]: [usize; 2],
+    ) -> Result<World> {
         let count = self.count(count)?;
-        let start = (self.make)(count, &mut Random::new(seed));
+        let part = |len: usize| len * rank / size..len * (rank + 1) / size;
+        if let Make::Parts(_) = self.make {
+            return self.create_rows(count, seed, part(count));
+        }
+        let whole = self.create(Some(count), seed)?;
+        whole.check_distributable()?;
+        whole.part(part(whole.len()))
+    }
+
+    fn create_rows(&self, count: usize, seed: u64, rows: Range<usize>) -> Result<World> {
+        let random = &mut Random::new(seed);
+        let start = match self.make {
+            Make::Whole(make) => make(count, random),
+            Make::Parts(make) => make(count, random, rows),
+        };
         let friction = common_friction(&start.particles);
         let mut world = World::new(start.particles, start.settings)?;
         world.set_walls(start.walls)?;

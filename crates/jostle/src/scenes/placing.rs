@@ -1,6 +1,7 @@
 //! Positions of discs: lattices, random positions without overlap, and walls of discs.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::random::Random;
 use crate::error::{Error, Result};
@@ -22,15 +23,30 @@ const MAX_BEADS: f64 = 1e6;
 /// `count` positions on a square lattice that fills `area`, each displaced by up to `jitter` along
 /// both axes.
 pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
+    lattice_places(count, area, jitter, random).collect()
+}
+
+/// The same, one position after the other.
+pub fn lattice_places(
+    count: usize,
+    area: Area,
+    jitter: f32,
+    random: &mut Random,
+) -> impl Iterator<Item = [f32; 2]> {
     let [width, height] = [area[2] - area[0], area[3] - area[1]];
     let columns = ((count as f32 * width / height).sqrt().ceil() as usize).max(1);
     let rows = count.div_ceil(columns).max(1);
     let step = [width / columns as f32, height / rows as f32];
-    let place = |index: usize| {
+    let place = move |index: usize| {
         let cell = [(index % columns) as f32 + 0.5, (index / columns) as f32 + 0.5];
         [0, 1].map(|k| area[k] + cell[k] * step[k] + random.between(-jitter, jitter))
     };
-    (0..count).map(place).collect()
+    (0..count).map(place)
+}
+
+/// The values of the particles in `rows`. All values are made, so that random numbers do not depend on it.
+pub fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
+    values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value).collect()
 }
 
 /// The centres of discs of `radius` in a straight line from `start` to `end`, so close that

@@ -6,6 +6,7 @@
 use std::cmp::Ordering;
 use std::collections::HashMap;
 use std::iter::repeat_n;
+use std::ops::Range;
 use std::sync::Mutex;
 
 use super::carried::Resting;
@@ -15,10 +16,10 @@ use super::{Memory, OnTouch, World};
 use crate::contacts::{ContactShape, Contacts};
 use crate::container::Container;
 use crate::decomposition::{
-    Communicator, Group, Halo, RECORD, Traffic, digest, put_record, read_records,
+    Communicator, Group, Halo, RECORD, Scale, Traffic, digest, put_record, read_records,
 };
 use crate::error::{Error, Result};
-use crate::forces::Force;
+use crate::forces::{self, Force, Kinds};
 use crate::parallel::locked;
 use crate::particles::Particles;
 use crate::space::Id;
@@ -56,6 +57,10 @@ pub(super) struct Domain {
     pub(super) total: usize,
     is_elastic: bool,
     has_friction: bool,
+    /// Quantiles of the coordinates of all ranks along each axis.
+    pub(super) scales: [Scale; 2],
+    /// The AABB of the positions of all ranks, until the first part of the step uses it.
+    pub(super) extent: Option<[[f32; 2]; 2]>,
     /// The circle of each own row.
     pub(super) announced: Vec<Announced>,
     /// The rows that are ghosts of each rank.
@@ -119,6 +124,11 @@ impl Domain {
         rows: &[u32],
     ) -> impl Iterator<Item = V> {
         all.zip(rows).filter(|(_, row)| self.owns(**row)).map(|(value, _)| value)
+    }
+
+    /// The id of a row among the particles of all ranks.
+    pub(super) fn id(&self, row: u32) -> Id {
+        self.ids[row as usize]
     }
 
     /// The order of two rows in the world.
@@ -300,6 +310,8 @@ impl World {
             total,
             is_elastic: self.are_own_elastic(),
             has_friction: true,
+            scales: Default::default(),
+            extent: None,
             announced: Vec::new(),
             sent: Vec::new(),
             received: Vec::new(),
@@ -331,25 +343,25 @@ impl World {
             let rule = "particles of different ranks do not merge";
             return Err(Error::of("on_touch", "merge", rule));
         }
-        if self.settings.track_events {
-            let rule = "a distributed world does not track events";
-            return Err(Error::of("track_events", "True", rule));
-        }
         for (index, force) in self.forces.iter().enumerate() {
             let name = match force {
                 Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,
+                Force::Pair(_) | Force::Flocking(_) => continue,
                 Force::Attractor(_) => "an Attractor",
                 Force::Gravitation(_) => "Gravitation",
                 Force::Springs(_) => "Springs",
                 Force::Motor(_) => "a Motor",
-                Force::Pair(_) => "a PairForce",
-                Force::Flocking(_) => "Flocking",
             };
-            let rule =
-                "a distributed world has Thermostat, ThermalWalls and AndersenThermostat only";
+            let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
+                        AndersenThermostat only";
             return Err(Error::at("forces", index, name, rule));
         }
-        Ok(())
+        let pairs = forces::pairs(&self.forces).count();
+        if pairs <= Kinds::default().len() {
+            return Ok(());
+        }
+        let rule = "a distributed world has two at most";
+        Err(Error::of("forces", format!("of {pairs} PairForces"), rule))
     }
 
     /// The particles of this rank; None if the world is not distributed.
@@ -376,24 +388,35 @@ impl World {
         let Some(domain) = &self.domain else { return Vec::new() };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
         for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_record(&mut bytes, domain.ids[row as usize], &self.particles, place);
+            put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
         }
         bytes
     }
 
-    /// A world with the settings, walls, forces and time of this one, and the particles of some records.
-    pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
-        let (particles, _) = read_records(bytes);
-        let mut world = Self::new(particles, self.settings)?;
-        world.set_walls(self.walls().to_vec())?;
-        world.set_forces(self.forces())?;
-        world.time = self.time;
-        Ok(world)
+    /// The id and the kinds of a row, for its record.
+    pub(super) fn name_of(&self, domain: &Domain, row: u32) -> (Id, Kinds) {
+        (domain.id(row), forces::kinds_of(&self.forces, row as usize))
     }
 
-    /// Whether gravity may press inelastic particles of any rank against each other or against walls.
-    pub fn may_have_resting_contacts(&self) -> bool {
-        self.may_rest()
+    /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
+    pub fn part(&self, rows: Range<usize>) -> Result<Self> {
+        let (all, mut bytes) = (self.particles(), Vec::new());
+        let name = |row: usize| (row as Id, forces::kinds_of(&self.forces, row));
+        rows.for_each(|row| put_record(&mut bytes, name(row), &all, row));
+        self.of_records(&bytes)
+    }
+
+    /// A world with the settings, walls, forces and time of this one, and the particles of some records.
+    pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
+        let (particles, _, kinds) = read_records(bytes);
+        let mut world = Self::new(particles, self.settings)?;
+        world.set_walls(self.walls().to_vec())?;
+        let mut forces = self.forces();
+        forces::set_kinds(&mut forces, &kinds);
+        world.set_forces(forces)?;
+        world.set_defaults(self.defaults)?;
+        world.time = self.time;
+        Ok(world)
     }
 
     /// Tells how much time this rank needs for each of its particles, from which the next domains
@@ -436,9 +459,10 @@ impl World {
     }
 
     /// The AABB of the centres of all ranks; None if the world is not distributed.
-    pub(super) fn extent_of_all(&self) -> Result<Option<[[f32; 2]; 2]>> {
-        if self.domain.is_none() {
-            return Ok(None);
+    pub(super) fn extent_of_all(&mut self) -> Result<Option<[[f32; 2]; 2]>> {
+        let Some(domain) = &mut self.domain else { return Ok(None) };
+        if let Some(known) = domain.extent.take() {
+            return Ok(Some(known));
         }
         let [right, bottom, left, top] = self.farthest()?.map(|v| v as f32);
         Ok(Some([[-left, -top], [right, bottom]]))
@@ -462,7 +486,8 @@ impl World {
     /// Removes the ghosts.
     pub(super) fn drop_ghosts(&mut self) {
         self.keep_resting();
-        let Self { domain, particles, rows, persistent, contacts, ids, wall_impulses, .. } = self;
+        let Self { domain, particles, rows, persistent, contacts, ids, .. } = self;
+        let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
         let Some(domain) = domain else { return };
         let own = domain.own;
         if rows.len() > own {
@@ -484,6 +509,7 @@ impl World {
             persistent.resize(own);
             rows.truncate(own);
             domain.ids.truncate(own);
+            forces::change_kinds(forces, |kinds| kinds.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
             *ids = Ids::of_rows(own);
         }
@@ -493,12 +519,13 @@ impl World {
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
     pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { domain, particles, rows, persistent, ids, .. } = self;
+        let Self { domain, particles, rows, persistent, ids, forces, .. } = self;
         let Some(domain) = domain else { return };
         for bytes in bytes {
-            let (new, new_ids) = read_records(bytes);
+            let (new, new_ids, new_kinds) = read_records(bytes);
             particles.extend(&new);
             domain.ids.extend(new_ids);
+            forces::add_kinds(forces, &new_kinds);
         }
         let len = domain.ids.len();
         rows.extend(rows.len() as u32..len as u32);

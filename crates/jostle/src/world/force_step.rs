@@ -73,9 +73,10 @@ impl World {
             let wrap = |there| settings.container.wrap(there);
             memory.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
             memory.velocities.clone_from(&particles.velocities);
-            accelerate(&self.forces, particles, &self.rows, settings, h, memory);
-            add_given(&mut memory.accelerations, &self.rows, &self.given);
+            self.accelerate(h)?;
         }
+        let (memory, settings) = (&mut self.memory.forces, &self.settings);
+        let particles = &self.particles;
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
             let ForceMemory { places, groups, reaches, .. } = memory;
@@ -94,6 +95,19 @@ impl World {
         let id = self.id_of(longest, |place| displacement(place).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Computes the accelerations in the middle of a sub-step of `h` seconds.
+    pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
+        let extent = self.extent_of_halfway()?;
+        let Self { particles, rows, settings, memory, .. } = self;
+        let ForceMemory { all: scratch, places, halfway, velocities, accelerations, .. } =
+            &mut memory.forces;
+        let bodies = bodies(particles, halfway, (rows, places), settings);
+        let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
+        forces::accelerate(&self.forces, &bodies, scratch, accelerations);
+        add_given(accelerations, rows, &self.given);
+        self.share_accelerations()
     }
 
     /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
@@ -169,22 +183,8 @@ pub(super) fn bodies<'a>(
         seconds: 0.0,
         method: settings.method,
         threads,
+        extent: None,
     }
-}
-
-/// Computes the accelerations in the middle of a sub-step of `h` seconds.
-pub(super) fn accelerate(
-    all: &[Force],
-    particles: &Particles,
-    rows: &[u32],
-    settings: &WorldSettings,
-    h: f32,
-    memory: &mut ForceMemory,
-) {
-    let ForceMemory { all: scratch, places, halfway, velocities, accelerations, .. } = memory;
-    let bodies = bodies(particles, halfway, (rows, places), settings);
-    let bodies = Bodies { velocities, seconds: h, ..bodies };
-    forces::accelerate(all, &bodies, scratch, accelerations);
 }
 
 /// Position of a free particle in the middle of a sub-step of `h` seconds.

@@ -104,6 +104,11 @@ impl World {
         }
     }
 
+    /// The id of a row; in a distributed world that among the particles of all ranks.
+    pub(super) fn id_among_all(&self, row: u32) -> Id {
+        self.domain.as_ref().map_or_else(|| self.ids.of(row), |domain| domain.id(row))
+    }
+
     /// Whether a particle has this id.
     pub fn contains(&self, id: Id) -> bool {
         self.ids.row(id).is_some()

@@ -4,16 +4,13 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::World;
-use super::carried::{NONE, Push, Resting};
-use crate::bytes::Plain;
-use crate::container::MAX_WALLS;
-use crate::decomposition::{Group, cuts, key, put_record, sample};
+use super::carried::{NONE, put_push};
+use crate::decomposition::{
+    Group, Scale, cuts, key, put_record, read_samples, sample, sample_places,
+};
 use crate::error::Result;
+use crate::forces;
 use crate::parallel::locked;
-use crate::space::Id;
-
-/// Impulses over mass of the sides of the container, along the normals and of friction.
-type Sides = [[f32; MAX_WALLS]; 2];
 
 /// What leaves this rank for each other one, as bytes.
 #[derive(Debug)]
@@ -29,12 +26,19 @@ struct Leaving {
 impl World {
     /// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
     pub(super) fn rebalance(&mut self) -> Result<()> {
-        let Some([low, high]) = self.extent_of_all()? else { return Ok(()) };
-        let area = [low, high].map(|corner| corner.map(f64::from));
-        let keys: Vec<u64> = self.particles.positions.iter().map(|&at| key(area, at)).collect();
-        let Some(domain) = &self.domain else { return Ok(()) };
+        let Self { domain, settings, particles, .. } = self;
+        let Some(domain) = domain else { return Ok(()) };
+        if locked(&domain.group).size() < 2 {
+            self.renumber();
+            return Ok(());
+        }
+        let container = settings.container;
+        let places: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
+        domain.scales = scales_of_all(&domain.group, &places, container.period())?;
+        let keys: Vec<u64> = places.iter().map(|&place| key(&domain.scales, place)).collect();
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
         let leaving = self.leaving(&keys, &cuts);
+        let Some(domain) = &self.domain else { return Ok(()) };
         // After a failed exchange the other ranks make no further one.
         let (records, sides, resting, pushes) = {
             let mut group = locked(&domain.group);
@@ -45,8 +49,9 @@ impl World {
         };
         let first = self.leave(&leaving.homes);
         self.append_records(&records, true);
-        self.take_sides(first, &sides);
-        self.take_resting(first, &resting, &pushes);
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
+        self.take_impulses_of(&rows, [&sides, &resting, &pushes])?;
         self.renumber();
         Ok(())
     }
@@ -54,10 +59,13 @@ impl World {
     /// Gives the rows the order of the places, so that what is stored by rows is near in memory to what is
     /// stored by places.
     fn renumber(&mut self) {
-        let Self { domain, rows, wall_impulses, .. } = self;
+        let Self { domain, rows, wall_impulses, forces, .. } = self;
         let Some(domain) = domain else { return };
         let mut new = vec![0; rows.len()];
         (0..).zip(&*rows).for_each(|(place, &row)| new[row as usize] = place);
+        forces::change_kinds(forces, |kinds| {
+            *kinds = rows.iter().map(|&row| kinds[row as usize]).collect();
+        });
         domain.ids = rows.iter().map(|&row| domain.ids[row as usize]).collect();
         for of in &mut domain.resting {
             of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
@@ -86,14 +94,9 @@ impl World {
                 continue;
             }
             let row = self.rows[place];
-            let id = domain.ids[row as usize];
-            put_record(&mut leaving.records[home], id, &self.particles, place);
-            let frictions = self.persistent.wall_frictions.get(place);
-            let sides: Sides =
-                [self.persistent.wall_pushes[place], frictions.copied().unwrap_or_default()];
-            let start = leaving.sides[home].len();
-            leaving.sides[home].resize(start + Sides::SIZE, 0);
-            sides.store(&mut leaving.sides[home][start..]);
+            let name = self.name_of(domain, row);
+            put_record(&mut leaving.records[home], name, &self.particles, place);
+            self.put_sides(&mut leaving.sides[home], name.0, place);
             leaving.homes.insert(row, home);
         }
         for of in &domain.resting {
@@ -105,11 +108,9 @@ impl World {
                 of.put(&mut leaving.resting[home]);
             }
         }
-        for of in self.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0) {
+        for of in &self.wall_impulses {
             if let Some(&home) = leaving.homes.get(&of.row) {
-                let id = domain.ids[of.row as usize];
-                let push = Push { id, wall: of.wall, pushes: of.pushes };
-                push.put(&mut leaving.pushes[home]);
+                put_push(&mut leaving.pushes[home], domain.id(of.row), of);
             }
         }
         leaving
@@ -127,6 +128,10 @@ impl World {
             })
             .collect();
         self.keep(&stays);
+        forces::change_kinds(&mut self.forces, |kinds| {
+            let mut row = 0..;
+            kinds.retain(|_| row.next().is_some_and(|row: usize| shifted[row] != NONE));
+        });
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.wall_impulses.retain_mut(|of| {
             of.row = shifted[of.row as usize];
@@ -142,57 +147,33 @@ impl World {
         }
         left as usize
     }
-
-    /// Gives the rows from `first` on, which are the last places, the impulses of the sides.
-    fn take_sides(&mut self, first: usize, bytes: &[u8]) {
-        let count = self.rows.len();
-        for (place, bytes) in (first..).zip(bytes.chunks_exact(Sides::SIZE)) {
-            let [pushes, frictions] = Sides::load(bytes);
-            self.persistent.wall_pushes[place] = pushes;
-            if frictions != [0.0; MAX_WALLS] {
-                self.persistent.wall_frictions.resize(count, Default::default());
-                self.persistent.wall_frictions[place] = frictions;
-            }
-        }
-    }
-
-    /// Adds contacts at rest and pushes of walls of the rows from `first` on.
-    fn take_resting(&mut self, first: usize, resting: &[u8], pushes: &[u8]) {
-        let Some(domain) = &mut self.domain else { return };
-        let new = (first as u32..).zip(&domain.ids[first..]);
-        let rows: HashMap<Id, u32> = new.map(|(row, &id)| (id, row)).collect();
-        domain.resting.extend(resting.chunks_exact(Resting::SIZE).map(Resting::get));
-        for of in &mut domain.resting {
-            for k in [0, 1] {
-                if of.rows[k] == NONE
-                    && let Some(&row) = rows.get(&of.ids[k])
-                {
-                    of.rows[k] = row;
-                }
-            }
-        }
-        // A contact that this rank had before knows both rows.
-        let unknown = |of: &Resting| of.rows.iter().filter(|&&row| row == NONE).count();
-        domain.resting.sort_by_key(|of| (of.ids, unknown(of)));
-        domain.resting.dedup_by_key(|of| of.ids);
-        domain.resting.retain(|of| unknown(of) < 2);
-        let pushes = pushes.chunks_exact(Push::SIZE).map(Push::get);
-        self.wall_impulses.extend(pushes.map(|push| push.of_row(rows[&push.id])));
-        self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
-    }
 }
 
 /// The keys at which the domains of all ranks but the first begin.
 fn cuts_of_all(group: &Mutex<Group>, keys: &[u64], work: f64) -> Result<Vec<u64>> {
     let mut group = locked(group);
     let samples = sample(&mut keys.to_vec());
-    let samples = samples.iter().flat_map(|key| key.to_le_bytes()).collect();
+    let samples: Vec<u8> = samples.iter().flat_map(|key| key.to_le_bytes()).collect();
     let amounts = group.gather([(work * keys.len() as f64).to_bits()])?;
-    let to = vec![samples; group.size()];
-    let all = group.exchange(&to)?;
+    let all = group.share(&samples)?;
     let ranks = all.iter().zip(amounts).map(|(bytes, [work])| {
         let (keys, _) = bytes.as_chunks::<8>();
         (keys.iter().map(|key| u64::from_le_bytes(*key)).collect(), f64::from_bits(work))
     });
     Ok(cuts(&ranks.collect::<Vec<_>>()))
+}
+
+/// Quantiles of the coordinates of the particles of all ranks along each axis.
+fn scales_of_all(
+    group: &Mutex<Group>,
+    positions: &[[f32; 2]],
+    period: Option<[f32; 2]>,
+) -> Result<[Scale; 2]> {
+    let mut group = locked(group);
+    let own = sample_places(positions, group.size());
+    let amounts = group.gather([positions.len() as u64])?;
+    let all = group.share(&own)?;
+    let ranks = all.iter().zip(amounts).map(|(bytes, [count])| (&bytes[..], count as f64));
+    let samples = read_samples(ranks);
+    Ok([0, 1].map(|k| Scale::new(&samples[k], period.map(|size| f64::from(size[k])))))
 }

@@ -85,7 +85,9 @@ impl World {
     /// returns.
     pub fn begin_record(&mut self) {
         let old = std::mem::take(&mut self.record);
-        let is_there = |pair: &[Id; 2]| pair.iter().all(|&id| self.ids.row(id).is_some());
+        // No particle of a distributed world is removed.
+        let is_whole = self.domain.is_none();
+        let is_there = |pair: &[Id; 2]| !is_whole || pair.iter().all(|&id| self.contains(id));
         self.record = Record {
             before: old.at_end.clone(),
             at_end: old.at_end.iter().copied().filter(is_there).collect(),
@@ -118,6 +120,13 @@ impl World {
         self.settings.track_events.then(|| self.record.events())
     }
 
+    /// Of a distributed world: the pairs with own particles that touched at the end of the record before,
+    /// that touched in a step of this one, and that touch at its end. Several ranks may have the same pair.
+    pub fn own_touches(&self) -> [Vec<[Id; 2]>; 3] {
+        let Record { before, during, at_end, .. } = &self.record;
+        [before.clone(), during.clone(), at_end.clone()]
+    }
+
     /// Adds the pairs that touched in a step that is complete, apart from `fall_asleep`.
     pub(super) fn record_touching(&mut self) {
         if !self.settings.track_events {
@@ -133,11 +142,20 @@ impl World {
         if !self.settings.track_events {
             return;
         }
-        let Self { record, rows, ids, .. } = self;
-        record.during.extend(places.iter().map(|places| {
-            let [i, j] = places.map(|place| rows[place as usize]);
-            [i.min(j), i.max(j)].map(|row| ids.of(row))
-        }));
+        let rows = |places: &[u32; 2]| places.map(|place| self.rows[place as usize]);
+        let pairs = places.iter().map(rows).filter_map(|rows| self.known_pair(rows));
+        let pairs: Vec<[Id; 2]> = pairs.collect();
+        self.record.during.extend(pairs);
+    }
+
+    /// The ids of two rows, the smaller first; none of two ghosts, whose own ranks know them.
+    pub(super) fn known_pair(&self, rows: [u32; 2]) -> Option<[Id; 2]> {
+        let is_known = match &self.domain {
+            None => true,
+            Some(domain) => rows.iter().any(|&row| domain.owns(row)),
+        };
+        let [a, b] = rows.map(|row| self.id_among_all(row));
+        is_known.then_some([a.min(b), a.max(b)])
     }
 
     /// Makes what a step has recorded final.

@@ -15,21 +15,24 @@
 //! contradictions is unique. The colours of contacts are compared, too. Otherwise, or if a particle
 //! got further than announced, all ranks repeat the step with a wider halo.
 
+use std::cell::Cell;
 use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-use super::bounds::{distance_at, distance_of_fall};
+use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::domain::Announced;
 use super::{Watch, World};
 use crate::decomposition::{Grid, Marks, Near, RECORD, digest, digest_all, put_record};
 use crate::error::{Error, Result};
+use crate::forces;
 use crate::motion::{Motion, exact};
 use crate::parallel::locked;
 
 /// Width of the margin around each particle, in mean radii.
 const MARGIN: f64 = 3.0;
 
-/// Repetitions of a step. Each is with a margin twice as wide, so the last ones have all particles.
-const MOST_REPEATS: usize = 64;
+/// Factor of the margin from which on each rank gets all particles. It doubles with each repetition.
+const ALL: f64 = (1u64 << 30) as f64;
 
 /// Factor of the margin after each step that was not repeated.
 const NARROWING: f64 = 0.99;
@@ -40,75 +43,92 @@ const MOST_WIDENING: f64 = 8.0;
 /// Particles that get further than announced are announced this much further.
 const FURTHER: f32 = 1.25;
 
+/// What the ranks have computed for the particles that they share, compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Agreement {
+    Same,
+    /// Some particle has got further than announced.
+    Further,
+    Different,
+}
+
 impl World {
-    /// Makes a step of a distributed world. If it fails on any rank, it fails on all, and changes nothing.
+    /// Makes a step of a distributed world. If it fails on any rank, it fails on all, and changes nothing. A
+    /// rank that panics tells the others, too.
     pub(super) fn step_with_other_ranks(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
-        self.drop_ghosts();
-        let done = self.try_step_with_other_ranks(dt, watch);
-        if let Err(error) = &done
-            && let Some(domain) = &self.domain
-            && !matches!(error, Error::OtherRank { .. })
-        {
+        let done = catch_unwind(AssertUnwindSafe(|| self.try_step_with_other_ranks(dt, watch)));
+        let is_cause = !matches!(done, Ok(Ok(()) | Err(Error::OtherRank { .. })));
+        if is_cause && let Some(domain) = &self.domain {
             locked(&domain.group).fail();
         }
-        done
+        done.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
     fn try_step_with_other_ranks(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
+        self.drop_ghosts();
         self.check_displacements(dt)?;
         self.walls.check_displacements(f64::from(dt))?;
         self.move_to_domains()?;
         let mut widening = self.domain.as_ref().map_or(1.0, |domain| domain.widening);
         let mut further = HashMap::new();
-        for _ in 0..MOST_REPEATS {
-            self.exchange_ghosts(dt, widening, &further)?;
+        loop {
+            let has_all = self.exchange_ghosts(dt, widening, &further)?;
             self.begin();
             let done = self.step_in_parts(dt, watch);
-            let done = done.and_then(|()| self.agrees_with_other_ranks());
-            if let Ok(true) = done {
-                self.apply_bath(dt);
-                self.keep_wall_pushes();
-                super::touches::add_up(&mut self.wall_impulses);
-                self.close_step();
-                if let Some(domain) = &mut self.domain {
-                    domain.steps += 1;
-                    // The next steps need about as much.
-                    domain.widening = (widening * NARROWING).clamp(1.0, MOST_WIDENING);
-                    domain.has_contacts = true;
-                }
+            let done = done.and_then(|()| self.compare_with_other_ranks());
+            if let Ok(Agreement::Same) = done {
+                self.end_step_with_other_ranks(dt, widening);
                 return Ok(());
             }
             self.undo();
             self.drop_ghosts();
-            done?;
+            if done? == Agreement::Different && has_all {
+                let rule = "the ranks do not agree on the step; please report it";
+                return Err(Error::of("dt", dt, rule));
+            }
             widening *= 2.0;
-            let Some(domain) = &mut self.domain else { break };
+            let Some(domain) = &mut self.domain else { return Ok(()) };
             domain.repeats += 1;
             for (row, distance) in domain.far.drain(..) {
                 let known = further.entry(row).or_insert(0.0f32);
                 *known = known.max(distance * FURTHER);
             }
         }
-        let rule = "the ranks do not agree on the step; please report it";
-        Err(Error::of("dt", dt, rule))
+    }
+
+    /// Makes a step final that is the same on all ranks.
+    fn end_step_with_other_ranks(&mut self, dt: f32, widening: f64) {
+        self.apply_bath(dt);
+        self.keep_wall_pushes();
+        super::touches::add_up(&mut self.wall_impulses);
+        self.record_touching();
+        self.close_step();
+        if let Some(domain) = &mut self.domain {
+            domain.steps += 1;
+            // The next steps need about as much.
+            domain.widening = (widening * NARROWING).clamp(1.0, MOST_WIDENING);
+            domain.has_contacts = true;
+        }
     }
 
     /// Announces where own particles may be, and gets the ghosts that may be there. `further` has
-    /// distances of rows that got further than announced before.
+    /// distances of rows that got further than announced before. Returns whether the margin is so wide that
+    /// each rank has all particles.
     fn exchange_ghosts(
         &mut self,
         dt: f32,
         widening: f64,
         further: &HashMap<u32, f32>,
-    ) -> Result<()> {
+    ) -> Result<bool> {
         if self.is_alone() {
             self.recall_resting();
-            return Ok(());
+            return Ok(true);
         }
-        let (grid, margin) = self.grid_and_margin(dt, widening)?;
+        let (margin, extent) = self.margin_and_extent(dt, widening)?;
         let arrived = {
-            let Self { domain, particles, rows, settings, .. } = self;
-            let Some(domain) = domain else { return Ok(()) };
+            let Self { domain, particles, rows, settings, forces, .. } = self;
+            let Some(domain) = domain else { return Ok(true) };
+            let grid = Grid::new(&settings.container, &domain.scales, domain.total);
             domain.announced.resize(domain.own, Announced::default());
             let fall = distance_of_fall(settings.gravity, dt);
             let mut group = locked(&domain.group);
@@ -129,15 +149,15 @@ impl World {
                 };
                 let center = settings.container.wrap(particles.positions[place]);
                 let radius = f64::from(particles.radii[place]) + f64::from(of.distance);
-                let rounding = f64::from(f32::EPSILON) * grid.extent();
+                let rounding = f64::from(rounding(of.position, &settings.container));
                 let range = grid.range(center, radius * 1.000_01 + rounding);
                 cells.push(range);
-                // Nothing changes the motion of others.
-                if particles.movable[place] {
+                // Nothing changes the motion of others, but they may touch.
+                if particles.movable[place] || settings.track_events {
                     grid.each_cell(range, |cell| marks.set(cell));
                 }
             }
-            let all = group.share(&marks.0)?;
+            let all = group.share(&marks.runs())?;
             let near = Near::new(&grid, &all, group.rank());
             let mut to = vec![Vec::new(); group.size()];
             let mut ranks = Vec::new();
@@ -150,9 +170,9 @@ impl World {
                 ranks.sort_unstable();
                 ranks.dedup();
                 domain.is_sent[row as usize] = true;
+                let name = (domain.id(row), forces::kinds_of(forces, row as usize));
                 for &rank in &ranks {
-                    let id = domain.ids[row as usize];
-                    put_record(&mut to[rank as usize], id, particles, place);
+                    put_record(&mut to[rank as usize], name, particles, place);
                     domain.sent[rank as usize].push(row);
                 }
             }
@@ -163,7 +183,7 @@ impl World {
             domain.note_received(arrived.iter().map(|bytes| bytes.len() / RECORD).collect());
         }
         self.recall_resting();
-        Ok(())
+        Ok(margin >= extent)
     }
 
     /// Whether there is one rank only, which has no ghosts.
@@ -171,24 +191,31 @@ impl World {
         self.domain.as_ref().is_none_or(|domain| locked(&domain.group).size() < 2)
     }
 
-    /// The grid of cells over all particles, and the margin around each.
-    fn grid_and_margin(&self, dt: f32, widening: f64) -> Result<(Grid, f64)> {
-        let Some(domain) = &self.domain else {
-            return Ok((Grid::new(&self.settings.container, [[0.0; 2]; 2], 1), 0.0));
-        };
-        let [low, high] = self.extent_of_all()?.unwrap_or_default();
-        let corners = [low, high].map(|corner| self.settings.container.wrap(corner));
-        let area = corners.map(|corner| corner.map(f64::from));
-        let grid = Grid::new(&self.settings.container, area, domain.total);
-        let own: f64 = self.particles.radii.iter().map(|&radius| f64::from(radius)).sum();
+    /// The margin around each particle, and the longer side of the AABB of all positions.
+    fn margin_and_extent(&mut self, dt: f32, widening: f64) -> Result<(f64, f64)> {
+        let Self { domain, particles, rows, settings, memory, .. } = self;
+        let Some(domain) = domain else { return Ok((0.0, 0.0)) };
+        let places = particles.positions.iter().map(|&at| settings.container.wrap(at));
+        let own = domain.own_of(places, rows).fold([f64::MIN; 4], |most, [x, y]| {
+            let [x, y] = [f64::from(x), f64::from(y)];
+            [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
+        });
+        let radii: f64 = particles.radii.iter().map(|&radius| f64::from(radius)).sum();
+        let numbers = [own[0], own[1], own[2], own[3], radii].map(f64::to_bits);
+        let all = locked(&domain.group).gather(numbers)?;
+        let number = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
+        let [right, bottom, left, top] = [0, 1, 2, 3].map(|k| number(k).fold(f64::MIN, f64::max));
         // In the order of ranks, so that all have the same sum.
-        let sums = locked(&domain.group).gather([own.to_bits()])?;
-        let sum: f64 = sums.iter().map(|[sum]| f64::from_bits(*sum)).sum();
-        let radius = sum / domain.total.max(1) as f64;
-        let usual = f64::from(self.memory.usual_speed) * f64::from(dt);
-        // A finest cell of the Morton order must not have particles that no rank has together.
-        let finest = grid.extent() / f64::from(1u32 << 14);
-        Ok((grid, (MARGIN * radius + usual + finest) * widening))
+        let radius = number(4).sum::<f64>() / domain.total.max(1) as f64;
+        // The first step moves particles that are outside of a torus.
+        let is_torus = settings.container.period().is_some();
+        let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
+        domain.extent = (!is_torus).then_some(area);
+        let extent = (right + left).max(bottom + top).max(0.0);
+        let usual = f64::from(memory.usual_speed) * f64::from(dt);
+        let of_forces = 0.5 * f64::from(forces::largest_cutoff(&self.forces));
+        let margin = (MARGIN * radius + usual) * widening + of_forces;
+        Ok((if widening < ALL { margin } else { margin.max(extent) }, extent))
     }
 
     /// Lists the particles that other ranks have too, by their new places.
@@ -263,17 +290,57 @@ impl World {
         )
     }
 
-    /// Whether the hashes of all ghosts that may meet own particles are those of their own ranks, on all
-    /// ranks, and no particle has got further than announced.
-    fn agrees_with_other_ranks(&mut self) -> Result<bool> {
-        let Some(domain) = &self.domain else { return Ok(true) };
+    /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
+    /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
+    pub(super) fn share_accelerations(&mut self) -> Result<()> {
+        let Self { domain, rows, memory, settings, forces, .. } = self;
+        let Some(domain) = domain else { return Ok(()) };
+        if locked(&domain.group).size() < 2 || !forces::pull(forces) {
+            return Ok(());
+        }
+        domain.list_places(rows);
+        let force = &mut memory.forces;
+        let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
+        domain.halo().any(false)?;
+        domain.halo().refresh(
+            |place| accelerations[place as usize].get(),
+            |place, acceleration| accelerations[place as usize].set(acceleration),
+        )?;
+        let reach = 0.5 * forces::largest_cutoff(forces);
+        for (&position, &row) in force.halfway.iter().zip(&*rows) {
+            let Some(of) = domain.announced.get(row as usize) else { continue };
+            let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
+            let [x, y] = settings.container.minimum_image(offset);
+            let distance = x.hypot(y) as f32 * 1.000_01 + reach;
+            if distance > of.distance {
+                domain.far.push((row, distance));
+            }
+        }
+        Ok(())
+    }
+
+    /// The AABB of some positions of all ranks; None if the world is not distributed.
+    pub(super) fn extent_of_halfway(&self) -> Result<Option<[[f32; 2]; 2]>> {
+        let Some(domain) = &self.domain else { return Ok(None) };
+        let all = domain.own_of(self.memory.forces.halfway.iter(), &self.rows);
+        let own = all.fold([f32::MIN; 4], |most, &[x, y]| {
+            [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
+        });
+        let [right, bottom, left, top] = self.largest_of_all(own.map(f64::from))?.map(|v| v as f32);
+        Ok(Some([[-left, -top], [right, bottom]]))
+    }
+
+    /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks, on all
+    /// ranks.
+    fn compare_with_other_ranks(&mut self) -> Result<Agreement> {
+        let Some(domain) = &self.domain else { return Ok(Agreement::Same) };
         let mut group = locked(&domain.group);
         if group.size() < 2 {
-            return Ok(true);
+            return Ok(Agreement::Same);
         }
         let far = group.sum([domain.far.len() as u64])?;
         if far != [0] {
-            return Ok(false);
+            return Ok(Agreement::Further);
         }
         let bytes = |(rank, rows): (u32, &Vec<u32>)| {
             let hash = |&row: &u32| {
@@ -291,6 +358,6 @@ impl World {
             domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
         });
         let different = group.sum([differ.count() as u64])?;
-        Ok(different == [0])
+        Ok(if different == [0] { Agreement::Same } else { Agreement::Different })
     }
 }

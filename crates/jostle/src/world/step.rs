@@ -158,7 +158,7 @@ impl World {
     /// The smallest id of a particle with this `number`, for an error.
     pub(super) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
         let places = (0..self.rows.len()).filter(|&place| of(place) == number);
-        places.map(|place| self.ids.of(self.rows[place])).min().unwrap_or(0)
+        places.map(|place| self.id_among_all(self.rows[place])).min().unwrap_or(0)
     }
 
     /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
@@ -271,6 +271,7 @@ impl World {
             }
         };
         memory.tree.set_extent(extent);
+        memory.tree.set_nested();
         memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
     }
 

@@ -80,7 +80,9 @@ impl World {
             !is_finite(&motion(place), &self.persistent.wall_pushes[place])
                 || !spin(place).is_finite()
         };
-        let place = (0..self.rows.len()).filter(bad).min_by_key(|&place| self.rows[place]);
+        let place = (0..self.rows.len())
+            .filter(bad)
+            .min_by_key(|&place| self.id_among_all(self.rows[place]));
         let place = place.expect("only called if there is one");
         let Motion { position, velocity, .. } = motion(place);
         let columns: [(&str, &[f32]); 4] = [
@@ -98,7 +100,9 @@ impl World {
 
     fn not_finite(&self, argument: &'static str, place: usize, value: &str) -> Error {
         let row = self.rows[place];
-        let (index, id) = (row as usize, self.ids.of(row));
+        let id = self.id_among_all(row);
+        // Ids of a distributed world have no gaps.
+        let index = if self.domain.is_some() { id as usize } else { row as usize };
         Error::NotFinite { argument, index, id, value: value.to_string() }
     }
 }

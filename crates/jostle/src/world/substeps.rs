@@ -3,8 +3,7 @@
 
 use super::bounds::StepBounds;
 use super::discs::Persistent;
-use super::force_step::{accelerate, springs};
-use super::given::add_given;
+use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
 use super::{Memory, OnTouch, Stage, Watch, World};
@@ -87,7 +86,7 @@ impl World {
         for substep in 0..of.count {
             interrupt::check()?;
             self.refresh_ghosts(substep)?;
-            self.apply_forces_in_substep(&of, substep, watch);
+            self.apply_forces_in_substep(&of, substep, watch)?;
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
                 watch(Stage::Resting);
@@ -148,19 +147,23 @@ impl World {
 
     /// Computes the kicks of accelerations and springs. [`World::apply_forces`] has computed the
     /// accelerations of the first sub-step.
-    fn apply_forces_in_substep(&mut self, of: &Substeps, substep: usize, watch: &mut Watch<'_>) {
-        let Self { particles, settings, memory, .. } = self;
-        let Memory { forces, motions, kicks, .. } = memory;
+    fn apply_forces_in_substep(
+        &mut self,
+        of: &Substeps,
+        substep: usize,
+        watch: &mut Watch<'_>,
+    ) -> Result<()> {
         if substep > 0 && of.has_accelerations {
-            forces.find_halfway(motions, &settings.container, of.seconds as f32);
-            let h = of.seconds as f32;
-            accelerate(&self.forces, particles, &self.rows, settings, h, forces);
-            add_given(&mut forces.accelerations, &self.rows, &self.given);
+            let Memory { forces, motions, .. } = &mut self.memory;
+            forces.find_halfway(motions, &self.settings.container, of.seconds as f32);
+            self.accelerate(of.seconds as f32)?;
             watch(Stage::Forces);
         }
+        let Self { particles, memory, .. } = self;
+        let Memory { forces, motions, kicks, .. } = memory;
         kicks.clear();
         if !of.has_kicks {
-            return;
+            return Ok(());
         }
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &of.flow);
@@ -168,6 +171,7 @@ impl World {
             forces.sprung.act(motions, kicks, of.seconds);
             watch(Stage::Forces);
         }
+        Ok(())
     }
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.

@@ -39,8 +39,7 @@ impl World {
         let asleep = self.asleep.contacts().filter(|contact| contact.impulse > 0.0);
         let asleep = asleep.map(|contact| contact.places);
         let rows = rows.into_iter().chain(pressed).chain(asleep);
-        let mut all: Vec<[Id; 2]> =
-            rows.map(|[i, j]| [i.min(j), i.max(j)].map(|row| self.ids.of(row))).collect();
+        let mut all: Vec<[Id; 2]> = rows.filter_map(|rows| self.known_pair(rows)).collect();
         if self.record.knows_sleepers && !self.asleep.is_empty() {
             let asleep = self.asleep();
             let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);

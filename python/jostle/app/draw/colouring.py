@@ -6,6 +6,8 @@ article, else the radius if it varies, else the speed.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,10 +28,23 @@ Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 
 
+class Statistics:
+    """Statistics of the values of a frame; a frame that is a part of a larger one has others."""
+
+    def extremes(self, values: Values) -> tuple[float, float] | None:
+        """Return the smallest and the largest value; None if there is none."""
+        return (float(values.min()), float(values.max())) if len(values) else None
+
+    def mean(self, values: Values) -> float:
+        """Return the mean; 0 if there is no value."""
+        return float(values.mean(dtype=np.float64)) if len(values) else 0.0
+
+
 class Colouring:
     """Shades for one scene; make a new one when the scene starts again."""
 
-    def __init__(self) -> None:
+    def __init__(self, statistics: Statistics | None = None) -> None:
+        self._statistics = statistics or Statistics()
         self.shows = "speed"  # name of the quantity
         # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
@@ -61,7 +76,7 @@ class Colouring:
             return known[2]
         chosen = "speed"
         for name, values in (("radius", frame.radii), ("density", frame.densities)):
-            if _spread(values[frame.movable]) > VARIES:
+            if _spread(self._statistics.extremes(values[frame.movable])) > VARIES:
                 chosen = name
         self._automatic = frame.densities, frame.radii, chosen
         return chosen
@@ -95,12 +110,11 @@ class Colouring:
 
     def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
         """Scale to 0..1, logarithmically if the values span decades."""
-        some = values[movable] if movable.any() else values
-        if len(some) == 0:
-            self.range = None
+        extremes = self._statistics.extremes
+        self.range = extremes(values[movable]) or extremes(values)
+        if self.range is None:
             return values
-        low, high = float(some.min()), float(some.max())
-        self.range = low, high
+        low, high = self.range
         if high <= low:
             return np.full(len(values), 0.5)
         if low > 0 and high > DECADES * low:
@@ -119,19 +133,17 @@ class Colouring:
         squares = x * x + y * y
         if self.shows == "speed":
             values = np.sqrt(squares)
-            top = float(np.sqrt(squares.mean(dtype=np.float64))) * FAST if len(squares) else 0.0
+            top = math.sqrt(self._statistics.mean(squares)) * FAST
         else:
             values = 0.5 * frame.masses * squares
-            top = float(values.mean(dtype=np.float64)) * ENERGETIC if len(values) else 0.0
+            top = self._statistics.mean(values) * ENERGETIC
         self._reference = max(top, self._reference * DECAY, 1e-9)
         self.range = 0.0, self._reference
         return _buckets(values / np.float32(self._reference))
 
 
-def _spread(values: Values) -> float:
-    if len(values) == 0:
-        return 1.0
-    low, high = float(values.min()), float(values.max())
+def _spread(extremes: tuple[float, float] | None) -> float:
+    low, high = extremes or (1.0, 1.0)
     return high / low if low > 0 else (2 * VARIES if high > 0 else 1.0)
 
 

@@ -7,6 +7,7 @@
 mod defaults;
 mod forces;
 mod ids;
+mod parts;
 mod record;
 mod sleepers;
 
@@ -80,8 +81,13 @@ impl World {
         to.finish(MAGIC, VERSION)
     }
 
-    /// The world of a snapshot. Refuses bytes that are not one, are cut off or damaged.
+    /// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
+    /// bytes that are neither, are cut off or damaged.
     pub fn restore(bytes: &[u8]) -> Result<Self> {
+        if parts::are_parts(bytes) { parts::restore(bytes) } else { Self::restore_whole(bytes) }
+    }
+
+    fn restore_whole(bytes: &[u8]) -> Result<Self> {
         let (mut from, version) = Reader::open(bytes, MAGIC, 2..=VERSION)?;
         let valid = |error: Error| damaged(&error.to_string());
         let mut world = Self::default();

@@ -1,0 +1,62 @@
+//! The file of a distributed world as one world. `jostle.mpi` writes it in parts: a head, the settings as a
+//! snapshot without particles, a table of chunks with their checksums, and the chunks, which have the particles
+//! of a range of ids and what the solver keeps of them.
+
+use super::super::World;
+use crate::bytes::{Reader, checksum, damaged};
+use crate::decomposition::{RECORD, read_records};
+use crate::error::{Error, Result};
+use crate::world::carried::{Push, Resting, Sides};
+
+/// The first bytes.
+const MAGIC: [u8; 16] = *b"jostle ranks\x1a\n\0\0";
+
+/// Version of the format of the other bytes.
+const VERSION: u64 = 2;
+
+/// Ids of a chunk.
+const CHUNK: u64 = 1 << 14;
+
+/// Bytes of the rows of a chunk: particles, impulses of sides, contacts at rest, pushes of walls.
+const SIZES: [usize; 4] = [RECORD, Sides::SIZE, Resting::SIZE, Push::SIZE];
+
+/// Whether bytes begin like such a file.
+pub(super) fn are_parts(bytes: &[u8]) -> bool {
+    bytes.starts_with(&MAGIC)
+}
+
+/// The world of such a file.
+pub(super) fn restore(bytes: &[u8]) -> Result<World> {
+    let mut from = Reader::without_head(&bytes[MAGIC.len()..]);
+    let version: u64 = from.get()?;
+    if version != VERSION {
+        let rule = format!("this version of jostle reads format {VERSION} of ranks");
+        return Err(Error::of("data", format!("a file in format {version} of ranks"), &rule));
+    }
+    let (total, settings): (u64, usize) = (from.get()?, from.get_count()?);
+    let settings = World::restore_whole(&from.get_all::<u8>(settings)?)?;
+    let table: Vec<[u64; 2]> = from.get_all(total.div_ceil(CHUNK) as usize)?;
+    let mut parts = [vec![], vec![], vec![], vec![]];
+    for [size, sum] in table {
+        let chunk: Vec<u8> = from.get_all(size as usize)?;
+        if checksum(&chunk) != sum {
+            return Err(damaged("its checksum is wrong"));
+        }
+        let mut chunk = Reader::without_head(&chunk);
+        let counts: [u64; 4] = chunk.get()?;
+        for ((part, count), size) in parts.iter_mut().zip(counts).zip(SIZES) {
+            part.extend(chunk.get_all::<u8>((count as usize).saturating_mul(size))?);
+        }
+        chunk.close()?;
+    }
+    from.close()?;
+    let [records, sides, resting, pushes] = &parts;
+    if !read_records(records).1.into_iter().eq(0..total as i64) {
+        return Err(damaged("its particles are not in the order of ids"));
+    }
+    let valid = |error: Error| damaged(&error.to_string());
+    let mut world = settings.of_records(records).map_err(valid)?;
+    world.take_impulses([sides, resting, pushes])?;
+    world.check_wall_impulses()?;
+    Ok(world)
+}

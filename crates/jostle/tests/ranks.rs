@@ -1,0 +1,233 @@
+//! Distributed worlds, whose ranks are threads here.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::Duration;
+
+use jostle::decomposition::read_records;
+use jostle::{Communicator, Container, Error, Id, Particles, Result, Stage, World, WorldSettings};
+
+/// A rank waits as long for a message; then it reports that it would wait forever.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A channel to each rank, and one from each.
+struct ThreadRank {
+    rank: usize,
+    to: Vec<Sender<Vec<u8>>>,
+    from: Vec<Receiver<Vec<u8>>>,
+    /// Whether hashes of trajectories are changed on their way to this rank.
+    tampers: bool,
+    knows_lengths: bool,
+}
+
+impl ThreadRank {
+    fn swap(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+        for (to, part) in self.to.iter().zip(parts) {
+            _ = to.send(part);
+        }
+        let lost = |_| Error::of("rank", self.rank, "it would wait forever");
+        self.from.iter().map(|from| from.recv_timeout(PATIENCE).map_err(lost)).collect()
+    }
+}
+
+impl Communicator for ThreadRank {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn size(&self) -> usize {
+        self.to.len()
+    }
+
+    fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>> {
+        let all = self.swap(vec![own.to_vec(); self.to.len()])?;
+        assert!(all.iter().all(|part| part.len() == own.len()), "another call than the others");
+        Ok(all.concat())
+    }
+
+    fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>> {
+        let all = self.swap(vec![own.to_vec(); self.to.len()])?;
+        assert!(all.iter().zip(counts).all(|(part, &count)| part.len() == count));
+        Ok(all.concat())
+    }
+
+    fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>> {
+        self.knows_lengths = true;
+        let all = self.swap(to.iter().map(|number| number.to_le_bytes().to_vec()).collect())?;
+        Ok(all.iter().map(|part| u64::from_le_bytes(part[..].try_into().unwrap())).collect())
+    }
+
+    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
+        let mut all = self.swap(to.to_vec())?;
+        assert!(all.iter().zip(counts).all(|(part, &count)| part.len() == count));
+        if self.tampers && !std::mem::take(&mut self.knows_lengths) {
+            all.iter_mut().flatten().for_each(|byte| *byte ^= 1);
+        }
+        Ok(all)
+    }
+}
+
+fn ranks(size: usize) -> Vec<ThreadRank> {
+    let mut all: Vec<ThreadRank> = (0..size)
+        .map(|rank| {
+            let (to, from) = (vec![], vec![]);
+            ThreadRank { rank, to, from, tampers: false, knows_lengths: false }
+        })
+        .collect();
+    for from in 0..size {
+        for to in 0..size {
+            let (sender, receiver) = channel();
+            all[from].to.push(sender);
+            all[to].from.push(receiver);
+        }
+    }
+    all
+}
+
+/// A gas on a lattice with pseudo-random velocities.
+fn gas(count: usize) -> Particles {
+    let side = (count as f64).sqrt().ceil() as usize;
+    let places: Vec<[f32; 2]> =
+        (0..count).map(|k| [k % side, k / side].map(|cell| 2.5 * cell as f32)).collect();
+    let velocity =
+        |k: usize| [0.0, 0.5].map(|shift| (k as f32 * 0.618 + shift).fract() * 30.0 - 15.0);
+    Particles::new(places, (0..count).map(velocity).collect(), vec![1.0; count], 1.0)
+}
+
+/// The particles whose number divided by `size` leaves `rank`, with their ids.
+fn share(all: &Particles, rank: usize, size: usize) -> (Particles, Vec<Id>) {
+    let rows: Vec<usize> = (rank..all.len()).step_by(size).collect();
+    let column = |of: &dyn Fn(usize) -> [f32; 2]| rows.iter().map(|&row| of(row)).collect();
+    let particles = Particles::new(
+        column(&|row| all.positions[row]),
+        column(&|row| all.velocities[row]),
+        rows.iter().map(|&row| all.radii[row]).collect(),
+        1.0,
+    );
+    (particles, rows.iter().map(|&row| row as Id).collect())
+}
+
+/// Calls `work` with the part of each rank, in a thread for each.
+fn on_ranks<R: Send>(
+    all: &Particles,
+    settings: WorldSettings,
+    communicators: Vec<ThreadRank>,
+    work: impl Fn(usize, World) -> R + Sync,
+) -> Vec<R> {
+    let (size, work) = (communicators.len(), &work);
+    thread::scope(|scope| {
+        let start = |(rank, of): (usize, ThreadRank)| {
+            scope.spawn(move || {
+                let (particles, ids) = share(all, rank, size);
+                let mut world = World::new(particles, settings).unwrap();
+                world.distribute(Box::new(of), ids).unwrap();
+                work(rank, world)
+            })
+        };
+        let threads: Vec<_> = communicators.into_iter().enumerate().map(start).collect();
+        threads.into_iter().map(|of| of.join().unwrap()).collect()
+    })
+}
+
+/// Checks that some ranks have the positions and velocities of one process after some steps.
+fn check(all: &Particles, settings: WorldSettings, size: usize, steps: usize) -> Vec<usize> {
+    let mut whole = World::new(all.clone(), settings).unwrap();
+    whole.step(1.0 / 60.0, steps).unwrap();
+    let expected = whole.particles();
+    let parts = on_ranks(all, settings, ranks(size), |_, mut world| {
+        world.step(1.0 / 60.0, steps).unwrap();
+        let own = world.own_particles().unwrap();
+        (world.own_records(), own.ids.len() - own.own)
+    });
+    let mut found = 0;
+    for (bytes, _) in &parts {
+        let (own, ids, _) = read_records(bytes);
+        for (row, &id) in ids.iter().enumerate() {
+            let id = id as usize;
+            assert_eq!(own.positions[row], expected.positions[id], "{id}");
+            assert_eq!(own.velocities[row], expected.velocities[id], "{id}");
+        }
+        found += ids.len();
+    }
+    assert_eq!(found, all.len());
+    parts.into_iter().map(|(_, ghosts)| ghosts).collect()
+}
+
+#[test]
+fn ranks_have_the_bits_of_one_process() {
+    for size in [1, 2, 5] {
+        check(&gas(300), WorldSettings::default(), size, 40);
+    }
+    let container = Container::Torus { size: [45.0, 45.0] };
+    check(&gas(300), WorldSettings { container, ..WorldSettings::default() }, 3, 40);
+}
+
+#[test]
+fn a_particle_far_away_does_not_bring_all_others_to_each_rank() {
+    for far in [2e4, 1e9, 1e17] {
+        let mut all = gas(4000);
+        all.positions[17] = [far, -1.5 * far];
+        let ghosts = check(&all, WorldSettings::default(), 4, 3);
+        assert!(ghosts.iter().all(|&ghosts| ghosts < 1500), "{far}: {ghosts:?}");
+    }
+}
+
+#[test]
+fn impacts_at_the_same_time_do_not_depend_on_ranks_and_far_particles() {
+    // Discs in contact, in a lattice that is hit at one side.
+    let mut all = gas(900);
+    all.positions.iter_mut().for_each(|at| *at = at.map(|v| v * 0.8));
+    all.velocities.fill([0.0; 2]);
+    all.velocities[..30].fill([0.0, 9.0]);
+    check(&all, WorldSettings::default(), 4, 20);
+    all.positions[899] = [1e10, 1e10];
+    check(&all, WorldSettings::default(), 4, 20);
+}
+
+#[test]
+fn a_rank_that_panics_tells_the_others() {
+    let results = on_ranks(&gas(300), WorldSettings::default(), ranks(3), |rank, mut world| {
+        let mut stop = |stage: Stage| assert!(rank != 1 || stage != Stage::Pairs, "a defect");
+        let step = || world.step_watched(1.0 / 60.0, 1, &mut stop);
+        let result = catch_unwind(AssertUnwindSafe(step));
+        result.map_err(|panic| panic.downcast_ref::<&str>().copied() == Some("a defect"))
+    });
+    for (rank, result) in results.iter().enumerate() {
+        match result {
+            Err(is_defect) => assert!(rank == 1 && *is_defect),
+            Ok(done) => assert_eq!(*done, Err(Error::OtherRank { rank: 1 }), "{rank}"),
+        }
+    }
+}
+
+#[test]
+fn ranks_that_do_not_agree_stop_when_each_has_all_particles() {
+    let mut communicators = ranks(2);
+    communicators[0].tampers = true;
+    let results = on_ranks(&gas(300), WorldSettings::default(), communicators, |_, mut world| {
+        let done = world.step(1.0 / 60.0, 1);
+        (done, world.own_particles().unwrap().repeats)
+    });
+    for (done, repeats) in results {
+        let message = done.unwrap_err().to_string();
+        assert!(message.contains("the ranks do not agree"), "{message}");
+        assert!(repeats < 8, "{repeats}");
+    }
+}
+
+#[test]
+fn errors_name_the_ids_among_all_particles() {
+    let mut all = gas(300);
+    all.velocities[271] = [1e18, 0.0];
+    let results = on_ranks(&all, WorldSettings::default(), ranks(3), |_, mut world| {
+        world.step(100.0, 1).unwrap_err()
+    });
+    for (rank, error) in results.iter().enumerate() {
+        if rank == 271 % 3 {
+            assert!(error.to_string().contains("particle 271 would move"), "{error}");
+        } else {
+            assert_eq!(*error, Error::OtherRank { rank: 271 % 3 });
+        }
+    }
+}

@@ -1,0 +1,268 @@
+"""The run over ranks: steps, a video, checkpoints, and one progress bar."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pygame
+from mpi4py import MPI
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import jostle.mpi
+from jostle import interrupt
+from jostle.app.draw.camera import Size
+from jostle.app.draw.text import SMALL, TITLE, plural, scientific
+from jostle.app.headless import DEFAULT_SECONDS, EDGE, FRAME_RATE, SPACE, Row, sheet_of
+from jostle.app.ranks.composite import Composite
+from jostle.app.ranks.report import report
+from jostle.app.ranks.stages import StageTimes
+from jostle.app.simulate.settings import Settings
+from jostle.app.simulate.world_simulation import TIME_STEP, WORLD_SETTINGS
+from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.paths import free_name
+from jostle.mpi.exchange import together
+from jostle.mpi.interrupts import held
+
+PATIENCE = 20.0  # seconds from the error of one rank until all have ended
+DEFAULT_STEPS = round(DEFAULT_SECONDS / TIME_STEP)
+
+#: Settings that a run over ranks has not, and their values in runs without them.
+_WITHOUT = {
+    "world_size": 1.0, "container": None, "particles": (), "friction": None, "walls": (),
+    "wall_friction": None, "matrix": None,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to run."""
+
+    settings: Settings
+    steps: int  # from the beginning of the scene, those of an earlier run included
+    out: Path
+    checkpoint: int | None  # steps between checkpoints
+    resume: Path | None  # the checkpoint to continue
+    size: Size
+
+
+class Stopped(Exception):
+    """Ctrl-C was pressed; the message says what there is."""
+
+
+def refusal(settings: Settings) -> str | None:
+    """Return why a run over ranks cannot have the settings, or None."""
+    if settings.by_article:
+        return "method is the article's, which runs on one rank only"
+    for name, usual in _WITHOUT.items():
+        if getattr(settings, name) != usual:
+            return f"{name} is set, which a run on several ranks does not support"
+    return None
+
+
+def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
+    """Run a scene on all ranks; the first writes the video and prints.
+
+    Raises `Stopped` on all ranks after Ctrl-C, and `RankError` on those that did not fail
+    themselves.
+    """
+    # All ranks handle signals at the same place, so that none waits for another.
+    with interrupt.raised(), held() as run_handlers:
+        world = _world(comm, plan)
+        files = _Files(plan.out, _name_of(comm, plan, world), plan.settings.scene)
+        film = _Film(comm, plan, world, files)
+        try:
+            with film:
+                film.steps(world, console, run_handlers)
+        except BaseException as error:
+            if isinstance(error, KeyboardInterrupt) or "KeyboardInterrupt" in str(error):
+                raise Stopped(files.remains(film.saved)) from None
+            raise
+        table = report(comm, film.title, world, film.times, film.seconds)
+    if comm.rank == 0:
+        _print(console, table, files, film.saved)
+
+
+def leave_together(comm: MPI.Intracomm) -> None:
+    """Wait until all ranks end, so that the launcher ends none of them before it has printed.
+
+    Ranks that wait for another one in a call are ended.
+    """
+    request, limit = comm.Ibarrier(), time.monotonic() + PATIENCE
+    while not request.Test():
+        if time.monotonic() > limit:
+            comm.Abort(1)
+        time.sleep(0.01)
+
+
+def _steps_of(world: jostle.mpi.World) -> int:
+    """Return the number of steps that a world has made."""
+    return round(world.time / TIME_STEP)
+
+
+def _name_of(comm: MPI.Intracomm, plan: Plan, world: jostle.mpi.World) -> str:
+    """Return the name of the video and the picture; refuse a run that is complete."""
+    name = ""
+    with together(comm):
+        done = _steps_of(world)
+        if done >= plan.steps:
+            raise ValueError(f"steps is {plan.steps}, and {plan.resume} has {done} already")
+        if comm.rank == 0:
+            plan.out.mkdir(parents=True, exist_ok=True)
+            name = free_name(plan.out, plan.settings.scene, ".mp4", ".png")
+    return str(comm.bcast(name))
+
+
+def _world(comm: MPI.Intracomm, plan: Plan) -> jostle.mpi.World:
+    settings = plan.settings
+    if plan.resume is not None:
+        return jostle.mpi.World.load(comm, plan.resume, threads=settings.threads or 1)
+    given: dict[str, Any] = {
+        name: value
+        for name in (*WORLD_SETTINGS, "container_restitution")
+        if name != "threads" and (value := getattr(settings, name)) is not None
+    }
+    # Islands of a distributed world do not fall asleep.
+    given.setdefault("sleeping", False)
+    return jostle.mpi.create_scene(
+        comm, settings.scene, settings.n, settings.seed, threads=settings.threads or 1, **given
+    )
+
+
+@dataclass(frozen=True)
+class _Files:
+    """The files of a run."""
+
+    out: Path
+    name: str
+    scene: str
+
+    @property
+    def video(self) -> Path:
+        return self.out / f"{self.name}.mp4"
+
+    @property
+    def still(self) -> Path:
+        return self.out / f"{self.name}.png"
+
+    @property
+    def checkpoint(self) -> Path:
+        return self.out / f"{self.scene}.checkpoint"
+
+    def remains(self, saved: int | None) -> str:
+        """Return what there is after the run has stopped, with a checkpoint of so many steps."""
+        if saved is None:
+            return f"Stopped. The video so far, if any, is in {self.out}."
+        return f"Stopped. {self.checkpoint} has the state after {plural(saved, 'step')}."
+
+
+def _print(console: Console, table: Table, files: _Files, saved: int | None) -> None:
+    console.print(table)
+    lines = [f"video       {files.video}", f"picture     {files.still}"]
+    if saved is not None:
+        lines.append(f"checkpoint  {files.checkpoint}, after {plural(saved, 'step')}")
+    console.print("\n".join(lines), highlight=False, soft_wrap=True)
+
+
+class _Film:
+    """The video of a run; only rank 0 has an encoder and a progress bar."""
+
+    def __init__(
+        self, comm: MPI.Intracomm, plan: Plan, world: jostle.mpi.World, files: _Files
+    ) -> None:
+        self._comm, self._plan, self._files = comm, plan, files
+        view = jostle.scenes.view(plan.settings.scene, plan.settings.n or world.total)
+        self._composite = Composite(comm, plan.size, view, left=SPACE)
+        self._stack = contextlib.ExitStack()
+        self._recorder: Encoder | None = None
+        self.times = StageTimes(world)
+        self.title = f"{plan.settings.scene}, {plural(comm.size, 'rank')}"
+        #: Seconds in steps, and the steps that the last checkpoint has.
+        self.seconds = 0.0
+        self.saved: int | None = None
+
+    def __enter__(self) -> _Film:
+        with together(self._comm):
+            if self._comm.rank == 0:
+                encoder = Encoder(self._files.video, self._plan.size, FRAME_RATE)
+                self._recorder = self._stack.enter_context(encoder)
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
+
+    def steps(
+        self, world: jostle.mpi.World, console: Console, run_handlers: Callable[[], None]
+    ) -> None:
+        """Make all steps after those that are done."""
+        plan, done = self._plan, _steps_of(world)
+        stride = max(round(1 / FRAME_RATE / TIME_STEP), 1)
+        with self._progress(console, done) as advance:
+            for step in range(done, plan.steps + 1):
+                if step > done:
+                    start = time.perf_counter()
+                    world.step(TIME_STEP)
+                    spent = time.perf_counter() - start
+                    self.seconds += spent
+                    self.times.add(spent)
+                    advance()
+                if step % stride == 0 or step == plan.steps:
+                    self._draw(world, step, records=step % stride == 0)
+                if plan.checkpoint and step > done and step % plan.checkpoint == 0:
+                    world.save(self._files.checkpoint)
+                    self.saved = step
+                with together(self._comm):
+                    run_handlers()
+
+    @contextlib.contextmanager
+    def _progress(self, console: Console, done: int) -> Iterator[Any]:
+        if self._comm.rank > 0:
+            yield lambda: None
+            return
+        count = TextColumn("{task.completed:,}/{task.total:,} steps")
+        columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+        with Progress(*columns, console=console) as progress:
+            task = progress.add_task(
+                f"recording {self._files.name}", total=self._plan.steps, completed=done
+            )
+            yield lambda: progress.advance(task)
+
+    def _draw(self, world: jostle.mpi.World, step: int, records: bool) -> None:
+        self._composite.draw(world)
+        rows = self._rows(world)
+        with together(self._comm):
+            if self._recorder is not None:
+                painter = self._composite.painter
+                painter.sheet(sheet_of(rows), (EDGE, EDGE))
+                if records:
+                    self._recorder.draw(painter.canvas())
+                if step == self._plan.steps:
+                    pygame.image.save(painter.canvas(), self._files.still)
+
+    def _rows(self, world: jostle.mpi.World) -> list[Row | None]:
+        """Return the lines of the panel of numbers."""
+        spans = self.times.of_ranks(self._comm)
+        energy = world.kinetic_energy
+        longest = max((span.mean for span in spans.values()), default=0.0) or 1.0
+        rate = self.times.steps / self.seconds if self.seconds else None
+        return [
+            Row(self._plan.settings.scene, size=TITLE),
+            Row(f"{world.total:,} particles · {plural(self._comm.size, 'rank')}"),
+            None,
+            Row("steps/s", "–" if rate is None else f"{rate:,.1f}"),
+            None,
+            Row("mean of ranks", "ms per step", SMALL),
+            *(
+                Row(name.split(",")[0], f"{span.mean:.2f}", bar=span.mean / longest)
+                for name, span in spans.items()
+            ),
+            None,
+            Row("time", f"{world.time:.2f} s"),
+            Row("kinetic energy", scientific(energy)),
+        ]
