@@ -61,7 +61,7 @@ impl<T: Scalar> Obstacle<T> {
         let (own, others) = (self.solid.numbers(), other.solid.numbers());
         let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
         let by_value = by_value.fold(Ordering::Equal, Ordering::then);
-        by_value.then((self.turns, self.slot).cmp(&(other.turns, other.slot)))
+        by_value.then((self.turns, self.index).cmp(&(other.turns, other.index)))
     }
 }
 

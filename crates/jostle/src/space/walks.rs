@@ -261,7 +261,7 @@ impl<T: Scalar> Call<'_, T> {
                         // What stands on it is carried with it, and does not stop it.
                         if other != index && !self.stands_on(rows[other], row as u32) {
                             let slot = self.walkers[rows[other] as usize];
-                            near.push(Obstacle { solid: Solid::Shape(*body), turns, slot });
+                            near.push(Obstacle { solid: Solid::Shape(*body), turns, index: slot });
                         }
                     });
                 }
@@ -331,18 +331,18 @@ impl<T: Scalar> Call<'_, T> {
                     && self.rides.rows[slot as usize] == NONE
                 {
                     let solid = Solid::Shape(tree.columns().shape(place));
-                    near.push(Obstacle { solid, turns, slot });
+                    near.push(Obstacle { solid, turns, index: slot });
                 }
             });
         }
         for &slot in self.fresh {
             let shape = self.slots.shape(slot);
             if meets(bounds, &shape) {
-                near.push(Obstacle { solid: Solid::Shape(shape), turns, slot });
+                near.push(Obstacle { solid: Solid::Shape(shape), turns, index: slot });
             }
         }
         self.walls.each_near(bounds, stack, |index, ends| {
-            near.push(Obstacle { solid: Solid::Segment(ends), turns, slot: WALL | index });
+            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | index });
         });
     }
 }
