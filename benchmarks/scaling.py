@@ -102,13 +102,16 @@ def predicted(all_ranks: list[Measured], size: int) -> float:
     return slowest + calls + rank.messages * LATENCY + rank.size / BANDWIDTH
 
 
-def print_predictions(found: list[Measured], size: int) -> None:
-    """Print weak and strong scaling, from the work and the ghosts of the ranks of one run."""
-    own, ghosts, seconds = (
-        float(np.mean([getattr(rank, name) for rank in found]))
-        for name in ("own", "ghosts", "seconds")
+def print_predictions(first: list[Measured], found: list[Measured], size: int) -> None:
+    """Print weak and strong scaling, from the work in the first run and the messages in the last.
+
+    With many ranks the threads disturb each other, so their work is not that of real ranks.
+    """
+    own, ghosts = (
+        float(np.mean([getattr(rank, name) for rank in found])) for name in ("own", "ghosts")
     )
-    work, along = seconds / (own + ghosts), ghosts / math.sqrt(own)
+    work = sum(rank.seconds for rank in first) / sum(rank.own + rank.ghosts for rank in first)
+    along = ghosts / math.sqrt(own)
     calls, messages = found[0].calls, float(np.mean([rank.messages for rank in found]))
     a_ghost = float(np.mean([rank.size for rank in found])) / max(ghosts, 1.0)
     print(
@@ -153,12 +156,12 @@ def main() -> None:
         "ranks      own   ghosts largest/mean calls messages  KiB  repeats  CPU ms  "
         "predicted ms  efficiency"
     )
-    alone = None
+    alone, first = None, []
     for size in options.ranks:
         found = Ranks(size).run(lambda comm: measure(comm, options))
         own = np.array([rank.own for rank in found])
         seconds = predicted(found, size)
-        alone = alone or seconds * size
+        alone, first = alone or seconds * size, first or found
         print(
             f"{size:5} {own.mean():8.0f} {np.mean([r.ghosts for r in found]):8.0f} "
             f"{own.max() / own.mean():6.3f} {found[0].calls:6.1f} "
@@ -169,7 +172,7 @@ def main() -> None:
             flush=True,
         )
     if found[0].ghosts:
-        print_predictions(found, options.ranks[-1])
+        print_predictions(first, found, options.ranks[-1])
 
 
 if __name__ == "__main__":

@@ -523,7 +523,7 @@ def test_events() -> None:
         ("gas", gas(400, cover=0.6, **options), 3),
         ("sensors", gas(400, **still, **options), 4),
         ("ignore", gas(400, on_touch="ignore", **options), 2),
-        ("rest", gas(60, track_events=True, **REST), 5),
+        ("rest", gas(40, track_events=True, **REST), 1),
     ):
         ours = scattered(world, unevenly)
         ours._core._rebalance_every(3)

@@ -51,9 +51,9 @@ def duplicate_of(comm: MPI.Intracomm) -> MPI.Intracomm:
     Its messages do not mix with those of the caller. It is freed when the communicator is freed, a
     call of all ranks; worlds are freed at a different time on each rank.
     """
-    duplicate: MPI.Intracomm | None = comm.Get_attr(_DUPLICATE)
-    if duplicate is None:
-        duplicate = comm.Dup()
+    known: Any = comm.Get_attr(_DUPLICATE)
+    duplicate: MPI.Intracomm = comm.Dup() if known is None else known
+    if known is None:
         comm.Set_attr(_DUPLICATE, duplicate)
     return duplicate
 

@@ -71,7 +71,8 @@ def collective(
     ) -> Result:
         with held() as run:
             result = call(subject, *arguments, **named)
-            with together(getattr(subject, "_comm", subject)):
+            comm: Any = getattr(subject, "_comm", subject)
+            with together(comm):
                 run()
         return result
 
