@@ -18,7 +18,7 @@ const ITERATIONS: usize = 10;
 
 /// Further iterations after each but the last, over the contacts of particles that have contacts of
 /// uneven masses. With the ratio q of masses, the number that is needed grows with √q.
-const UNEVEN_ITERATIONS: usize = 3;
+const UNEVEN_ITERATIONS: usize = 6;
 
 /// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
