@@ -202,6 +202,23 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     assert np.hypot(*world.velocities.T).max() < 3 * 980 / 60
 
 
+@pytest.mark.parametrize("width", [9.048052168165501, 9.03675981536937])
+def test_a_light_disc_between_a_wall_and_a_heavy_disc_comes_to_rest(width: float) -> None:
+    """It gains no energy from impacts at the beginning of sub-steps."""
+    world = jostle.World(
+        [(4.02, 4.5), (width - 1, 1.2)],
+        np.zeros((2, 2)),
+        radii=[4, 1],
+        masses=[64, 1],
+        gravity=(0, -160),
+        restitution=0.97,
+        substeps=1,
+        container=jostle.Box(0, 0, width, 100),
+    )
+    world.step(1 / 60, steps=3000)
+    assert rms_speed(world) < 0.01 * 160 / 60
+
+
 def test_no_disc_hangs_in_random_scenes() -> None:
     """`make search` looks at more of them."""
     for seed in range(24):

@@ -758,3 +758,38 @@ fn points_rest_and_bounce_on_a_floor_in_bounded_work() {
         }
     }
 }
+
+/// Two discs that touch and collide as a sub-step begins, far from all else. Where contacts may rest,
+/// too, each then falls along its parabola.
+#[test]
+fn discs_that_collide_as_a_sub_step_begins_fall_along_their_parabolas() {
+    let (dt, gravity) = (0.1, -10.0);
+    for drag in [0.0, 2.0] {
+        let [positions, velocities] = [[[0.0, 50.0], [0.0, 48.0]], [[3.0, -8.0], [0.0, 0.0]]];
+        let discs = Particles::new(positions.to_vec(), velocities.to_vec(), vec![1.0; 2], 1.0);
+        let mut world = world(
+            discs,
+            WorldSettings {
+                container: Container::Box { min: [-100.0, 0.0], max: [100.0, 100.0] },
+                gravity: [0.0, gravity as f32],
+                drag: drag as f32,
+                restitution: 0.5,
+                substeps: Some(1),
+                ..Default::default()
+            },
+        );
+        run(&mut world, dt, 1);
+        // Of the speed 8 along the normal 3/4 go over to the lower disc.
+        for (place, [u, v]) in [[3.0, -2.0], [0.0, -6.0]].into_iter().enumerate() {
+            let time = if drag == 0.0 { dt } else { (1.0 - (-drag * dt).exp()) / drag };
+            let fall = if drag == 0.0 { 0.5 * dt * dt } else { (dt - time) / drag };
+            let [x, y] = world.positions()[place].map(f64::from);
+            let from = positions[place].map(f64::from);
+            assert!((x - from[0] - u * time).abs() < 1e-5, "{drag}: {x}");
+            assert!((y - from[1] - v * time - gravity * fall).abs() < 1e-5, "{drag}: {y}");
+            let speed = f64::from(world.velocities()[place][1]);
+            let expected = v * (-drag * dt).exp() + gravity * time;
+            assert!((speed - expected).abs() < 1e-5, "{drag}: {speed} {expected}");
+        }
+    }
+}

@@ -96,8 +96,10 @@ fn relaxation([a, b]: [f32; 2]) -> f32 {
 #[derive(Debug, Default)]
 pub struct Resting {
     velocities: Vectors,
-    /// The velocities that the particles would have at the end of the sub-step without contacts.
-    free_velocities: Vectors,
+    /// The velocities after the impacts at the beginning of the sub-step.
+    after_impacts: Vectors,
+    /// The changes of velocity by gravity and forces in the sub-step.
+    changes: Vectors,
     /// Angular velocity times radius; empty if there is no friction.
     surface_speeds: Scalars,
     /// Positions at the beginning of the sub-step.
@@ -152,6 +154,11 @@ pub struct WallPush {
     pub wall: u32,
     /// Along the normal, and of friction.
     pub pushes: [f32; 2],
+}
+
+/// The sum of two vectors.
+fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| a[k] + b[k])
 }
 
 impl Support<'_> {
@@ -310,9 +317,9 @@ impl Resting {
         self.begin(scene, kicks);
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
-        let Self { velocities, free_velocities, surface_speeds, blocks, frictions, walls, .. } =
-            self;
-        let all = State { scene, kicks, velocities, free_velocities, surface_speeds };
+        let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
+        let all = State { scene, velocities, after_impacts, changes, surface_speeds };
+        let Self { blocks, frictions, walls, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, has_fast }.run()?;
         for walls in &*walls {
@@ -325,11 +332,11 @@ impl Resting {
         Ok(())
     }
 
-    /// Writes the velocities without contacts, and the speeds that gravity and forces give.
+    /// Writes the velocities without contacts, and the changes that gravity and forces give.
     fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
         // One more for lanes without a pair.
-        let Self { velocities, free_velocities, positions, speeds, .. } = self;
-        for vectors in [velocities, free_velocities, positions, speeds] {
+        let Self { velocities, after_impacts, changes, positions, speeds, .. } = self;
+        for vectors in [velocities, after_impacts, changes, positions, speeds] {
             vectors.resize(kicks.len() + 1);
             vectors.set(kicks.len() as u32, [0.0; 2]);
         }
@@ -339,20 +346,19 @@ impl Resting {
         parallel::for_rows(scene.threads, turning, |place| {
             surface_speeds.set(place as u32, scene.surface_speed(place));
         });
-        let Self { velocities, free_velocities, positions, speeds, .. } = self;
-        let (velocities, free_velocities) = (&*velocities, &*free_velocities);
+        let Self { velocities, changes, positions, speeds, .. } = self;
+        let (velocities, changes) = (&*velocities, &*changes);
         let (positions, speeds) = (&*positions, &*speeds);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
-                let mut velocity = scene.velocity(place);
-                velocities.set(place as u32, velocity);
+                velocities.set(place as u32, scene.velocity(place));
                 positions.set(place as u32, scene.motions.position(place as u32));
+                let mut change = [0.0; 2];
                 if scene.moving[place] {
-                    let change = [0, 1].map(|k| scene.change(kick, k));
+                    change = [0, 1].map(|k| scene.change(kick, k));
                     kick.speed = (change[0] * change[0] + change[1] * change[1]).sqrt() as f32;
-                    velocity = [0, 1].map(|k| velocity[k] + change[k] as f32);
                 }
-                free_velocities.set(place as u32, velocity);
+                changes.set(place as u32, change.map(|v| v as f32));
                 speeds.set(place as u32, [kick.speed, 0.0]);
             }
         });
@@ -423,7 +429,8 @@ impl Resting {
     }
 
     /// Gives all of its change of velocity to each particle that resting contacts support before
-    /// the flight.
+    /// the flight, which is straight. One that has impacts alone gets the change that these give, and
+    /// falls.
     fn end(&self, scene: &Support<'_>, kicks: &mut [Kick]) {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, place) in kicks.iter_mut().zip(first..) {
@@ -433,12 +440,18 @@ impl Resting {
                 if scene.has_friction {
                     self.set_spin(scene, place);
                 }
-                let new = self.velocities.get(place as u32);
-                if new == self.free_velocities.get(place as u32) {
+                let place = place as u32;
+                let (new, old) = (self.velocities.get(place), scene.motions.velocity(place));
+                let impacted = self.after_impacts.get(place);
+                let from_old = |v: [f32; 2]| [0, 1].map(|k| f64::from(v[k]) - f64::from(old[k]));
+                if new == sum(impacted, self.changes.get(place)) {
+                    if impacted != old {
+                        let by = from_old(impacted);
+                        kick.before = [0, 1].map(|k| kick.before[k] + by[k]);
+                    }
                     continue;
                 }
-                let old = scene.motions.velocity(place as u32);
-                kick.before = [0, 1].map(|k| f64::from(new[k]) - f64::from(old[k]));
+                kick.before = from_old(new);
                 kick.after = [0.0; 2];
                 kick.is_supported = true;
             }

@@ -6,10 +6,9 @@ use std::sync::Mutex;
 
 use super::pairs::{Block, Pass, Sweep};
 use super::walls::Walls;
-use super::{Support, friction};
+use super::{Support, friction, sum};
 use crate::contacts::Contacts;
 use crate::error::Result;
-use crate::flow::Kick;
 use crate::interrupt::Stop;
 use crate::motion::{Scalars, Vectors};
 use crate::parallel::{self, Member, locked};
@@ -19,7 +18,7 @@ const ITERATIONS: usize = 10;
 
 /// Further iterations after each but the last, over the contacts of particles that have contacts of
 /// uneven masses. With the ratio q of masses, the number that is needed grows with √q.
-const UNEVEN_ITERATIONS: usize = 3;
+const UNEVEN_ITERATIONS: usize = 6;
 
 /// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
@@ -42,8 +41,6 @@ enum Which {
 enum Task {
     Contacts(Pass, Which),
     Walls(Pass, Which),
-    /// The particles get the velocities that they would have without contacts.
-    Release,
     /// Gravity and forces are added to the velocities after the impacts.
     Accelerate,
 }
@@ -81,17 +78,15 @@ impl Sweeps<'_> {
         has_uneven: bool,
         mut act: impl FnMut(Task) -> Result<()>,
     ) -> Result<()> {
-        use Task::{Accelerate, Contacts, Release};
+        use Task::{Accelerate, Contacts};
         use Which::{All, Uneven};
         if has_fast {
             for _ in 0..IMPACT_ITERATIONS {
                 act(Task::Walls(Pass::Impact, All))?;
                 act(Contacts(Pass::Impact, All))?;
             }
-            act(Accelerate)?;
-        } else {
-            act(Release)?;
         }
+        act(Accelerate)?;
         let further = if has_uneven { UNEVEN_ITERATIONS } else { 0 };
         let mut iterate = |pass, which| {
             act(Contacts(pass, which))?;
@@ -110,7 +105,7 @@ impl Sweeps<'_> {
     /// Solves all contacts on this thread, in a distributed world together with other ranks.
     fn run_alone(self, has_fast: bool) -> Result<()> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
-        let State { scene, kicks, .. } = all;
+        let State { scene, .. } = all;
         let (stop, shape) = (Stop::current(), scene.shape);
         let act = |task| {
             // Other ranks would wait for a rank that is interrupted here.
@@ -136,12 +131,8 @@ impl Sweeps<'_> {
                     all.solve_walls(&mut walls[..count], pass);
                     all.refresh()
                 }
-                Task::Release => {
-                    all.release(0..kicks.len());
-                    Ok(())
-                }
                 Task::Accelerate => {
-                    all.accelerate(0..kicks.len());
+                    all.accelerate(0..scene.moving.len());
                     Ok(())
                 }
             }
@@ -153,7 +144,7 @@ impl Sweeps<'_> {
     fn run_together(self, has_fast: bool) -> Result<()> {
         let stop = Stop::current();
         let Self { all, contacts, blocks, mut frictions, walls, uneven_walls, .. } = self;
-        let State { scene, kicks, .. } = all;
+        let State { scene, .. } = all;
         let (mut parts, mut colours) = (Vec::new(), Vec::new());
         let mut rest = blocks;
         for colour in &contacts.blocks.colours {
@@ -194,12 +185,8 @@ impl Sweeps<'_> {
                 }
                 member.wait();
             }
-            Task::Release => {
-                all.release(member.share(kicks.len()));
-                member.wait();
-            }
             Task::Accelerate => {
-                all.accelerate(member.share(kicks.len()));
+                all.accelerate(member.share(scene.moving.len()));
                 member.wait();
             }
         };
@@ -241,9 +228,11 @@ impl Colour {
 #[derive(Clone, Copy)]
 pub struct State<'a> {
     pub scene: &'a Support<'a>,
-    pub kicks: &'a [Kick],
     pub velocities: &'a Vectors,
-    pub free_velocities: &'a Vectors,
+    /// The velocities after the impacts at the beginning of the sub-step.
+    pub after_impacts: &'a Vectors,
+    /// The changes of velocity by gravity and forces in the sub-step.
+    pub changes: &'a Vectors,
     /// Angular velocity times radius.
     pub surface_speeds: &'a Scalars,
 }
@@ -280,17 +269,11 @@ impl State<'_> {
         }
     }
 
-    fn release(&self, places: Range<usize>) {
-        for place in places {
-            self.velocities.set(place as u32, self.free_velocities.get(place as u32));
-        }
-    }
-
     fn accelerate(&self, places: Range<usize>) {
-        for place in places.filter(|&place| self.scene.moving[place]) {
-            let [u, v] = self.velocities.get(place as u32);
-            let [x, y] = [0, 1].map(|k| self.scene.change(&self.kicks[place], k) as f32);
-            self.velocities.set(place as u32, [u + x, v + y]);
+        for place in places {
+            let velocity = self.velocities.get(place as u32);
+            self.after_impacts.set(place as u32, velocity);
+            self.velocities.set(place as u32, sum(velocity, self.changes.get(place as u32)));
         }
     }
 }
