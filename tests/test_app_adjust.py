@@ -11,7 +11,7 @@ import jostle
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.containers import InitialRegion, bounds, moved_inside
-from jostle.app.simulate.settings import Polyline, Settings
+from jostle.app.simulate.settings import Group, Polyline, Settings
 from jostle.app.simulate.start import resume, start
 from jostle.app.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
@@ -60,6 +60,14 @@ def test_more_particles_have_the_filters_of_those_that_they_copy() -> None:
     assert simulation.adjust("n", 210) is None
     frame = simulation.frame()
     assert frame.categories.tolist() == [2] * 210 and frame.masks.tolist() == [5] * 210
+
+
+def test_more_particles_are_sensors_if_they_copy_sensors() -> None:
+    sensors = Group(200, radius=(2.0, 2.0), sensor=True)
+    simulation = start(Settings("gas", 0, particles=(sensors,)))
+    assert simulation.adjust("n", 210) is None
+    frame = simulation.frame()
+    assert len(frame) == 210 and frame.sensors is not None and (frame.sensors > 0).all()
 
 
 def test_the_last_particles_go_first() -> None:
@@ -293,4 +301,54 @@ def test_the_article_begins_anew_with_another_number() -> None:
     session.engine.step()
     session.runner.adjust("n", 60)
     assert len(session.frame) == 60 and session.frame.stats.time == 0
+    session.close()
+
+
+# ---- the rules -----------------------------------------------------------------------------------
+
+
+def switch(session: Session, *methods: str) -> WorldSimulation:
+    for method in methods:
+        session.runner.choose_method(method)
+        assert session.settings.method == method
+    assert isinstance(session.engine.simulation, WorldSimulation)
+    return session.engine.simulation
+
+
+def test_filters_and_immovable_particles_outlast_the_rules_of_the_article() -> None:
+    session = Session(gas(60), (800, 600), synchronous=True)
+    tags = session.frame.tags
+    session.interaction.commands.fix(tags[:2], movable=False)
+    for column in ("categories", "masks"):
+        session.interaction.commands.set_bit(tags[3:5], column, 6, on=column == "categories")
+    before = session.frame
+    assert before.categories is not None and before.masks is not None
+    world = switch(session, "article-quadtree", "article-brute", "quadtree").world
+    assert world.categories.tolist() == before.categories.tolist() == [1] * 3 + [65] * 2 + [1] * 55
+    assert world.masks.tolist() == before.masks.tolist()
+    assert world.movable.tolist() == [False] * 2 + [True] * 58
+    again = switch(session, "article-brute", "quadtree").world
+    assert again.masks.tolist() == before.masks.tolist()
+    session.close()
+
+
+def test_a_scene_that_begins_again_under_the_other_rules_has_its_own_filters() -> None:
+    session = Session(gas(60), (800, 600), synchronous=True)
+    session.interaction.commands.set_bit(session.frame.tags, "categories", 6, on=True)
+    session.runner.choose_method("article-quadtree")
+    session.runner.restart()
+    assert (switch(session, "quadtree").world.categories == 1).all()
+    session.close()
+
+
+def test_immovable_particles_stand_still_after_the_rules_of_the_article() -> None:
+    session = Session(start(Settings("galton", 60)), (800, 600), synchronous=True)
+    fixed = ~session.frame.movable
+    assert fixed.any()
+    session.runner.choose_method("article-quadtree")
+    for _ in range(3):
+        session.engine.step()
+    assert session.frame.velocities[fixed].any()
+    world = switch(session, "quadtree").world
+    assert (world.movable == ~fixed).all() and not world.velocities[fixed].any()
     session.close()

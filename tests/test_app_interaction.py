@@ -231,6 +231,15 @@ def test_clones_of_immovable_particles_are_immovable() -> None:
     assert driver.session.frame.movable.tolist() == [False, False]
 
 
+def test_clones_of_sensors_are_sensors() -> None:
+    # Two sensors touch: in frames they have the number 2 then.
+    places = [(100, 100), (105, 100), (400, 100), (600, 100)]
+    driver = Driver(world_of(places, sensors=[True, False, True, False]))
+    driver.session.engine.step()
+    driver.session.interaction.commands.clone(driver.session.frame.tags)
+    assert driver.world.sensors.tolist() == [True, False, True, False] * 2
+
+
 def test_what_is_removed_takes_its_attraction_with_it_and_scenes_keep_their_forces() -> None:
     spring = jostle.Springs([(1, 2)], 20.0, 100.0)
     simulation = world_of([(100, 100), (200, 100), (220, 100), (500, 300)], forces=[spring])

@@ -21,7 +21,7 @@ from jostle.app.simulate.engine import Engine, Hooks, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
-from jostle.app.simulate.simulation import FrameRequest, Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
 from jostle.app.simulate.start import start, switch_rules
 from jostle.app.simulate.validation import check
 
@@ -42,6 +42,7 @@ class Runner:
         self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
         self.race: Race | None = None  # the comparison with another method
         self.paused = False
+        self._before_switch: Frame | None = None  # the last one under the other rules
         self._begin_history(engine.simulation)
 
     # Scenes
@@ -117,6 +118,7 @@ class Runner:
     def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
         moved = new.simulation.view != self.engine.view
         self.end_race()
+        self._before_switch = None
         self._interaction.reset()
         self.statistics.remember(self._run_name())
         self.engine.request = self._first_request
@@ -189,8 +191,13 @@ class Runner:
     def _switch_rules(self, settings: Settings) -> None:
         if settings.by_article and len(self.engine.frame.walls):
             self._messages.say(f"{NO_WALLS} They are removed.")
-        create = partial(switch_rules, settings, self.engine.frame, self.engine.view)
-        self.replace(create, "Switching the rules …")
+        frame = self.engine.frame
+        create = partial(switch_rules, settings, frame, self.engine.view, self._before_switch)
+
+        def then() -> None:
+            self._before_switch = frame
+
+        self.replace(create, "Switching the rules …", then)
 
     def switch_method(self) -> None:
         """Switch between brute force and quadtree, with the same rules."""

@@ -13,6 +13,7 @@ use crate::container::{Container, size};
 use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::motion::{Motions, Vectors, exact};
+use crate::pairs::Way;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
@@ -133,8 +134,9 @@ impl Correction {
         };
         if !walls.is_empty() {
             parallel::for_rows(threads, particles.len(), |index| {
-                let is_far = walls.is_far(index as u32, move_inside(index), 0.0);
-                if is_far || !particles.movable[index] {
+                let way = Way { position: move_inside(index), displacement: [0.0; 2] };
+                let [is_near, _] = walls.may_touch(index as u32, &way, 0.0, None);
+                if !is_near || !particles.movable[index] {
                     return;
                 }
                 let by = pushed_out(walls, motions, index as u32, [0.0; 2]);

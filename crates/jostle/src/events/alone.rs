@@ -41,7 +41,8 @@ impl Simulation<'_> {
         let is_known = |other: u32, normal| {
             other == wall && touch.is_same(&impulses::Touch::of_wall(index, wall, normal))
         };
-        let is_alone = self.predict_one(time, &own, None, is_known, &mut predicted);
+        let left = flight.walls.left(wall);
+        let is_alone = self.predict_one(time, &own, None, left, is_known, &mut predicted);
         if is_alone {
             predicted.iter().for_each(|event| self.scratch.queue.push(*event));
             self.turn(number, new);

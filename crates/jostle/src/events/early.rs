@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::flight::{DEFERRED, Flight, Start, Window};
+use crate::pairs::Way;
 use crate::trajectory::Segment;
 
 /// Relative error, with a large reserve, of the squares of distances in float32.
@@ -150,21 +151,25 @@ impl Window<'_> {
         }
     }
 
-    /// False only if a disc certainly touches no wall now or in the next `span` seconds, without
-    /// events.
+    /// Whether a disc may touch a wall now, and in the next `span` seconds without events; false only if
+    /// it certainly does not. The wall `left` does not count if the disc moves away from it.
     #[inline(always)]
-    pub fn may_touch_wall(&self, index: u32, now: &Now, span: f32) -> bool {
-        let Now { position, velocity, radius, sizes, .. } = *now;
+    pub fn may_touch_wall(&self, index: u32, now: &Now, span: f32, left: Option<u32>) -> [bool; 2] {
+        let Now { position, velocity, radius, falls, sizes } = *now;
+        let is_near_side = self.may_touch_side([position, velocity], radius, span);
         let walls = &self.flight.walls;
-        if !walls.is_empty() {
-            let pull = if now.falls { length(self.flight.gravity.map(|g| g as f32)) } else { 0.0 };
-            let far = (length(velocity) + 0.5 * pull * span) * span;
-            let extent = far * (1.0 + MARGIN) + ROUNDING * (sizes + radius);
-            if !walls.is_far(index, position, extent) {
-                return true;
-            }
+        if walls.is_empty() {
+            return [is_near_side; 2];
         }
-        self.may_touch_side([position, velocity], radius, span)
+        let fall = if falls { self.flight.gravity.map(|g| g as f32 * span) } else { [0.0; 2] };
+        let displacement = [0, 1].map(|k| (velocity[k] + 0.5 * fall[k]) * span);
+        let way = Way { position, displacement };
+        // A parabola leaves its chord by at most g t² / 8.
+        let error = 0.125 * length(fall) * span
+            + MARGIN * (length(velocity) + length(fall)) * span
+            + ROUNDING * (sizes + radius);
+        let left = left.filter(|_| !falls);
+        walls.may_touch(index, &way, error, left).map(|may| may | is_near_side)
     }
 
     /// Lists the discs of a range that may hit a wall along their first segments, and some others.
@@ -190,7 +195,14 @@ impl Window<'_> {
             near[count] = index;
             count += usize::from(is_near_side | is_near_wall);
         }
-        &near[..count]
+        near.truncate(count);
+        if has_walls {
+            near.retain(|&index| {
+                let now = self.starts[index as usize].now();
+                self.may_touch_wall(index, &now, end, None)[1]
+            });
+        }
+        near
     }
 
     #[inline(always)]

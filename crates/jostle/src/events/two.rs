@@ -106,7 +106,7 @@ impl Simulation<'_> {
         let mut are_alone = true;
         for k in [0, 1] {
             let partner = Some(partners[k]);
-            are_alone &= self.predict_one(time, &both[k], partner, is_known, &mut predicted);
+            are_alone &= self.predict_one(time, &both[k], partner, None, is_known, &mut predicted);
         }
         if are_alone {
             predicted.iter().for_each(|event| self.scratch.queue.push(*event));
@@ -116,13 +116,15 @@ impl Simulation<'_> {
     }
 
     /// Appends the next impacts of a disc that gets a new segment at `time`. Returns whether it touches
-    /// nothing then, apart from its partner and from walls, with their normals, that are known.
+    /// nothing then, apart from its partner and from walls, with their normals, that are known. `left` is
+    /// a wall of those that are known.
     #[inline(always)]
     pub(super) fn predict_one(
         &mut self,
         time: f64,
         own: &Turned<'_>,
         partner: Option<Partner<'_>>,
+        left: Option<u32>,
         is_known: impl Fn(u32, Vector) -> bool,
         predicted: &mut Vec<Event>,
     ) -> bool {
@@ -131,11 +133,14 @@ impl Simulation<'_> {
         let span = (window.end - time) as f32;
         let own_now = Now::of(new, window.radius(index));
         let mut is_alone = true;
-        if window.may_touch_wall(index, &own_now, span) {
+        let [touches, hits] = window.may_touch_wall(index, &own_now, span, left);
+        if touches {
             let contacts = &mut self.scratch.contacts;
             window.each_touched_wall(index, now, contacts, |wall, normal| {
                 is_alone &= is_known(wall, normal);
             });
+        }
+        if hits {
             predicted.extend(window.wall_event(index, new, count));
         }
         neighbors.of(index, |neighbor| {

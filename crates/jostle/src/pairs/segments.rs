@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::geometry::Bounds;
 use crate::parallel;
 use crate::quadtree::{Node, Quadtree};
-use crate::simd::{LANES, Number, Simd, Work, block, first_lanes};
+use crate::simd::{LANES, Number, Simd, Work, block, first_lanes, for_each_lane};
 
 /// Approximate number of values read for a node.
 const NODE_WORK: usize = 8;
@@ -19,16 +19,16 @@ const NODE_WORK: usize = 8;
 /// Relative size of the rounding in the computation of a distance, with a reserve.
 const ROUNDING: f64 = 4e-6;
 
-/// A line segment in float32, with margins, so that no circle that is near it is left out.
-#[derive(Clone, Copy, Debug)]
+/// Sine of the angle between a segment and a way that certainly leads away from it.
+const LEAVING: f32 = 1e-3;
+
+/// A line segment in float32, with a margin, so that no circle that is near it is left out.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LineSegment {
     start: [f32; 2],
     /// Unit vector towards the other end.
     along: [f32; 2],
     length: f32,
-    /// The corners of its bounding box.
-    min: [f32; 2],
-    max: [f32; 2],
     /// Smaller radii of circles count as this.
     least_radius: f32,
     /// Distance from a circle up to which it is near.
@@ -46,21 +46,9 @@ impl LineSegment {
             start: a.map(|v| v as f32),
             along: offset.map(|v| (v / length) as f32),
             length: length as f32,
-            min: [0, 1].map(|k| a[k].min(b[k]) as f32),
-            max: [0, 1].map(|k| a[k].max(b[k]) as f32),
             least_radius: least_radius as f32,
             margin: (margin + ROUNDING * (size + least_radius)) as f32,
         }
-    }
-
-    /// Whether circles with these bounds may be near.
-    #[inline(always)]
-    fn may_reach(&self, bounds: &Bounds<f32>) -> bool {
-        let reach = self.reach(bounds.radius);
-        let is_apart = |k: usize| {
-            (self.min[k] - bounds.max[k] > reach) | (bounds.min[k] - self.max[k] > reach)
-        };
-        !(is_apart(0) | is_apart(1))
     }
 
     /// The distance at which a circle is near.
@@ -68,13 +56,115 @@ impl LineSegment {
     fn reach(&self, radius: f32) -> f32 {
         radius.max(self.least_radius) * (1.0 + ROUNDING as f32) + self.margin
     }
+
+    /// Distance of a point from the line, negative on the right-hand side, and its place along it.
+    #[inline(always)]
+    fn seen(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [ux, uy] = self.along;
+        [y * ux - x * uy, x * ux + y * uy]
+    }
+
+    /// Whether a circle may be near somewhere on a way; `extent` is added to its radius. False only
+    /// if it certainly is not.
+    #[inline(always)]
+    pub fn may_touch(&self, way: &Way, radius: f32, extent: f32) -> bool {
+        let [across, along] = self.seen([0, 1].map(|k| way.position[k] - self.start[k]));
+        let [aside, ahead] = self.seen(way.displacement);
+        let reach = self.reach(radius) + extent;
+        let is_beside =
+            (across.min(across + aside) > reach) | (across.max(across + aside) < -reach);
+        let is_before = along.max(along + ahead) < -reach;
+        let is_behind = along.min(along + ahead) > self.length + reach;
+        !(is_beside | is_before | is_behind)
+    }
+
+    /// Whether a way certainly begins beside the segment and leads away from it.
+    #[inline(always)]
+    pub fn is_left(&self, way: &Way, extent: f32) -> bool {
+        let [across, along] = self.seen([0, 1].map(|k| way.position[k] - self.start[k]));
+        let [aside, _] = self.seen(way.displacement);
+        let [x, y] = way.displacement;
+        let margin = self.margin + extent;
+        let is_beside = (along > margin) & (along < self.length - margin) & (across.abs() > margin);
+        is_beside & (across * aside > LEAVING * across.abs() * (x.abs() + y.abs()))
+    }
 }
 
-/// The places of line segments and of circles that are near them, and of a few others. `tree` has the
-/// bounds of the segments, in the order of `segments`.
+/// A straight way of the centre of a disc, in float32.
+#[derive(Clone, Copy, Debug)]
+pub struct Way {
+    /// Where it begins.
+    pub position: [f32; 2],
+    /// From its beginning to its end.
+    pub displacement: [f32; 2],
+}
+
+/// Line segments in the order of a tree.
+#[derive(Clone, Debug, Default)]
+pub struct LineSegments {
+    all: Vec<LineSegment>,
+    /// Their middles, unit vectors, half lengths, least radii and margins, with spare rows.
+    columns: [Vec<f32>; 7],
+}
+
+impl LineSegments {
+    /// Replaces all segments.
+    pub fn fill(&mut self, all: impl Iterator<Item = LineSegment>) {
+        self.all.clear();
+        self.all.extend(all);
+        self.columns.iter_mut().for_each(Vec::clear);
+        for of in &self.all {
+            let LineSegment { start: [x, y], along: [u, v], length, least_radius, margin } = *of;
+            let half = 0.5 * length;
+            let numbers = [x + half * u, y + half * v, u, v, half, least_radius, margin];
+            self.columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
+        }
+        self.columns.iter_mut().for_each(|column| column.resize(self.all.len() + LANES, 0.0));
+    }
+
+    /// The segment at a place.
+    #[inline(always)]
+    pub fn at(&self, place: u32) -> LineSegment {
+        self.all[place as usize]
+    }
+
+    /// Which of sixteen segments from `start` on may be nearer than a distance to circles with these
+    /// bounds, by their extents along both axes and across each segment (separating axes).
+    #[inline(always)]
+    fn reaching<S: Simd<f32>>(
+        &self,
+        simd: S,
+        start: usize,
+        bounds: &Bounds<f32>,
+        distance: f32,
+    ) -> u32 {
+        let [x, y, u, v, length, least, margin] =
+            [0, 1, 2, 3, 4, 5, 6].map(|k| simd.load(block(&self.columns[k], start)));
+        let [zero, scale, distance, radius] =
+            [0.0, 1.0 + ROUNDING as f32, distance, bounds.radius].map(|of| simd.splat(of));
+        let absolute = |of| simd.max(of, simd.sub(zero, of));
+        let half = |k: usize| {
+            let half = simd.splat(0.5 * (bounds.max[k] - bounds.min[k]));
+            simd.mul(half, scale)
+        };
+        let middle = |k: usize| simd.splat(0.5 * (bounds.max[k] + bounds.min[k]));
+        let ([wide, high], [p, q]) = ([half(0), half(1)], [middle(0), middle(1)]);
+        let [x, y] = [simd.sub(p, x), simd.sub(q, y)];
+        let across = absolute(simd.sub(simd.mul(y, u), simd.mul(x, v)));
+        let [x, y, u, v] = [x, y, u, v].map(absolute);
+        let reach = simd.add(simd.mul(simd.max(radius, least), scale), simd.add(margin, distance));
+        let far_x = simd.add(simd.add(wide, simd.mul(u, length)), reach);
+        let far_y = simd.add(simd.add(high, simd.mul(v, length)), reach);
+        let aside = simd.add(simd.add(simd.mul(v, wide), simd.mul(u, high)), reach);
+        simd.at_most(x, far_x) & simd.at_most(y, far_y) & simd.at_most(across, aside)
+    }
+}
+
+/// The places of line segments and of circles that are nearer to them than a distance, and of a few
+/// others. `tree` has the bounds of the segments, in the same order.
 pub fn near_segments(
     tree: &Quadtree<f32>,
-    segments: &[LineSegment],
+    (segments, distance): (&LineSegments, f32),
     circles: &Quadtree<f32>,
     max_pairs: usize,
     scratch: &mut JoinScratch,
@@ -89,7 +179,8 @@ pub fn near_segments(
         let leaf = tasks[task][0] as usize;
         let mut stack = std::mem::take(output.stack());
         stack.push([leaf as u32, 0]);
-        f32::with_widest(Leaf { tree, segments, circles, leaf, stack: &mut stack, output });
+        let stack_of = &mut stack;
+        f32::with_widest(Leaf { tree, segments, distance, circles, leaf, stack: stack_of, output });
         stack.clear();
         *output.stack() = stack;
     })
@@ -98,7 +189,8 @@ pub fn near_segments(
 /// The search for the circles near the segments of a leaf.
 struct Leaf<'a, 'b> {
     tree: &'a Quadtree<f32>,
-    segments: &'a [LineSegment],
+    segments: &'a LineSegments,
+    distance: f32,
     circles: &'a Quadtree<f32>,
     leaf: usize,
     stack: &'a mut Vec<[u32; 2]>,
@@ -110,14 +202,15 @@ impl Work<f32> for Leaf<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
-        let Self { tree, segments, circles, leaf, stack, output } = self;
+        let Self { tree, segments, distance, circles, leaf, stack, output } = self;
         let (own, places) = (&tree.bounds()[leaf], tree.nodes()[leaf].range());
         while let Some([_, index]) = stack.pop() {
             if output.is_over(NODE_WORK) {
                 return;
             }
             let bounds = &circles.bounds()[index as usize];
-            if !own.overlaps_unfiltered(bounds, [0.0; 2], f32::NEG_INFINITY) {
+            let gaps = [0, 1].map(|k| (own.min[k] - bounds.max[k]).max(bounds.min[k] - own.max[k]));
+            if gaps[0].max(gaps[1]) > own.radius + bounds.radius + distance {
                 continue;
             }
             let node = &circles.nodes()[index as usize];
@@ -125,10 +218,13 @@ impl Work<f32> for Leaf<'_, '_> {
                 stack.extend(node.children().map(|child| [0, child as u32]));
                 continue;
             }
-            for place in places.clone() {
-                if segments[place].may_reach(bounds) {
-                    test(simd, &segments[place], place as u32, circles, node.range(), output);
-                }
+            for start in places.clone().step_by(LANES) {
+                let bits = segments.reaching(simd, start, bounds, distance);
+                for_each_lane(bits & first_lanes(places.end - start), |lane| {
+                    let place = (start + lane) as u32;
+                    let of = (&segments.at(place), distance);
+                    test(simd, of, place, circles, node.range(), output);
+                });
             }
         }
     }
@@ -138,7 +234,7 @@ impl Work<f32> for Leaf<'_, '_> {
 #[inline(always)]
 fn test<S: Simd<f32>>(
     simd: S,
-    segment: &LineSegment,
+    (segment, distance): (&LineSegment, f32),
     place: u32,
     circles: &Quadtree<f32>,
     range: Range<usize>,
@@ -148,7 +244,7 @@ fn test<S: Simd<f32>>(
     let ([px, py], [ux, uy]) = (segment.start, segment.along);
     let [px, py, ux, uy] = [px, py, ux, uy].map(|v| simd.splat(v));
     let (zero, length) = (simd.splat(0.0), simd.splat(segment.length));
-    let (least, margin) = (simd.splat(segment.least_radius), simd.splat(segment.margin));
+    let (least, margin) = (simd.splat(segment.least_radius), simd.splat(segment.margin + distance));
     let scale = simd.splat(1.0 + ROUNDING as f32);
     for start in range.clone().step_by(LANES) {
         let x = simd.sub(simd.load(block(&columns.x, start)), px);
@@ -168,5 +264,78 @@ fn test<S: Simd<f32>>(
         let to = room.first_chunk_mut().expect("there is room");
         simd.pair_with_places(place, start as u32, bits, to);
         output.accept(bits.count_ones() as usize);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A vector of any direction and of a length between powers of ten.
+    fn vector(exponents: std::ops::Range<f64>) -> impl Strategy<Value = [f64; 2]> {
+        (0.0..std::f64::consts::TAU, exponents).prop_map(|(angle, exponent)| {
+            [angle.cos(), angle.sin()].map(|v| v * 10f64.powf(exponent))
+        })
+    }
+
+    fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+        a[0] * b[0] + a[1] * b[1]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        /// A disc is led to a place at which its distance from a point of a segment is a share of its
+        /// radius: near and far from the origin, short and long segments and ways, and points.
+        #[test]
+        fn a_disc_that_touches_is_never_left_out(
+            place in vector(-2.0..6.0),
+            line in vector(-2.0..3.0),
+            drift in prop_oneof![vector(-3.0..5.0), Just([0.0; 2])],
+            radius in prop_oneof![Just(0.0f32), Just(1.0), Just(0.01), Just(30.0)],
+            direction in vector(0.0..1e-9),
+            (share, when) in (0.0..1.0, 0.0..1.0),
+            at in prop_oneof![0.0..1.0, Just(0.0), Just(1.0)],
+        ) {
+            let ends = [place, [0, 1].map(|k| place[k] + line[k])];
+            let segment = LineSegment::new(ends, 0.0, 0.0);
+            let away = share * f64::from(radius);
+            let start = [0, 1].map(|k| {
+                place[k] + at * line[k] + away * direction[k] - when * drift[k]
+            });
+            let way =
+                Way { position: start.map(|v| v as f32), displacement: drift.map(|v| v as f32) };
+            let sizes = [start, drift].as_flattened().iter().map(|v| v.abs()).sum::<f64>();
+            let extent = (1e-6 * (sizes + f64::from(radius))) as f32;
+            prop_assert!(segment.may_touch(&way, radius, extent));
+            if segment.is_left(&way, extent) {
+                let offset = [0, 1].map(|k| start[k] - place[k]);
+                let across = [-line[1], line[0]];
+                prop_assert!((0.0..=dot(line, line)).contains(&dot(offset, line)));
+                prop_assert!(dot(offset, across) * dot(drift, across) > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn most_discs_are_left_out() {
+        let segment = LineSegment::new([[0.0, 0.0], [3.0, 4.0]], 0.0, 0.0);
+        let way = |position, displacement| Way { position, displacement };
+        // Above it, before it, behind it; and towards it from each of these.
+        let starts = [[-4.0, 3.0], [-3.0, -4.0], [6.0, 8.0]];
+        for (start, [x, y]) in starts.into_iter().zip([[4.0, -3.0], [3.0, 4.0], [-3.0, -4.0]]) {
+            assert!(!segment.may_touch(&way(start, [0.0; 2]), 1.5, 0.0), "{start:?}");
+            assert!(!segment.may_touch(&way(start, [-x, -y]), 1.5, 0.0), "{start:?}");
+            assert!(segment.may_touch(&way(start, [x, y]), 1.5, 0.0), "{start:?}");
+        }
+        // Beside the middle, at a distance of 1: away from it, along it and towards it.
+        let start = [0.7, 2.6];
+        for (displacement, is_left) in
+            [([-4.0, 3.0], true), ([3.0, 4.0], false), ([4.0, -3.0], false)]
+        {
+            assert_eq!(segment.is_left(&way(start, displacement), 1e-3), is_left);
+        }
     }
 }

@@ -7,6 +7,7 @@
 //! walls near it acts, without gaps, and a disc that rolls over the joint of two walls never hits
 //! the end of the second.
 
+mod around;
 mod contact;
 mod impact;
 mod moving;
@@ -18,15 +19,16 @@ use std::cmp::Ordering;
 use crate::container::{Container, MAX_WALLS, ROUNDING, size};
 use crate::error::{Error, Result};
 use crate::motion::exact;
-use crate::pairs::LineSegment;
+use crate::pairs::{LineSegment, LineSegments};
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes};
 use crate::trajectory::{Vector, dot, vector};
+pub use around::Around;
 pub use contact::Contact;
 pub use moving::Clock;
-pub use near::{Around, Near};
+pub use near::Near;
 use torus::{Image, check_torus, each_image, home, less, sides};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
@@ -114,7 +116,7 @@ pub struct Walls {
     /// In the order of the tree, so that discs near each other find their walls near each other.
     lines: Vec<Line>,
     /// The same in float32, moved by the offsets of images.
-    segments: Vec<LineSegment>,
+    segments: LineSegments,
     /// Where in this order each wall is.
     places: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
@@ -227,8 +229,7 @@ impl Walls {
         tree.rebuild(&shapes, Settings { leaf_capacity, ..settings }, &tie)?;
         lines.clear();
         lines.extend(tree.rows().iter().map(|&row| line(&images[row as usize])));
-        segments.clear();
-        segments.extend(lines.iter().zip(tree.rows()).map(|(line, &row)| {
+        segments.fill(lines.iter().zip(tree.rows()).map(|(line, &row)| {
             let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
             LineSegment::new(ends, line.least_radius, line.travel)
         }));

@@ -14,6 +14,10 @@ use crate::space::Id;
 /// about four GiB.
 pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 
+/// Share of the usual displacement by which the bounds in which walls are searched are larger than
+/// those for particles.
+const SPARE: f32 = 0.3;
+
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
 const MOST_ATTEMPTS: usize = 4;
 
@@ -253,8 +257,9 @@ impl World {
     /// Finds the walls that may come near each particle in `dt` seconds.
     fn find_near_walls(&mut self, dt: f32) -> Result<()> {
         self.walls.begin_step(self.settings.tree, f64::from(dt))?;
-        let Memory { near_walls, tree, reaches, .. } = &mut self.memory;
-        near_walls.fill(&self.walls, tree, reaches, self.settings.method, MAX_CANDIDATES)
+        let Memory { near_walls, tree, reaches, usual_speed, .. } = &mut self.memory;
+        let bounds = (&reaches[..], SPARE * *usual_speed * dt);
+        near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
 
     /// Builds the tree of the bounds.

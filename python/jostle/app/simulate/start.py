@@ -85,19 +85,30 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
     )  # fmt: skip
 
 
-def switch_rules(settings: Settings, frame: Frame, view: Rect) -> Simulation:
+def switch_rules(
+    settings: Settings, frame: Frame, view: Rect, before: Frame | None = None
+) -> Simulation:
     """Return the simulation of other settings, in the state of a frame if possible.
 
     If particles were added or removed, the scene begins anew. The article's display is at the
-    origin, so positions are shifted by the corner of the view. Too many particles for the method
-    raise a ValueError.
+    origin, so positions are shifted by the corner of the view. The article's particles are all
+    movable and have no collision filter, so those of a world are those of `before`, its last frame,
+    if there is one. Too many particles for the method raise a ValueError.
     """
     if reason := too_slow(settings.method, len(frame)):
         raise ValueError(reason)
     simulation = start(settings)
-    if np.array_equal(simulation.frame().tags, frame.tags):
+    own = simulation.frame()
+    if np.array_equal(own.tags, frame.tags):
+        if before is not None and np.array_equal(before.tags, own.tags):
+            own = before
         corner = np.array(simulation.view[:2]) - np.array(view[:2])
         simulation.change(
-            frame.tags, positions=frame.positions + corner, velocities=frame.velocities
+            frame.tags,
+            positions=frame.positions + corner,
+            velocities=np.where(own.movable[:, None], frame.velocities, own.velocities),
+            movable=own.movable,
+            categories=own.categories,
+            masks=own.masks,
         )
     return simulation

@@ -208,7 +208,8 @@ class WorldSimulation:
         if len(found) == count:
             self.add(
                 places, world.velocities[rows], radii, columns.densities[rows],
-                categories=columns.categories[rows], masks=columns.masks[rows],
+                sensors=columns.sensors[rows], categories=columns.categories[rows],
+                masks=columns.masks[rows],
             )  # fmt: skip
         return len(found) == count
 

@@ -1,0 +1,420 @@
+//! The walls around discs in a step: which of them a disc may touch, its contacts, and its next impact.
+
+use std::cell::Cell;
+
+use super::moving::Clock;
+use super::near::{MARGIN, Near, NearWall};
+use super::torus::each_tile;
+use super::{FIRST, Part, Walls, less};
+use crate::container::size;
+use crate::geometry::{Bounds, Shape};
+use crate::motion::exact;
+use crate::pairs::Way;
+use crate::particles::Particles;
+use crate::query::each_overlap;
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
+
+/// Relative size of the rounding of positions in float32, with a reserve.
+const ROUNDING: f32 = 1e-6;
+
+/// A disc that leaves its bounds is tested in parts of its trajectory. A part is about as long as
+/// this, in radii.
+const PART: f64 = 32.0;
+
+/// Parts of a trajectory at most.
+const MOST_PARTS: f64 = 256.0;
+
+thread_local! {
+    /// Scratch of [`Around::each`], which many threads call.
+    static STACK: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+}
+
+/// The walls around discs in a step.
+#[derive(Clone, Copy)]
+pub struct Around<'a> {
+    /// All walls.
+    pub walls: &'a Walls,
+    /// Those near each disc.
+    pub near: &'a Near,
+    /// The discs at the beginning of the step.
+    pub particles: &'a Particles,
+    /// When the window begins.
+    pub clock: Clock,
+}
+
+impl Around<'_> {
+    /// Whether there are no walls.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.walls.is_empty()
+    }
+
+    /// A test in float32 that is true only if a disc at a position is certainly farther than
+    /// `extent` from all walls.
+    #[inline(always)]
+    pub fn is_far(&self, place: u32, [x, y]: [f32; 2], extent: f32) -> bool {
+        let at = place as usize;
+        let [p, q] = self.particles.positions[at];
+        let square = (x - p) * (x - p) + (y - q) * (y - q);
+        // The circles of the bounds and the boxes of the walls have a reserve for rounding.
+        let left = self.near.free[at] - extent;
+        left >= 0.0 && square <= left * left
+    }
+
+    /// Whether a disc may come within `extent` of a wall at the beginning of a straight way, and
+    /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not count
+    /// if the way leads away from it.
+    #[inline(always)]
+    pub fn may_touch(&self, place: u32, way: &Way, extent: f32, left: Option<u32>) -> [bool; 2] {
+        let [x, y] = way.displacement;
+        let far = (x * x + y * y).sqrt() + extent;
+        if self.is_far(place, way.position, far) {
+            return [false; 2];
+        }
+        self.may_touch_near(place, way, far, extent, left)
+    }
+
+    /// The same by the walls near the disc, if it stays where these were searched. Few discs are there,
+    /// so it is no part of the loops over all.
+    #[inline(never)]
+    fn may_touch_near(
+        &self,
+        place: u32,
+        way: &Way,
+        far: f32,
+        extent: f32,
+        left: Option<u32>,
+    ) -> [bool; 2] {
+        let (at, near) = (place as usize, self.near);
+        let ([x, y], [p, q]) = (way.position, self.particles.positions[at]);
+        let square = (x - p) * (x - p) + (y - q) * (y - q);
+        let room = near.reaches[at] - far;
+        if room < 0.0 || square > room * room {
+            return [true; 2];
+        }
+        let radius = self.particles.radii[at];
+        let extent = extent + ROUNDING * (x.abs() + y.abs() + radius);
+        let here = Way { displacement: [0.0; 2], ..*way };
+        let mut found = [false; 2];
+        let all = near.starts[at] as usize..near.starts[at + 1] as usize;
+        for NearWall { number, segment } in &near.walls[all] {
+            let is_left = || left == Some(*number) && segment.is_left(way, extent);
+            if segment.may_touch(way, radius, extent) && !is_left() {
+                found = [found[0] | segment.may_touch(&here, radius, extent), true];
+            }
+        }
+        found
+    }
+
+    /// The wall with a number, if a disc that bounces off it may count as having left it: one that stands
+    /// still and has no images.
+    pub fn left(&self, wall: u32) -> Option<u32> {
+        (self.walls.torus.is_none() && !self.walls.any_moves).then_some(wall)
+    }
+
+    /// Calls `act` with the number and the offset of each wall that a disc may touch while its centre
+    /// is in a box given by two corners, or that is nearer than `extent` to its surface there; and
+    /// with others. A wall acts as if it were moved by the offset, which is 0 but on a torus.
+    pub fn each(
+        &self,
+        place: u32,
+        [min, max]: [Vector; 2],
+        extent: f64,
+        mut act: impl FnMut(u32, Vector),
+    ) {
+        if self.is_empty() {
+            return;
+        }
+        let Particles { positions, residuals, radii, .. } = self.particles;
+        let at = place as usize;
+        let radius = f64::from(radii[at]);
+        let anchor = exact(positions[at], residuals[at]);
+        let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
+        // The circles of the bounds and the boxes of the walls have a reserve for rounding.
+        if dot(far, far).sqrt() + extent <= f64::from(self.near.reaches[at]) {
+            self.near.each(place, act);
+        } else {
+            let margin = (radius + extent) * (1.0 + MARGIN);
+            let mut stack = STACK.take();
+            self.walls.each_near([min, max], margin, &mut stack, |index, offset| {
+                act(FIRST + index, offset);
+            });
+            STACK.set(stack);
+        }
+    }
+
+    /// The first impact of a disc on a wall before `until`, and the number of the wall. `limits`
+    /// gives those of each wall.
+    pub fn impact(
+        &self,
+        place: u32,
+        segment: &Segment,
+        until: f64,
+        gravity: Vector,
+        limits: impl Fn(u32) -> Limits,
+    ) -> Option<(Impact, u32)> {
+        let mut start = segment.time;
+        let radius = f64::from(self.particles.radii[place as usize]);
+        let (velocity, span) = (segment.velocity, until - start);
+        let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
+        let longest = fastest * span;
+        if self.is_far(place, segment.position.map(|v| v as f32), longest as f32) {
+            return None;
+        }
+        // Not a number without displacement of a point.
+        let parts = longest / (PART * radius);
+        let is_long = parts > 1.0;
+        let mut search = Search { around: self, segment, until, radius, gravity, first: None };
+        if !is_long && self.stays_near(place, segment.position, longest) {
+            self.near.each(place, |wall, offset| {
+                search.test(wall, offset, [start, until], &limits);
+            });
+            return search.first;
+        }
+        let parts = if is_long { parts.min(MOST_PARTS).ceil() } else { 1.0 };
+        for part in 1..=parts as u32 {
+            let end = start + (until - start) / (parts - f64::from(part - 1));
+            let bounds = bounds(segment, [start, end], gravity);
+            self.each(place, bounds, 0.0, |wall, offset| {
+                search.test(wall, offset, [start, end], &limits);
+            });
+            if search.first.is_some_and(|(impact, _)| impact.time <= end) {
+                break;
+            }
+            start = end;
+        }
+        search.first
+    }
+
+    /// Whether a disc stays where the walls near it were searched, if it moves by `longest` at most from
+    /// a position.
+    fn stays_near(&self, place: u32, position: Vector, longest: f64) -> bool {
+        let at = place as usize;
+        let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
+        let offset = less(position, anchor);
+        dot(offset, offset).sqrt() + longest <= f64::from(self.near.reaches[at])
+    }
+
+    /// A segment relative to a wall with an offset.
+    fn seen_from(&self, wall: u32, offset: Vector, segment: &Segment) -> Segment {
+        let velocity = self.velocity(wall);
+        if velocity == [0.0; 2] && offset == [0.0; 2] {
+            return *segment;
+        }
+        Segment {
+            position: self.position_from(wall, less(segment.position, offset), segment.time),
+            velocity: vector(|k| segment.velocity[k] - velocity[k]),
+            ..*segment
+        }
+    }
+
+    /// A position at some time relative to where a wall is then, as if the wall had not moved.
+    pub fn position_from(&self, wall: u32, position: Vector, time: f64) -> Vector {
+        let offset = self.clock.offset(self.walls, wall, time);
+        vector(|k| position[k] - offset[k])
+    }
+
+    /// The velocity of a wall, per second of flight; 0 at the container.
+    pub fn velocity(&self, wall: u32) -> Vector {
+        self.walls.velocity(wall).map(|v| f64::from(v) * self.clock.rate)
+    }
+
+    /// Unit normal of a wall where a disc begins a segment, towards the disc.
+    pub fn normal(&self, place: u32, wall: u32, now: &Segment) -> Vector {
+        let radius = f64::from(self.particles.radii[place as usize]);
+        let seen = self.seen_from(wall, [0.0; 2], now);
+        self.walls.nearest_contact(wall, seen.position, seen.velocity, radius).normal
+    }
+
+    /// Finds the contacts of a disc at some time and the walls that are nearer to its surface than
+    /// `extent`, and that act on it. Contacts in the same direction are one, that with the
+    /// smallest gap.
+    pub fn contacts(
+        &self,
+        place: u32,
+        (position, time): (Vector, f64),
+        radius: f64,
+        extent: f64,
+        found: &mut Vec<super::Contact>,
+    ) {
+        found.clear();
+        let way = Way { position: position.map(|v| v as f32), displacement: [0.0; 2] };
+        if self.may_touch(place, &way, extent as f32, None) == [false; 2] {
+            return;
+        }
+        self.each(place, [position; 2], extent, |wall, offset| {
+            let position = self.position_from(wall, less(position, offset), time);
+            if !self.walls.is_near(wall, [position; 2], radius + extent) {
+                return;
+            }
+            let contact = self.walls.acting_contact(wall, position, radius);
+            found.extend(contact.filter(|contact| contact.gap <= extent));
+        });
+        if found.len() > 1 {
+            found.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap).then_with(|| a.compare(b)));
+            let mut kept = 0;
+            for at in 0..found.len() {
+                let contact = found[at];
+                if !found[..kept].iter().any(|other| other.is_same(&contact)) {
+                    found[kept] = contact;
+                    kept += 1;
+                }
+            }
+            found.truncate(kept);
+        }
+    }
+}
+
+/// The search for the first impact of a disc on a wall.
+struct Search<'a> {
+    around: &'a Around<'a>,
+    segment: &'a Segment,
+    until: f64,
+    radius: f64,
+    gravity: Vector,
+    /// The first impact so far, and the number of the wall.
+    first: Option<(Impact, u32)>,
+}
+
+impl Search<'_> {
+    /// Takes the impact on a wall with an offset between two times, if it is the first.
+    fn test(
+        &mut self,
+        wall: u32,
+        offset: Vector,
+        times: [f64; 2],
+        limits: &impl Fn(u32) -> Limits,
+    ) {
+        let Self { around, radius, gravity, first, .. } = *self;
+        let seen = around.seen_from(wall, offset, self.segment);
+        if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
+            return;
+        }
+        let until = first.map_or(self.until, |(impact, _)| impact.time);
+        let limits = Limits { until, ..limits(wall) };
+        let found = around.walls.impact(wall, &seen, radius, gravity, &limits);
+        let is_first = |impact: &Impact| {
+            first.is_none_or(|(before, other)| {
+                impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()
+            })
+        };
+        if let Some(impact) = found.filter(is_first) {
+            self.first = Some((impact, wall));
+        }
+    }
+}
+
+/// A box that contains the trajectory of a centre between two times.
+fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
+    let [a, b] = times.map(|time| segment.place_at(time, gravity));
+    // Where a parabola has its vertex along an axis, or one of the ends.
+    let vertex = |k: usize| {
+        let time = segment.time - segment.velocity[k] / gravity[k];
+        let is_between = segment.falls && times[0] < time && time < times[1];
+        if is_between { segment.place_at(time, gravity)[k] } else { a[k] }
+    };
+    [vector(|k| a[k].min(b[k]).min(vertex(k))), vector(|k| a[k].max(b[k]).max(vertex(k)))]
+}
+
+impl Walls {
+    /// Whether the wall with a number may be nearer than a radius to a box, by their extents along
+    /// the wall and across it (separating axes).
+    #[inline(always)]
+    pub fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
+        let line = self.line(wall - FIRST);
+        let [ux, uy] = line.along;
+        let [x, y] = vector(|k| 0.5 * (min[k] + max[k]) - line.ends[0][k]);
+        let [width, height] = vector(|k| 0.5 * (max[k] - min[k]));
+        // The skin of points, and a reserve for rounding.
+        let reach = line.reach(radius) + line.least_radius;
+        let [ax, ay] = [ux.abs(), uy.abs()];
+        let (across, along) = (x * uy - y * ux, x * ux + y * uy);
+        let far = reach + (ax * width + ay * height);
+        across.abs() <= reach + (ay * width + ax * height)
+            && along >= -far
+            && along <= line.length + far
+    }
+
+    /// Whether a disc on a segment may touch the wall with a number between two times, by its extent
+    /// along the wall and across it, and by the direction in which it moves.
+    #[inline(always)]
+    fn may_hit(
+        &self,
+        wall: u32,
+        segment: &Segment,
+        times: [f64; 2],
+        radius: f64,
+        gravity: Vector,
+    ) -> bool {
+        let line = self.line(wall - FIRST);
+        let [ux, uy] = line.along;
+        // Its distances from the first end across the wall and along it, at both times.
+        let [[a, along_a], [b, along_b]] = times.map(|time| {
+            let place = segment.place_at(time, gravity);
+            let [x, y] = vector(|k| place[k] - line.ends[0][k]);
+            [y * ux - x * uy, x * ux + y * uy]
+        });
+        // A parabola leaves its chord by at most g t² / 8.
+        let span = times[1] - times[0];
+        let sag =
+            if segment.falls { 0.125 * dot(gravity, gravity).sqrt() * span * span } else { 0.0 };
+        // The skin of points, and a reserve for rounding.
+        let reach = line.reach(radius) + line.least_radius;
+        let far = reach + sag;
+        let is_apart = a.min(b) > far
+            || a.max(b) < -far
+            || along_a.max(along_b) < -far
+            || along_a.min(along_b) > line.length + far;
+        // A disc that moves away from the line does not come nearer to any of its points; if it is
+        // beside the wall and touches it, it will not touch an end either.
+        let side = if a < 0.0 { -1.0 } else { 1.0 };
+        let speed = side * dot(line.across(), segment.velocity);
+        let leaves = !segment.falls
+            && speed >= 0.0
+            && (side * a > reach || line.part_at(segment.position) == Part::Side);
+        !(is_apart || leaves)
+    }
+
+    /// Calls `act` with the index and the offset of each wall whose bounds are nearer than `margin`
+    /// to a box given by two corners, and of a few others.
+    pub(super) fn each_near(
+        &self,
+        area: [Vector; 2],
+        margin: f64,
+        stack: &mut Vec<u32>,
+        mut act: impl FnMut(u32, Vector),
+    ) {
+        match self.torus {
+            None => self.each_in(area, margin, stack, act),
+            Some(sides) => each_tile(area, sides, |part, tile| {
+                self.each_in(part, margin, stack, |wall, offset| {
+                    act(wall, vector(|k| offset[k] + tile[k]));
+                });
+            }),
+        }
+    }
+
+    /// The same for a box on the torus.
+    fn each_in(
+        &self,
+        [min, max]: [Vector; 2],
+        margin: f64,
+        stack: &mut Vec<u32>,
+        mut act: impl FnMut(u32, Vector),
+    ) {
+        let margin = margin + MARGIN * size(min, 0.0).max(size(max, 0.0));
+        let bounds = Bounds::of(&Shape {
+            min: min.map(|v| v as f32),
+            max: max.map(|v| v as f32),
+            half_size: [0.0; 2],
+            radius: margin as f32,
+            category: DEFAULT_CATEGORY,
+            mask: DEFAULT_MASK,
+        });
+        each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |place| {
+            let image = &self.images[self.tree.rows()[place] as usize];
+            act(image.wall, image.offset);
+        });
+    }
+}
