@@ -40,10 +40,11 @@ run: $(VENV)/wheel  ## start the simulator; ARGS="pile -n 2000" chooses a scene 
 test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
 	cargo test --package jostle
-	$(BIN)/python -m pytest $(or $(ARGS),--numprocesses auto --dist worksteal)
+	$(if $(ARGS),,$(BIN)/python -m pytest -m ranks)
+	$(BIN)/python -m pytest $(or $(ARGS),-m "not ranks" --numprocesses auto --dist worksteal)
 
-search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; ARGS=polygons: see CONTRIBUTING)
-	$(if $(filter polygons,$(ARGS)),$(POLYGONS),$(BIN)/python tests/random_scenes.py $(ARGS))
+search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; polygons, ranks: see CONTRIBUTING)
+	$(or $(and $(filter polygons,$(ARGS)),$(POLYGONS)),$(and $(filter ranks,$(ARGS)),$(RANKS)),$(BIN)/python tests/random_scenes.py $(ARGS))
 
 arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \
@@ -83,6 +84,9 @@ clean:  ## remove everything that was built
 
 # Twice 100,000 random polygons of walls, which no disc may leave.
 POLYGONS = cargo test --package jostle --test all many_polygons -- --ignored
+
+# A larger gas and a larger pile on three ranks, for 30 s.
+RANKS = PYTHONPATH=tests $(BIN)/mpiexec -n 3 $(BIN)/python tests/mpi_world.py search
 
 # All parts of the benchmarks, if no part is named.
 asked = $(or $(1),$(if $(ARGS),,all))

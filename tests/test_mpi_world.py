@@ -4,30 +4,26 @@ import pytest
 from mpi_ranks import HERE, needs_mpi, run_ranks
 
 CASES = ("gas", "containers", "rules", "nasty", "files", "errors", "pressed")
+RESTING = ("scenes", "piles")  # a step has hundreds of calls of all ranks
 
 
+@pytest.mark.ranks
 @needs_mpi
-@pytest.mark.parametrize("ranks", [1, 2, 3, 4])
-@pytest.mark.parametrize("case", CASES)
-def test_ranks_have_the_bits_of_one_process(case: str, ranks: int) -> None:
-    assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
+@pytest.mark.parametrize(
+    "case", [*CASES, *(pytest.param(case, marks=pytest.mark.slow) for case in RESTING)]
+)
+def test_one_to_four_ranks_have_the_bits_of_one_process(case: str) -> None:
+    assert "all bits are right" in run_ranks(4, HERE / "mpi_world.py", case)
 
 
-@needs_mpi
-@pytest.mark.slow
-@pytest.mark.parametrize("ranks", [1, 2, 3, 4])
-@pytest.mark.parametrize("case", ["scenes", "piles"])
-def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str, ranks: int) -> None:
-    """A step has hundreds of calls of all ranks."""
-    assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
-
-
+@pytest.mark.ranks
 @needs_mpi
 @pytest.mark.slow
-def test_larger_worlds_have_the_bits_of_one_process_after_300_steps() -> None:
+def test_larger_worlds_have_the_bits_of_one_process() -> None:
     assert "all bits are right" in run_ranks(3, HERE / "mpi_world.py", "long")
 
 
+@pytest.mark.ranks
 @needs_mpi
 def test_the_death_of_a_rank_ends_all() -> None:
     run_ranks(3, HERE / "mpi_world.py", "killed", is_right=False)
