@@ -273,14 +273,14 @@ def draw_step(rows: list[Row], path: Path) -> None:
         axes.axhline(1000 / 60, color=FAINT, linewidth=0.9, linestyle=":")
         logarithmic(axes, "discs", "ms a frame")
         axes.set_title(title)
-    panels[0, 0].annotate(
+    panels[0, 1].annotate(
         "60 a second",
-        (1, 1000 / 60),
+        (0, 1000 / 60),
         xycoords=("axes fraction", "data"),
-        xytext=(0, -4),
+        xytext=(4, 4),
         textcoords="offset points",
-        ha="right",
-        va="top",
+        ha="left",
+        va="bottom",
         color=FAINT,
         fontsize=8,
     )

@@ -168,6 +168,7 @@ pub fn threads_for(
     }
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
+        team.expect_large(work >= LARGE * waking);
         if ALWAYS.load(Ordering::Relaxed) {
             team.wake();
         } else if work < LARGE * waking && team.is_held_up() {

@@ -7,6 +7,7 @@
 //! until its end.
 
 use std::cell::Cell;
+use std::ops::RangeInclusive;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
@@ -29,8 +30,9 @@ const ATTEMPTS_BETWEEN_YIELDS: usize = 64;
 /// milliseconds, the time slice of another process that uses the core of one of them.
 const LONG_WAIT: usize = 1 << 16;
 
-/// Calls on one thread after a long wait.
-const CALLS_AFTER_LONG_WAIT: usize = 512;
+/// Calls on one thread after a long wait: fewest after a single one, twice as many after each further
+/// one (exponential backoff).
+const CALLS_AFTER_LONG_WAIT: RangeInclusive<usize> = 64..=512;
 
 /// The workers that may take part in a call.
 pub struct Team(Arc<Workers>);
@@ -43,8 +45,12 @@ struct Workers {
     called: AtomicBool,
     /// Calls that will use one thread, because the machine is busy.
     alone: AtomicUsize,
+    /// Calls that used one thread after the latest long wait, less the calls since without one.
+    backoff: AtomicUsize,
     /// Calls that keep them awake.
     calls: AtomicUsize,
+    /// Whether the latest call is large, so that one of its tasks may take as long as a long wait.
+    is_large: AtomicBool,
 }
 
 /// Keeps the workers awake while it exists.
@@ -89,6 +95,11 @@ impl Team {
         self.0.alone.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next).is_ok()
     }
 
+    /// Says whether the work that follows is large.
+    pub fn expect_large(&self, is_large: bool) {
+        self.0.is_large.store(is_large, Ordering::Relaxed);
+    }
+
     /// Wakes the workers, so that they are ready for the work that follows.
     pub fn wake(&self) {
         let Workers { pool, idle, called, .. } = &*self.0;
@@ -122,7 +133,10 @@ impl Team {
                 }
                 task(index);
             }
-            self.0.wait_for(&working);
+            let attempts = self.0.wait_for(&working);
+            if !self.0.is_large.load(Ordering::Relaxed) {
+                self.0.ended(attempts);
+            }
         });
     }
 
@@ -142,7 +156,7 @@ impl Team {
                 });
             }
             group.run(0, work);
-            self.0.wait_for(&working);
+            self.0.ended(self.0.wait_for(&working));
         });
     }
 }
@@ -201,9 +215,9 @@ impl Drop for AtEnd<'_> {
 }
 
 impl Workers {
-    /// Waits until all workers have finished, and polls for interruption. The wait is shorter than a
-    /// task unless another process uses the core of a worker.
-    fn wait_for(&self, working: &AtomicUsize) {
+    /// Waits until all workers have finished, and polls for interruption. Returns the number of
+    /// attempts. The wait is shorter than a task unless another process uses the core of a worker.
+    fn wait_for(&self, working: &AtomicUsize) -> usize {
         let stop = Stop::current();
         let mut attempts = 0;
         while working.load(Ordering::Acquire) > 0 {
@@ -212,14 +226,26 @@ impl Workers {
                 stop.is_set();
             }
         }
-        self.waited(attempts);
+        attempts
     }
 
     /// Notes how long a thread has waited for others.
     fn waited(&self, attempts: usize) {
         if attempts >= LONG_WAIT {
-            self.alone.store(CALLS_AFTER_LONG_WAIT, Ordering::Relaxed);
+            let (fewest, most) = CALLS_AFTER_LONG_WAIT.into_inner();
+            let calls = (2 * self.backoff.load(Ordering::Relaxed)).clamp(fewest, most);
+            self.backoff.store(calls, Ordering::Relaxed);
+            self.alone.store(calls, Ordering::Relaxed);
         }
+    }
+
+    /// Notes how long a thread has waited for others at the end of a call.
+    fn ended(&self, attempts: usize) {
+        let backoff = self.backoff.load(Ordering::Relaxed);
+        if attempts < LONG_WAIT && backoff > 0 {
+            self.backoff.store(backoff - 1, Ordering::Relaxed);
+        }
+        self.waited(attempts);
     }
 
     /// Whether a call keeps them awake.
@@ -289,7 +315,9 @@ impl Pools {
             idle: Idle::default(),
             called: AtomicBool::new(false),
             alone: AtomicUsize::new(0),
+            backoff: AtomicUsize::new(0),
             calls: AtomicUsize::new(0),
+            is_large: AtomicBool::new(false),
         };
         self.kept.truncate(MAX_POOLS - 1);
         self.kept.insert(0, Arc::new(workers));
@@ -355,13 +383,47 @@ mod tests {
     }
 
     #[test]
-    fn a_long_wait_makes_calls_use_one_thread() {
+    fn a_long_task_of_a_large_call_does_not_count_as_a_long_wait() {
+        for is_large in [true, false] {
+            let workers = workers();
+            let team = Team(workers.clone());
+            let _awake = Team(workers.clone()).keep_awake();
+            team.wake();
+            assert!(becomes(|| workers.idle.has(1)));
+            team.expect_large(is_large);
+            let begun = AtomicBool::new(false);
+            team.share(2, &|index| {
+                if index == 0 {
+                    assert!(becomes(|| begun.load(Ordering::Relaxed)));
+                    return;
+                }
+                begun.store(true, Ordering::Relaxed);
+                let mut attempts = 0;
+                while attempts < 8 * LONG_WAIT {
+                    pause(&mut attempts);
+                }
+            });
+            assert_eq!(team.is_held_up(), !is_large);
+        }
+    }
+
+    /// The number of calls on one thread from now on.
+    fn calls_alone(team: &Team) -> usize {
+        (0..).take_while(|_| team.is_held_up()).count()
+    }
+
+    #[test]
+    fn long_waits_make_calls_use_one_thread() {
         let workers = workers();
         let team = Team(workers.clone());
         workers.waited(LONG_WAIT - 1);
-        assert!(!team.is_held_up());
-        workers.waited(LONG_WAIT);
-        assert!((0..CALLS_AFTER_LONG_WAIT).all(|_| team.is_held_up()));
-        assert!(!team.is_held_up());
+        assert_eq!(calls_alone(&team), 0, "the wait was short");
+        let after = |waits: usize| {
+            (0..waits).for_each(|_| workers.waited(LONG_WAIT));
+            calls_alone(&team)
+        };
+        assert_eq!([1, 1, 1, 1, 1].map(after), [64, 128, 256, 512, 512]);
+        (0..512).for_each(|_| workers.ended(0));
+        assert_eq!(after(1), 64, "the machine was not busy for long");
     }
 }
