@@ -52,7 +52,6 @@ EVERYWHERE = {
     r"can(?:not)? be had": "is (not) available",
     r"on the way|on its way|in its way": "along the path",
     r"their way": "their displacement",
-    r"struct \w*memory": "Scratch",
     r"in no way": "out of range",
 }
 
