@@ -50,8 +50,8 @@ TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 
 ANIMATION = (
     f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,scale=480:-1:flags=area,crop={{}},"
-    "fps=10,split[a][b];"
-    "[a]palettegen=max_colors=32:stats_mode=diff[palette];"
+    "fps=8,split[a][b];"
+    "[a]palettegen=max_colors=24:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )
 """The filter of ffmpeg for a film. Panels and the lowest rows, which have a hint, are cut off."""
