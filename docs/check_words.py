@@ -50,6 +50,9 @@ EVERYWHERE = {
     r"the seam": "periodic boundary",
     r"nobody sees": "hidden, without a display",
     r"can(?:not)? be had": "is (not) available",
+    r"on the way|on its way|in its way": "along the path",
+    r"their way": "their displacement",
+    r"in no way": "out of range",
 }
 
 # Words that other parts of the project still contain, or use in another sense. A folder is added

@@ -37,19 +37,24 @@ STILLS = [
 ]
 """Stops of `jostle tour` whose stills are kept, as tour-NAME."""
 
-FILMS = ["springs", "sand", "emitters"]
-"""Stops of `jostle tour` whose films are kept, as animations of the scene without the panels."""
+FILMS = {
+    "springs": (480, 300, 0, 92),
+    "sand": (190, 368, 145, 58),
+    "emitters": (480, 300, 0, 98),
+}
+"""Stops of `jostle tour` whose films are kept, as animations: width, height, left and top of the
+part of the scene that they show, if the scene is 480 pixels wide."""
 
 TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
 """Names of the pictures of both."""
 
 ANIMATION = (
-    f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,"
-    "fps=12,scale=480:-1:flags=area,split[a][b];"
-    "[a]palettegen=max_colors=48:stats_mode=diff[palette];"
+    f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,scale=480:-1:flags=area,crop={{}},"
+    "fps=8,split[a][b];"
+    "[a]palettegen=max_colors=24:stats_mode=diff[palette];"
     "[b][palette]paletteuse=dither=none:diff_mode=rectangle"
 )
-"""The filter of ffmpeg for a film. The lowest rows, which only contain a hint, are cut off."""
+"""The filter of ffmpeg for a film. Panels and the lowest rows, which have a hint, are cut off."""
 
 EXAMPLES = {
     f"example-{path.stem.replace('_', '-')}": path
@@ -98,7 +103,8 @@ def draw_stop(stop: str, out: Path) -> None:
         call("tour", "--only", stop, "--out", str(out))
         film, kept = out / f"{stop}.mp4", PICTURES / f"tour-{stop}.gif"
         ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-y", "-i", film]
-        subprocess.run([*ffmpeg, "-filter_complex", ANIMATION, kept], check=True)
+        animation = ANIMATION.format(":".join(map(str, FILMS[stop])))
+        subprocess.run([*ffmpeg, "-filter_complex", animation, kept], check=True)
 
 
 def draw_life(matrix: str, path: Path) -> None:

@@ -4,11 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 from mpi4py import MPI
+from mpi_groups import ALL, on_each_number_of_ranks, run
 
 import jostle
 import jostle.mpi
 
-COMM = MPI.COMM_WORLD
+COMM = ALL  # of the present group
 RNG = np.random.default_rng(5)
 
 Shapes = dict[str, np.ndarray]
@@ -44,7 +45,9 @@ def check(rows: Shapes, where: Callable[[np.ndarray], np.ndarray] = evenly, **op
     assert np.array_equal(everything, expected), (len(everything), len(expected))
 
 
-def main() -> None:
+def check_all(comm: MPI.Comm) -> None:
+    global COMM, RNG
+    COMM, RNG = comm, np.random.default_rng(5)
     check(discs(3000))
     check(discs(3000), all_on_last)
     check(discs(3000), distance=0.7)
@@ -115,8 +118,6 @@ def main() -> None:
     assert sum(COMM.allgather(len(found))) == len(jostle.find_pairs(**boxes))
     check_shares()
     check_errors()
-    if COMM.rank == 0:
-        print("all pairs are right")
 
 
 def check_shares() -> None:
@@ -144,4 +145,4 @@ def check_errors() -> None:
         raise AssertionError("a negative radius is refused")
 
 
-main()
+run(lambda: on_each_number_of_ranks(check_all), "all pairs are right")

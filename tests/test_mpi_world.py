@@ -19,6 +19,7 @@ CASES = (
 )
 
 
+@pytest.mark.ranks
 @needs_mpi
 @pytest.mark.parametrize("ranks", [1, 2, 3, 4])
 @pytest.mark.parametrize("case", CASES)
@@ -26,6 +27,7 @@ def test_ranks_have_the_bits_of_one_process(case: str, ranks: int) -> None:
     assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
 
 
+@pytest.mark.ranks
 @needs_mpi
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [1, 2, 3, 4])
@@ -35,17 +37,20 @@ def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str, ran
     assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)
 
 
+@pytest.mark.ranks
 @needs_mpi
 @pytest.mark.slow
 def test_larger_worlds_have_the_bits_of_one_process_after_300_steps() -> None:
     assert "all bits are right" in run_ranks(3, HERE / "mpi_world.py", "long")
 
 
+@pytest.mark.ranks
 @needs_mpi
 def test_worlds_do_not_use_up_the_communicators() -> None:
     assert "all bits are right" in run_ranks(2, HERE / "mpi_world.py", "many")
 
 
+@pytest.mark.ranks
 @needs_mpi
 def test_the_death_of_a_rank_ends_all() -> None:
     run_ranks(3, HERE / "mpi_world.py", "killed", is_right=False)

@@ -22,6 +22,7 @@ APP_FILE = "python/jostle/app/session.py"
         ("/// What hangs\n/// together.", 1),
         ("# Pictures a\n# second", 1),
         ("# What the colours tell", 1),
+        ("/// The wall on the way.", 1),
     ],
 )
 def test_a_replaced_term_is_found_everywhere(text: str, line: int) -> None:

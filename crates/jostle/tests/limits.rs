@@ -255,7 +255,7 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
 #[test]
 fn discs_that_meet_in_another_image_of_the_torus_collide() {
     // The first moves by nearly the side of the torus. The second is hit by the third, and is then
-    // in its way, in another image.
+    // along its path, in another image.
     let side = 100.0;
     let positions = vec![[1.0, 50.0], [70.0, 50.2], [60.0, 50.1]];
     let velocities = vec![[-98.0, 0.0], [0.0; 2], [40.0, 0.0]];

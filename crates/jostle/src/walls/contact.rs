@@ -75,7 +75,7 @@ impl Walls {
     }
 
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross
-    /// the wall on the way from the first.
+    /// the wall along the path from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
         let line = self.line(wall - FIRST);
         line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)

@@ -13,7 +13,7 @@ use crate::particles::{self, Particles};
 
 /// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]
-pub(super) struct ForceMemory {
+pub(super) struct ForceScratch {
     pub(super) all: forces::Scratch,
     /// The place of each row, where forces name particles.
     pub(super) places: Vec<u32>,
@@ -31,7 +31,7 @@ pub(super) struct ForceMemory {
     pub(super) sprung: SpringSolver,
 }
 
-impl ForceMemory {
+impl ForceScratch {
     /// Writes the kicks of the accelerations in a sub-step.
     pub(super) fn kick(&self, kicks: &mut [Kick], flow: &Flow) {
         for (kick, acceleration) in kicks.iter_mut().zip(&self.accelerations) {
@@ -79,11 +79,11 @@ impl World {
         let particles = &self.particles;
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
-            let ForceMemory { places, groups, reaches, .. } = memory;
+            let ForceScratch { places, groups, reaches, .. } = memory;
             let bodies = bodies(particles, &particles.positions, (&self.rows, places), settings);
             forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
         }
-        let ForceMemory { accelerations, reaches, .. } = &self.memory.forces;
+        let ForceScratch { accelerations, reaches, .. } = &self.memory.forces;
         let particles = &self.particles;
         let displacement =
             |place: usize| force_displacement(accelerations.get(place), reaches.get(place), dt);
@@ -101,7 +101,7 @@ impl World {
     pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.extent_of_halfway()?;
         let Self { particles, rows, settings, memory, .. } = self;
-        let ForceMemory { all: scratch, places, halfway, velocities, accelerations, .. } =
+        let ForceScratch { all: scratch, places, halfway, velocities, accelerations, .. } =
             &mut memory.forces;
         let bodies = bodies(particles, halfway, (rows, places), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };

@@ -58,7 +58,7 @@ pub use defaults::Defaults;
 use discs::{Discs, Persistent};
 use domain::Domain;
 pub use domain::OwnParticles;
-use force_step::ForceMemory;
+use force_step::ForceScratch;
 use ids::Ids;
 use record::Record;
 pub use record::{Collisions, TouchEvents};
@@ -229,7 +229,7 @@ struct Memory {
     candidate_merges: Vec<merge::CandidateMerge>,
     kicks: Vec<Kick>,
     hot_walls: HotWalls,
-    forces: ForceMemory,
+    forces: ForceScratch,
     before: Before,
     /// The record before, until a step of the present one is complete.
     record_before: Option<Record>,
