@@ -11,11 +11,11 @@ import show
 
 WALL, LEDGE, WALKER = 1, 2, 4
 tiled = pytmx.TiledMap(str(Path(__file__).with_name("cave.tmx")), load_all_tiles=True)
-layers = [np.array(tiled.get_layer_by_name(name).data) for name in ("walls", "ledges")]
+layers = [np.array(tiled.layernames[name].data) for name in ("walls", "ledges")]
 walls, ledges = (jostle.tiles(grid, (tiled.tilewidth, tiled.tileheight)) for grid in layers)
 ledges[:, 3] -= 16  # thin
-starts = [(start.x, start.y) for start in tiled.get_layer_by_name("starts")]
-slopes = [jostle.polyline(line.points) for line in tiled.get_layer_by_name("slopes")]
+starts = [(start.x, start.y) for start in tiled.layernames["starts"]]
+slopes = [jostle.polyline(line.points) for line in tiled.layernames["slopes"]]
 
 space, rng = jostle.Space(), np.random.default_rng(3)
 space.walls = np.concatenate(slopes)
