@@ -16,7 +16,7 @@ struct ThreadRank {
     rank: usize,
     to: Vec<Sender<Vec<u8>>>,
     from: Vec<Receiver<Vec<u8>>>,
-    /// Whether hashes of trajectories are changed on their way to this rank.
+    /// Whether hashes of trajectories are changed on their path to this rank.
     tampers: bool,
     knows_lengths: bool,
 }
