@@ -63,7 +63,7 @@ def test_more_particles_have_the_filters_of_those_that_they_copy() -> None:
 
 
 def test_more_particles_are_sensors_if_they_copy_sensors() -> None:
-    sensors = Group(200, radius=(2.0, 2.0), sensor=True)
+    sensors = Group(200, radius=(0.2, 0.2), sensor=True)
     simulation = start(Settings("gas", 0, particles=(sensors,)))
     assert simulation.adjust("n", 210) is None
     frame = simulation.frame()
