@@ -13,7 +13,7 @@ use crate::container::{Container, size};
 use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::motion::{Motions, Vectors, exact};
-use crate::pairs::Way;
+use crate::pairs::Path;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
@@ -134,8 +134,8 @@ impl Correction {
         };
         if !walls.is_empty() {
             parallel::for_rows(threads, particles.len(), |index| {
-                let way = Way { position: move_inside(index), displacement: [0.0; 2] };
-                let [is_near, _] = walls.may_touch(index as u32, &way, 0.0, None);
+                let path = Path { position: move_inside(index), displacement: [0.0; 2] };
+                let [is_near, _] = walls.may_touch(index as u32, &path, 0.0, None);
                 if !is_near || !particles.movable[index] {
                     return;
                 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::flight::{DEFERRED, Flight, Start, Window};
-use crate::pairs::Way;
+use crate::pairs::Path;
 use crate::trajectory::Segment;
 
 /// Relative error, with a large reserve, of the squares of distances in float32.
@@ -163,13 +163,13 @@ impl Window<'_> {
         }
         let fall = if falls { self.flight.gravity.map(|g| g as f32 * span) } else { [0.0; 2] };
         let displacement = [0, 1].map(|k| (velocity[k] + 0.5 * fall[k]) * span);
-        let way = Way { position, displacement };
+        let path = Path { position, displacement };
         // A parabola leaves its chord by at most g t² / 8.
         let error = 0.125 * length(fall) * span
             + MARGIN * (length(velocity) + length(fall)) * span
             + ROUNDING * (sizes + radius);
         let left = left.filter(|_| !falls);
-        walls.may_touch(index, &way, error, left).map(|may| may | is_near_side)
+        walls.may_touch(index, &path, error, left).map(|may| may | is_near_side)
     }
 
     /// Lists the discs of a range that may hit a wall along their first segments, and some others.

@@ -30,7 +30,7 @@ use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
 use output::{Budget, Output, PairScratch, filter_map, map_each};
-pub use segments::{LineSegment, LineSegments, Way, near_segments};
+pub use segments::{LineSegment, LineSegments, Path, near_segments};
 
 /// Up to this number of shapes brute force is faster than a tree. Measured with AVX-512; the same
 /// for all processors, because the order of the pairs depends on it.

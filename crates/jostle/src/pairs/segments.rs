@@ -19,7 +19,7 @@ const NODE_WORK: usize = 8;
 /// Relative size of the rounding in the computation of a distance, with a reserve.
 const ROUNDING: f64 = 4e-6;
 
-/// Sine of the angle between a segment and a way that certainly leads away from it.
+/// Sine of the angle between a segment and a path that certainly leads away from it.
 const LEAVING: f32 = 1e-3;
 
 /// A line segment in float32, with a margin, so that no circle that is near it is left out.
@@ -64,12 +64,12 @@ impl LineSegment {
         [y * ux - x * uy, x * ux + y * uy]
     }
 
-    /// Whether a circle may be near somewhere on a way; `extent` is added to its radius. False only
+    /// Whether a circle may be near somewhere on a path; `extent` is added to its radius. False only
     /// if it certainly is not.
     #[inline(always)]
-    pub fn may_touch(&self, way: &Way, radius: f32, extent: f32) -> bool {
-        let [across, along] = self.seen([0, 1].map(|k| way.position[k] - self.start[k]));
-        let [aside, ahead] = self.seen(way.displacement);
+    pub fn may_touch(&self, path: &Path, radius: f32, extent: f32) -> bool {
+        let [across, along] = self.seen([0, 1].map(|k| path.position[k] - self.start[k]));
+        let [aside, ahead] = self.seen(path.displacement);
         let reach = self.reach(radius) + extent;
         let is_beside =
             (across.min(across + aside) > reach) | (across.max(across + aside) < -reach);
@@ -78,21 +78,21 @@ impl LineSegment {
         !(is_beside | is_before | is_behind)
     }
 
-    /// Whether a way certainly begins beside the segment and leads away from it.
+    /// Whether a path certainly begins beside the segment and leads away from it.
     #[inline(always)]
-    pub fn is_left(&self, way: &Way, extent: f32) -> bool {
-        let [across, along] = self.seen([0, 1].map(|k| way.position[k] - self.start[k]));
-        let [aside, _] = self.seen(way.displacement);
-        let [x, y] = way.displacement;
+    pub fn is_left(&self, path: &Path, extent: f32) -> bool {
+        let [across, along] = self.seen([0, 1].map(|k| path.position[k] - self.start[k]));
+        let [aside, _] = self.seen(path.displacement);
+        let [x, y] = path.displacement;
         let margin = self.margin + extent;
         let is_beside = (along > margin) & (along < self.length - margin) & (across.abs() > margin);
         is_beside & (across * aside > LEAVING * across.abs() * (x.abs() + y.abs()))
     }
 }
 
-/// A straight way of the centre of a disc, in float32.
+/// A straight path of the centre of a disc, in float32.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct Path {
     /// Where it begins.
     pub position: [f32; 2],
     /// From its beginning to its end.
@@ -305,12 +305,12 @@ mod tests {
             let start = [0, 1].map(|k| {
                 place[k] + at * line[k] + away * direction[k] - when * drift[k]
             });
-            let way =
-                Way { position: start.map(|v| v as f32), displacement: drift.map(|v| v as f32) };
+            let path =
+                Path { position: start.map(|v| v as f32), displacement: drift.map(|v| v as f32) };
             let sizes = [start, drift].as_flattened().iter().map(|v| v.abs()).sum::<f64>();
             let extent = (1e-6 * (sizes + f64::from(radius))) as f32;
-            prop_assert!(segment.may_touch(&way, radius, extent));
-            if segment.is_left(&way, extent) {
+            prop_assert!(segment.may_touch(&path, radius, extent));
+            if segment.is_left(&path, extent) {
                 let offset = [0, 1].map(|k| start[k] - place[k]);
                 let across = [-line[1], line[0]];
                 prop_assert!((0.0..=dot(line, line)).contains(&dot(offset, line)));
@@ -322,20 +322,20 @@ mod tests {
     #[test]
     fn most_discs_are_left_out() {
         let segment = LineSegment::new([[0.0, 0.0], [3.0, 4.0]], 0.0, 0.0);
-        let way = |position, displacement| Way { position, displacement };
+        let path = |position, displacement| Path { position, displacement };
         // Above it, before it, behind it; and towards it from each of these.
         let starts = [[-4.0, 3.0], [-3.0, -4.0], [6.0, 8.0]];
         for (start, [x, y]) in starts.into_iter().zip([[4.0, -3.0], [3.0, 4.0], [-3.0, -4.0]]) {
-            assert!(!segment.may_touch(&way(start, [0.0; 2]), 1.5, 0.0), "{start:?}");
-            assert!(!segment.may_touch(&way(start, [-x, -y]), 1.5, 0.0), "{start:?}");
-            assert!(segment.may_touch(&way(start, [x, y]), 1.5, 0.0), "{start:?}");
+            assert!(!segment.may_touch(&path(start, [0.0; 2]), 1.5, 0.0), "{start:?}");
+            assert!(!segment.may_touch(&path(start, [-x, -y]), 1.5, 0.0), "{start:?}");
+            assert!(segment.may_touch(&path(start, [x, y]), 1.5, 0.0), "{start:?}");
         }
         // Beside the middle, at a distance of 1: away from it, along it and towards it.
         let start = [0.7, 2.6];
         for (displacement, is_left) in
             [([-4.0, 3.0], true), ([3.0, 4.0], false), ([4.0, -3.0], false)]
         {
-            assert_eq!(segment.is_left(&way(start, displacement), 1e-3), is_left);
+            assert_eq!(segment.is_left(&path(start, displacement), 1e-3), is_left);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::{FIRST, Part, Walls, less};
 use crate::container::size;
 use crate::geometry::{Bounds, Shape};
 use crate::motion::exact;
-use crate::pairs::Way;
+use crate::pairs::Path;
 use crate::particles::Particles;
 use crate::query::each_overlap;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
@@ -62,17 +62,17 @@ impl Around<'_> {
         left >= 0.0 && square <= left * left
     }
 
-    /// Whether a disc may come within `extent` of a wall at the beginning of a straight way, and
+    /// Whether a disc may come within `extent` of a wall at the beginning of a straight path, and
     /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not count
-    /// if the way leads away from it.
+    /// if the path leads away from it.
     #[inline(always)]
-    pub fn may_touch(&self, place: u32, way: &Way, extent: f32, left: Option<u32>) -> [bool; 2] {
-        let [x, y] = way.displacement;
+    pub fn may_touch(&self, place: u32, path: &Path, extent: f32, left: Option<u32>) -> [bool; 2] {
+        let [x, y] = path.displacement;
         let far = (x * x + y * y).sqrt() + extent;
-        if self.is_far(place, way.position, far) {
+        if self.is_far(place, path.position, far) {
             return [false; 2];
         }
-        self.may_touch_near(place, way, far, extent, left)
+        self.may_touch_near(place, path, far, extent, left)
     }
 
     /// The same by the walls near the disc, if it stays where these were searched. Few discs are there,
@@ -81,13 +81,13 @@ impl Around<'_> {
     fn may_touch_near(
         &self,
         place: u32,
-        way: &Way,
+        path: &Path,
         far: f32,
         extent: f32,
         left: Option<u32>,
     ) -> [bool; 2] {
         let (at, near) = (place as usize, self.near);
-        let ([x, y], [p, q]) = (way.position, self.particles.positions[at]);
+        let ([x, y], [p, q]) = (path.position, self.particles.positions[at]);
         let square = (x - p) * (x - p) + (y - q) * (y - q);
         let room = near.reaches[at] - far;
         if room < 0.0 || square > room * room {
@@ -95,12 +95,12 @@ impl Around<'_> {
         }
         let radius = self.particles.radii[at];
         let extent = extent + ROUNDING * (x.abs() + y.abs() + radius);
-        let here = Way { displacement: [0.0; 2], ..*way };
+        let here = Path { displacement: [0.0; 2], ..*path };
         let mut found = [false; 2];
         let all = near.starts[at] as usize..near.starts[at + 1] as usize;
         for NearWall { number, segment } in &near.walls[all] {
-            let is_left = || left == Some(*number) && segment.is_left(way, extent);
-            if segment.may_touch(way, radius, extent) && !is_left() {
+            let is_left = || left == Some(*number) && segment.is_left(path, extent);
+            if segment.may_touch(path, radius, extent) && !is_left() {
                 found = [found[0] | segment.may_touch(&here, radius, extent), true];
             }
         }
@@ -239,8 +239,8 @@ impl Around<'_> {
         found: &mut Vec<super::Contact>,
     ) {
         found.clear();
-        let way = Way { position: position.map(|v| v as f32), displacement: [0.0; 2] };
-        if self.may_touch(place, &way, extent as f32, None) == [false; 2] {
+        let path = Path { position: position.map(|v| v as f32), displacement: [0.0; 2] };
+        if self.may_touch(place, &path, extent as f32, None) == [false; 2] {
             return;
         }
         self.each(place, [position; 2], extent, |wall, offset| {

@@ -81,7 +81,7 @@ impl Walls {
         line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)
     }
 
-    /// Whether the way from one point to another crosses a wall.
+    /// Whether the path from one point to another crosses a wall.
     fn is_crossed(&self, wall: u32, from: Vector, to: Vector) -> bool {
         let line = self.line(wall - FIRST);
         let [a, b] = line.ends;
