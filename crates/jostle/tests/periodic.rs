@@ -432,3 +432,24 @@ fn rays_that_are_too_long_are_refused() {
     assert!(error.starts_with("max_distance is inf; with period=(10, 0)"), "{error}");
     assert_eq!(query::first_hits(&tree, &ray(10_000.0), None).expect("valid").ids, [-1]);
 }
+
+#[test]
+fn only_images_near_shapes_are_searched() {
+    let centers: Vec<[f64; 2]> =
+        (0..400).map(|i| [f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5]).collect();
+    let circle = Circle::all(&Each::One([10.0, 10.0]), &Each::One(1.2)).expect("valid");
+    let tests = |sides: [f64; 2], moved: Option<[f64; 2]>| {
+        let period = Period::new(sides).expect("valid");
+        let mut space = Space::with_period(Settings::default(), period).expect("valid");
+        let shapes = Shapes::circles(centers.clone(), Each::One(0.1)).expect("valid");
+        let ids = space.add(&shapes).expect("valid");
+        space.search(&circle, None).expect("few");
+        if let Some(center) = moved {
+            space.move_to(&ids[..1], &[center]).expect("valid");
+        }
+        space.search(&circle, None).expect("few").tests
+    };
+    for moved in [None, Some([10.0, 10.0]), Some([0.0, 19.9])] {
+        assert_eq!(tests([20.0, 20.0], moved), tests([0.0, 0.0], moved), "{moved:?}");
+    }
+}

@@ -11,7 +11,7 @@ use std::mem;
 use super::pairs::Wanted;
 use super::slots::Slots;
 use crate::error::{Error, Result};
-use crate::geometry::Scalar;
+use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::pairs::{self, Filters, JoinScratch};
@@ -181,6 +181,13 @@ impl<T: Scalar> Layers<T> {
     /// Indices of the layers with anything in them.
     pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
         (0..self.layers.len()).filter(|&index| self.layers[index].alive > 0)
+    }
+
+    /// The bounds of all shapes; none if there are none.
+    pub(super) fn bounds(&self, slots: &Slots<T>) -> Option<Bounds<T>> {
+        let layers = self.indices().filter_map(|index| self.layers[index].tree.bounds().first());
+        let fresh = self.fresh().map(|slot| Bounds::of(&slots.shape(slot)));
+        layers.copied().chain(fresh).reduce(Bounds::join)
     }
 
     /// Whether a place of a layer still holds the shape in its slot.

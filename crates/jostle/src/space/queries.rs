@@ -31,7 +31,7 @@ impl<T: Scalar> Space<T> {
         if self.period.is_none() {
             return self.search_here(regions, mask);
         }
-        let images = Images::of(regions, &self.period, None)?;
+        let images = Images::of(regions, &self.period, self.layers.bounds(&self.slots).as_ref())?;
         images.combine(self.search_here(&images.regions, mask)?)
     }
 
