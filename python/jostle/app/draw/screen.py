@@ -10,6 +10,7 @@ import os
 import pygame
 
 from jostle.app.draw.camera import Size
+from jostle.app.draw.icon import icon
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.software import SoftwarePainter
 
@@ -41,6 +42,7 @@ class Screen:
 
     def __init__(self, size: Size, renderer: str = "auto") -> None:
         pygame.display.init()
+        pygame.display.set_icon(icon())
         self.painter = _open(size, renderer)
 
     @property
