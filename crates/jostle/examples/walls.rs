@@ -1,5 +1,6 @@
 //! Time of a step of 100,000 discs among 10,000 walls over that of the discs alone, and of its stages:
-//! `cargo run --release --package jostle --example walls`; arguments: DISCS WALLS STEPS THREADS KIND.
+//! `cargo run --release --package jostle --example walls`; arguments: DISCS WALLS STEPS THREADS KIND LAYOUT.
+//! KIND is `gas`, `falling` or `both`; LAYOUT is `random` or `polygons`.
 //!
 //! Valgrind's callgrind counts instructions, which do not depend on the load of the machine:
 //! `valgrind --tool=callgrind "--toggle-collect=*among_walls*" target/local/examples/walls 3000 300 3 1 gas`,
@@ -23,7 +24,9 @@ fn main() {
     };
     let (discs, walls, steps) = (number(0, 100_000), number(1, 10_000), number(2, 31).max(1));
     let kinds = [("gas", 0.0, 1.0), ("falling", -9.8, 0.5)];
-    let is_wanted = |name: &str| arguments.get(4).is_none_or(|kind| kind == name);
+    let is_wanted = |name: &str| arguments.get(4).is_none_or(|kind| kind == name || kind == "both");
+    let layout =
+        if arguments.get(5).is_some_and(|name| name == "polygons") { polygons } else { scattered };
     for (name, gravity, restitution) in kinds.into_iter().filter(|kind| is_wanted(kind.0)) {
         let mut settings = WorldSettings {
             gravity: [0.0, gravity],
@@ -32,7 +35,7 @@ fn main() {
             ..WorldSettings::default()
         };
         settings.tree.threads = arguments.get(3).and_then(|text| text.parse().ok());
-        let mut both = [0, walls].map(|shown| crowd(discs, walls, shown, settings));
+        let mut both = [0, walls].map(|shown| crowd(discs, (layout, walls), shown, settings));
         for world in &mut both {
             step(world, 30);
         }
@@ -97,19 +100,18 @@ fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
     times
 }
 
-/// Walls of length 6 at random places in a box, and discs of radius 1 that cover 30 % of it. The
-/// discs are on a lattice, at random places that overlap no wall: one that began between crossing walls
-/// would bounce there very often. Without walls (`walls` is 0) there are the same discs.
-fn crowd(discs: usize, among: usize, walls: usize, settings: WorldSettings) -> World {
+/// Discs of radius 1 that cover 30 % of a box, and walls. The discs are on a lattice, at random places
+/// that overlap no wall: one that began between crossing walls would bounce there very often. Without
+/// walls (`shown` is 0) there are the same discs.
+fn crowd(
+    discs: usize,
+    (layout, walls): (Layout, usize),
+    shown: usize,
+    settings: WorldSettings,
+) -> World {
     let mut random = Random::new(1);
     let side = (discs as f32 * std::f32::consts::PI / 0.3).sqrt();
-    let lines: Vec<Wall> = (0..among)
-        .map(|_| {
-            let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
-            let angle = random.between(0.0, std::f32::consts::TAU);
-            Wall::new([[x, y], [x + 6.0 * angle.cos(), y + 6.0 * angle.sin()]])
-        })
-        .collect();
+    let lines = layout(walls, side, &mut random);
     let positions = free_places(&lines, discs, side, &mut random);
     let velocities =
         positions.iter().map(|_| [random.between(-20.0, 20.0), random.between(-20.0, 20.0)]);
@@ -117,8 +119,41 @@ fn crowd(discs: usize, among: usize, walls: usize, settings: WorldSettings) -> W
     let container = Container::Box { min: [0.0; 2], max: [side; 2] };
     let mut world =
         World::new(all, WorldSettings { container, ..settings }).expect("the world is valid");
-    world.set_walls(lines[..walls].to_vec()).expect("the walls are valid");
+    world.set_walls(lines[..shown].to_vec()).expect("the walls are valid");
     world
+}
+
+/// Makes a number of walls in a box with this side.
+type Layout = fn(usize, f32, &mut Random) -> Vec<Wall>;
+
+/// Walls of length 6 at random places, many of which cross.
+fn scattered(count: usize, side: f32, random: &mut Random) -> Vec<Wall> {
+    let wall = |_| {
+        let [x, y] = [random.between(0.0, side), random.between(0.0, side)];
+        let angle = random.between(0.0, std::f32::consts::TAU);
+        Wall::new([[x, y], [x + 6.0 * angle.cos(), y + 6.0 * angle.sin()]])
+    };
+    (0..count).map(wall).collect()
+}
+
+/// Closed polygons of [`SIDES`] walls on a lattice, as in the level of a game.
+fn polygons(count: usize, side: f32, random: &mut Random) -> Vec<Wall> {
+    const SIDES: usize = 100;
+    let columns = count.div_ceil(SIDES).isqrt().max(1);
+    let spacing = side / columns as f32;
+    let mut walls = Vec::new();
+    for index in 0..count.div_ceil(SIDES) {
+        let [x, y] = [index % columns, index / columns].map(|k| (k as f32 + 0.5) * spacing);
+        let turn = random.between(0.0, std::f32::consts::TAU);
+        let corner = |at: usize| {
+            let angle = at as f32 / SIDES as f32 * std::f32::consts::TAU;
+            let radius = spacing * (0.35 + 0.08 * (3.0 * angle + turn).sin());
+            [x + radius * angle.cos(), y + radius * angle.sin()]
+        };
+        walls.extend((0..SIDES).map(|at| Wall::new([at, (at + 1) % SIDES].map(corner))));
+    }
+    walls.truncate(count);
+    walls
 }
 
 /// Random places of a lattice for discs of radius 1 that overlap no wall.
