@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import random
 from typing import Any
 
@@ -162,3 +164,59 @@ def test_the_flocking_example_of_mesa(monkeypatch: pytest.MonkeyPatch) -> None:
             model.step()
         positions.append(np.array([agent.position for agent in model.agents]))
     assert np.array_equal(*positions)
+
+
+def _writes() -> dict[str, Any]:
+    def unpacked(positions: Any) -> None:
+        x, _ = positions.T
+        x[1:3] = 1.0
+
+    return {
+        "transposed": lambda p: p.T.__setitem__((slice(None), 1), 1.0),
+        "unpacked": unpacked,
+        "flattened": lambda p: p.reshape(-1).__setitem__(slice(2, 4), 1.0),
+        "ravelled": lambda p: p.ravel().__setitem__(slice(2, 4), 1.0),
+        "viewed": lambda p: p.view().__setitem__(1, 1.0),
+        "filled": lambda p: p[1].fill(1.0),
+        "put": lambda p: p.put([2, 3], 1.0),
+        "in place": lambda p: p.T.__imul__(0.5),
+        "row of a slice": lambda p: p[1:][0].__setitem__(0, 1.0),
+    }
+
+
+@pytest.mark.parametrize("write", _writes().values(), ids=_writes().keys())
+def test_writes_to_views_are_detected(write: Any) -> None:
+    twins = Twins(True)
+    for x in range(6):
+        twins.add((2.0 * x, 5.0))
+    twins.agree((1.0, 1.0), 3.0, 2)
+    for space in twins.spaces:
+        write(space.agent_positions)
+    twins.agree((1.0, 1.0), 3.0, 2)
+    twins.agree((0.0, 5.0), 3.0, 2)
+
+
+def test_results_of_arithmetic_are_not_positions() -> None:
+    """Changing them does not change the space, so it moves nothing."""
+    twins = Twins(True)
+    twins.add((2.0, 5.0))
+    space: Any = twins.spaces[1]
+    space.get_agents_in_radius((2.0, 5.0), 1.0)
+    offsets = space.agent_positions - 1.0
+    offsets += 1.0
+    twins.agents[1][0].position.copy()[:] = 0.0
+    assert not space._all_moved and not space._moved
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
+def test_copies_notice_moved_agents(copied: Any) -> None:
+    space = ContinuousSpace(DIMENSIONS, torus=True, random=random.Random(1))
+    model = mesa.Model(seed=1)
+    for x in range(4):
+        ContinuousSpaceAgent(space, model).position = (2.0 * x, 5.0)
+    space.get_agents_in_radius((2.0, 5.0), 1.0)
+    other = copied(space)
+    moved = other.active_agents[3]
+    moved.position = (2.0, 5.5)
+    assert other.get_agents_in_radius((2.0, 5.0), 1.0)[0] == [other.active_agents[1], moved]
+    assert len(space.get_agents_in_radius((2.0, 5.0), 1.0)[0]) == 1

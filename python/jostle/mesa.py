@@ -3,15 +3,16 @@
 `ContinuousSpace` has the names, arguments and results of
 `mesa.experimental.continuous_space.ContinuousSpace`, from which it is derived, so Mesa's
 `ContinuousSpaceAgent` and the models written for it use it unchanged. Mesa computes the distances
-to all agents for each query; this class asks a `jostle.Space` for the agents nearby, and then
+to all agents for each query; this class queries a `jostle.Space` for the agents nearby, and then
 computes and compares distances as Mesa does. The answers are the same agents in the same order,
 with the same bits, with one exception: `get_k_nearest_agents` returns the nearest first, at equal
 distances the agent that was added first, whereas Mesa's order of these k agents is not specified.
 
 Positions may be assigned (``agent.position = p``), changed in place (``agent.position += v``,
 ``agent.position[0] = x``), or written for many agents at once
-(``space.agent_positions[rows] = p``). Not noticed are writes by functions of NumPy that are given
-the array as their output (``np.add(p, v, out=agent.position)``); call `refresh` after these.
+(``space.agent_positions[rows] = p``), also in views of them. Call `refresh` after other writes, which
+are not detected: those of NumPy's functions (``np.add(p, v, out=agent.position)``, ``np.copyto``)
+and those through ``.flat``.
 
 Spaces that are not of two dimensions, and queries from points outside of a torus, use Mesa's own
 code.
@@ -54,13 +55,19 @@ _item = np.ndarray.__getitem__
 
 
 class _Positions(np.ndarray):
-    """Positions that tell their space which rows are written.
+    """An array of positions that reports writes to its space.
 
-    Every view knows the rows that it may show: one number, or None for all.
+    `row` is the row of the space that a view may change, or None if it may change all.
     """
 
     space: ContinuousSpace | None = None
     row: int | None = None
+
+    def __array_finalize__(self, source: Any) -> None:
+        """Let views report writes as their source does; copies and results do not."""
+        if type(source) is _Positions and self.base is not None:
+            if self.base is source or self.base is source.base:
+                self.space, self.row = source.space, source.row
 
     def __getitem__(self, key: Any) -> Any:
         """Return a view, which reports writes too."""
@@ -79,6 +86,16 @@ class _Positions(np.ndarray):
         if self.row is None and type(key) is int and self.space is not None:
             return key if self is self.space._positions else None
         return self.row
+
+    def fill(self, value: Any) -> None:
+        """Fill, and report the rows."""
+        super().fill(value)
+        self._report(self.row)
+
+    def put(self, *arguments: Any, **options: Any) -> None:
+        """Write some numbers, and report the rows."""
+        super().put(*arguments, **options)
+        self._report(self.row)
 
     def _report(self, row: int | None) -> None:
         if self.space is not None:
@@ -140,6 +157,12 @@ class ContinuousSpace(_MesaSpace):
         self._low: list[float] = self.dimensions[:, 0].astype(float).tolist()
         self._high: list[float] = self.dimensions[:, 1].astype(float).tolist()
         self._largest = float(np.abs(self.dimensions).max())
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a copy, or what was pickled: its positions are views of one array again."""
+        self.__dict__.update(state)
+        self._shapes = None
+        self.agent_positions = self._agent_positions[: self._n_agents]
 
     @property
     def agent_positions(self) -> Any:

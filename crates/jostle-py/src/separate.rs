@@ -61,8 +61,8 @@ use crate::shapes::{Rows, Shapes};
 ///     rounds : int
 ///         Number of rounds, at most `max_rounds`; placing along an axis counts as one.
 ///     overlaps : int
-///         Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
-///         are separated.
+///         Number of pairs that still overlap, or are closer than `gap`, without pairs of two fixed
+///         shapes; 0 if the shapes are separated.
 ///
 /// Raises
 /// ------

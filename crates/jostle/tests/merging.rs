@@ -123,7 +123,7 @@ fn a_chain_merges_in_one_go_and_what_that_makes_touch_follows() {
     assert_eq!(new_ids(&world), Some(vec![0, 0, 2, 0, 0]));
     assert_eq!(world.radii(), [2.0, 1.0]);
     assert_eq!(world.positions()[1], [50.0, 0.0]);
-    world.forget_renumbering();
+    world.begin_record();
     run(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), None);
 }

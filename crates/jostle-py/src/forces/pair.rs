@@ -191,8 +191,8 @@ impl PyPairForce {
     ///
     /// Notes
     /// -----
-    /// A sub-step of ``0.005 * sigma * sqrt(m / epsilon)`` seconds conserves energy to 0.1 %. Use
-    /// ``on_touch="ignore"``, so that the particles do not also collide as discs.
+    /// With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by
+    /// less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not also collide as discs.
     ///
     /// Examples
     /// --------

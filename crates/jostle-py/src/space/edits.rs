@@ -41,7 +41,9 @@ impl PySpace {
     /// Returns
     /// -------
     /// ndarray of int64, shape (k,), or int
-    ///     Their ids; one id for one centre or one box. Ids start at 0: 0, 1, 2, ...
+    ///     Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
+    ///     removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
+    ///     indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
     ///
     /// Raises
     /// ------

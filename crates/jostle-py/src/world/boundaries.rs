@@ -78,7 +78,7 @@ impl PyWorld {
     /// ------
     /// ValueError
     ///     If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
-    ///     equal, or the container is a `Torus`.
+    ///     equal, or a wall is longer than a side of a `Torus`.
     ///
     /// See Also
     /// --------

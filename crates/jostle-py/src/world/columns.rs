@@ -318,8 +318,8 @@ impl PyWorld {
     /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
     /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
     /// velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-    /// asleep if there is a force other than `Thermostat`, or with another `on_touch` than
-    /// "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+    /// asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall moves, or with
+    /// another `on_touch` than "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
     ///
     /// See Also
     /// --------

@@ -121,7 +121,6 @@ impl State {
     /// Begins a call of `step`.
     pub(super) fn begin(&mut self, dt: f64) -> jostle::Result<()> {
         self.world.step(dt, 0)?;
-        self.world.forget_renumbering();
         self.world.begin_record();
         Ok(())
     }

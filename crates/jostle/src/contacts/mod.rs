@@ -104,7 +104,7 @@ impl Contact {
     /// Adds impulses to the sums of this step.
     #[inline(always)]
     pub fn count(&mut self, impulses: [f32; 2]) {
-        self.totals = [0, 1].map(|k| self.totals[k] + impulses[k]);
+        self.totals = sum_of_impulses(self.totals, impulses);
     }
 
     /// Updates normal and gap to the positions.
@@ -498,6 +498,12 @@ impl Contacts {
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
         self.list.iter().filter(|contact| contact.touched)
     }
+}
+
+/// The sums of two impulses along two axes, at most the largest number of float32: infinite ones of both
+/// signs would give NaN.
+pub fn sum_of_impulses(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|k| (a[k] + b[k]).clamp(f32::MIN, f32::MAX))
 }
 
 /// Whether two particles are near each other.

@@ -4,7 +4,7 @@
 /// Cells of a scale.
 pub const CELLS: usize = 256;
 
-/// Equal parts of a scale, each of which knows the cells in it.
+/// Equal parts of a scale, each with the range of its cells.
 const BUCKETS: usize = 1024;
 
 /// Samples of all ranks together, about, and of one rank at least and at most.

@@ -64,7 +64,7 @@ pub struct Events {
     /// Discs that got further than their limits, and how far, once for each window. Unlike the
     /// growth of bounds they follow from the trajectories alone.
     pub outside_limits: Vec<(u32, f64)>,
-    /// Discs whose bounds grew, so that they may belong to these.
+    /// Discs whose bounds grew: candidates for `outside_limits`.
     may_be_outside_limits: Vec<u32>,
     /// Hashes of the trajectories of the discs that are shared with other ranks.
     pub digests: Vec<u64>,

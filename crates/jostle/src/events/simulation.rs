@@ -184,7 +184,7 @@ impl Simulation<'_> {
         number
     }
 
-    /// Lets an event happen, with all that happens at the same time. Returns the number of impacts.
+    /// Executes an event and all simultaneous contacts. Returns the number of impacts.
     fn happen(&mut self, event: &Event) -> usize {
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
         self.join(index, time);
@@ -413,7 +413,8 @@ impl Simulation<'_> {
 
     /// The impulses of a contact of this moment along its normal and of friction.
     pub(super) fn impulses_of(&self, touch: usize) -> [f32; 2] {
-        let [normal, friction] = self.scratch.impulses[touch].map(|impulse| impulse as f32);
+        let [normal, friction] =
+            self.scratch.impulses[touch].map(|impulse| (impulse as f32).clamp(f32::MIN, f32::MAX));
         [normal, if self.window.flight.has_friction { friction } else { 0.0 }]
     }
 

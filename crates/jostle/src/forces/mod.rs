@@ -98,12 +98,12 @@ impl Force {
         }
     }
 
-    /// Whether it refers to particles.
+    /// Whether it acts on particles by their rows, also in the sub-steps. Motors only set velocities before
+    /// a step.
     fn names_any(&self) -> bool {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
             Self::Springs(springs) => !springs.0.is_empty(),
-            Self::Motor(motor) => !motor.ids.is_empty(),
             _ => false,
         }
     }

@@ -75,8 +75,7 @@ impl Around<'_> {
         self.may_touch_near(place, path, far, extent, left)
     }
 
-    /// The same by the walls near the disc, if it stays where these were searched. Few discs are there,
-    /// so it is no part of the loops over all.
+    /// Tests the listed walls of the disc. Not inlined, because few discs need it.
     #[inline(never)]
     fn may_touch_near(
         &self,

@@ -1,7 +1,7 @@
 //! Walls that move with a constant velocity.
 //!
-//! A disc is seen from each wall: its trajectory relative to the wall is a parabola or a straight
-//! line too, so the same formulas give the time of impact. Walls that share an end should have the
+//! The trajectory of a disc is computed in the frame of reference of the wall. It is a parabola or a
+//! straight line too, so the same formulas give the time of impact. Walls that share an end should have the
 //! same velocity: which part of a wall acts on a disc is decided with the others seen from that wall.
 
 use super::{FIRST, Line, Wall, Walls, are_elastic};

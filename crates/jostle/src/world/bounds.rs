@@ -58,7 +58,7 @@ const ONE_CIRCLE: f64 = 1.6;
 const GROWTH: f64 = 1.25;
 
 impl World {
-    /// Computes the bounds of a step of `dt` seconds. If a particle gets further,
+    /// Computes the bounds of a step of `dt` seconds. If a particle moves farther,
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
@@ -66,11 +66,15 @@ impl World {
         let (particles, settings) = (&self.particles, &self.settings);
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
-        let pulled =
-            |place: usize| force_displacement(accelerations.get(place), None, dt).unwrap_or(0.0);
         let fall = distance_of_fall(settings.gravity, dt);
-        // Particles that merge are not searched again.
+        // Particles that merge are not searched again, so their bounds contain the estimated
+        // displacements by springs.
         let is_merging = settings.on_touch == OnTouch::Merge;
+        let by_springs = if is_merging { &forces.reaches[..] } else { &[] };
+        let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
+        let pulled = |place: usize| {
+            force_displacement(accelerations.get(place), by_springs.get(place), dt).unwrap_or(0.0)
+        };
         let longest =
             if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
         let len = particles.len();
@@ -93,7 +97,7 @@ impl World {
             {
                 let own = distance_at(velocity, dt);
                 let mut by_forces = fall;
-                if !accelerations.is_empty() {
+                if is_pulled {
                     by_forces += pulled(place);
                 }
                 let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };

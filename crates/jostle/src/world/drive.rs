@@ -44,13 +44,14 @@ impl World {
         before
     }
 
-    /// Takes back what [`World::drive`] did before a step that failed.
+    /// Takes back what [`World::drive`] did before a step that failed, in reverse order: several
+    /// motors may drive the same particle.
     pub(super) fn restore_driven(&mut self, before: Driven) {
-        for (place, velocity, angular_velocity) in before.particles {
+        for (place, velocity, angular_velocity) in before.particles.into_iter().rev() {
             self.particles.velocities[place] = velocity;
             self.particles.set_angular_velocity(place, angular_velocity);
         }
-        for (wall, velocity) in before.walls {
+        for (wall, velocity) in before.walls.into_iter().rev() {
             self.walls.set_velocity(wall, velocity);
         }
         self.particles.simplify();

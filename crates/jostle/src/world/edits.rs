@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::World;
 use super::sleeping::Drift;
+use super::{Memory, World};
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
@@ -65,13 +65,16 @@ impl World {
             left += u32::from(!gone);
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        // In a step whose particles merge, these are of the rows before.
-        self.memory.wall_pushes.clear();
-        self.wall_impulses.retain(|of| !gone[of.row as usize]);
-        self.wall_impulses.iter_mut().for_each(|of| of.row = shifted[of.row as usize]);
+        let Memory { wall_pushes, exhausted, .. } = &mut self.memory;
+        renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
+        renumber(wall_pushes, |of| &mut of.row, (gone, &shifted));
+        renumber(exhausted, |row| row, (gone, &shifted));
         self.keep(&keep);
         self.ids.remove(gone);
         retain_unless(&mut self.given, gone);
+        if self.given.iter().all(|given| *given == [0.0; 2]) {
+            self.given.clear();
+        }
         forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
@@ -171,6 +174,20 @@ impl World {
         self.wake_driven(&mut driven);
         self.wake_changed(&changed);
     }
+}
+
+/// Removes what belongs to removed rows, and gives the rest the rows that they have then.
+fn renumber<V>(
+    all: &mut Vec<V>,
+    row: impl Fn(&mut V) -> &mut u32,
+    (gone, shifted): (&[bool], &[u32]),
+) {
+    all.retain_mut(|of| {
+        let row = row(of);
+        let stays = !gone[*row as usize];
+        *row = shifted[*row as usize];
+        stays
+    });
 }
 
 /// Removes some values of a column.

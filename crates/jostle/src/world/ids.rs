@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::memory;
 use crate::space::Id;
 
-/// Ids of which [`World::renumbered`] tells at most; they take 2 GiB.
+/// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
 const MOST_RENUMBERED: usize = 1 << 27;
 
 /// The ids of all rows, ascending.
@@ -149,11 +149,6 @@ impl World {
         self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
         Ok(Some(new))
-    }
-
-    /// Resets the record of merged particles.
-    pub fn forget_renumbering(&mut self) {
-        self.renumbered = None;
     }
 
     /// Records that particles merged: the old id and the new one of each, by old ids.

@@ -5,7 +5,7 @@
 //! touching particles merges into one. If merged particles overlap others, these merge too, in
 //! a limited number of iterations.
 
-use super::World;
+use super::{Memory, World};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::forces;
@@ -181,11 +181,28 @@ impl World {
         let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
         let merged = merged.collect();
         self.memory.before.ids.get_or_insert_with(|| self.ids.clone());
+        self.inherit(heirs);
         let shifted = self.take_out(&gone);
         forces::follow(&mut self.forces, |row| {
             Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
         self.record_renumbering(merged);
+    }
+
+    /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
+    /// that one had too many events. Their resting impulses begin with 0.
+    fn inherit(&mut self, heirs: &[u32]) {
+        let mut has_merged = vec![false; heirs.len()];
+        for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
+            has_merged[row] = true;
+            has_merged[heir as usize] = true;
+        }
+        let Memory { wall_pushes, exhausted, .. } = &mut self.memory;
+        wall_pushes.retain(|of| !has_merged[of.row as usize]);
+        self.wall_impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
+        exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
+        exhausted.sort_unstable();
+        exhausted.dedup();
     }
 }
 

@@ -232,7 +232,7 @@ struct Memory {
     forces: ForceScratch,
     before: Before,
     /// The record before, until a step of the present one is complete.
-    record_before: Option<Record>,
+    record_before: Option<(Record, Option<Vec<[Id; 2]>>)>,
     /// Columns to reorder into, for all parts of a step but the first.
     spare: Discs,
 }

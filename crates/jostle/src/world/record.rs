@@ -44,7 +44,7 @@ pub(super) struct Record {
     pub(super) distinct: usize,
     /// Whether there was a step after the end of the record.
     pub(super) is_open: bool,
-    /// Whether all particles have fallen asleep that are asleep, and their pairs are in `at_end`.
+    /// Whether no particle has fallen asleep since `at_end` was computed.
     pub(super) knows_sleepers: bool,
 }
 
@@ -81,8 +81,8 @@ impl Record {
 
 impl World {
     /// Begins a new record, which contains no collisions. The pairs that touch at its beginning
-    /// are those at the end of the record before. If its first step fails, the record before
-    /// returns.
+    /// are those at the end of the record before. [`World::renumbered`] begins anew, too. If its first
+    /// step fails, both are as before.
     pub fn begin_record(&mut self) {
         let old = std::mem::take(&mut self.record);
         // No particle of a distributed world is removed.
@@ -95,7 +95,7 @@ impl World {
             knows_sleepers: old.knows_sleepers,
             ..Record::default()
         };
-        self.memory.record_before = Some(old);
+        self.memory.record_before = Some((old, self.renumbered.take()));
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be

@@ -48,8 +48,9 @@ impl World {
             let done = self.step_awake(single, dt, watch);
             let record_before = self.memory.record_before.take();
             if done.is_err() {
-                if let Some(record) = record_before {
+                if let Some((record, renumbered)) = record_before {
                     self.record = record;
+                    self.renumbered = renumbered;
                 }
                 return done;
             }

@@ -90,9 +90,11 @@ impl World {
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
                 watch(Stage::Resting);
+                interrupt::check()?;
             }
             self.simulate_collisions(&of, substep)?;
             watch(Stage::Events);
+            interrupt::check()?;
             self.correct_positions(&of, substep)?;
             watch(Stage::Correction);
         }

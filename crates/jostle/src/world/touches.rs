@@ -1,7 +1,7 @@
 //! What touched during the last step, and with which impulses.
 
 use super::{Collisions, OnTouch, World};
-use crate::contacts::Contact;
+use crate::contacts::{Contact, sum_of_impulses};
 use crate::error::Result;
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
@@ -60,7 +60,7 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
     all.dedup_by(|next, sum| {
         let is_same = (next.row, next.wall) == (sum.row, sum.wall);
         if is_same {
-            sum.impulses = [0, 1].map(|k| sum.impulses[k] + next.impulses[k]);
+            sum.impulses = sum_of_impulses(sum.impulses, next.impulses);
             sum.pushes = [0, 1].map(|k| sum.pushes[k] + next.pushes[k]);
         }
         is_same

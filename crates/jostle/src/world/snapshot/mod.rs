@@ -378,12 +378,12 @@ fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<C
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
         let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
-        let is_valid = |number: &f32| !number.is_nan();
-        if !known
-            || !numbers.iter().chain(&[friction_impulse, total, total_friction]).all(is_valid)
-            || impulse < 0.0
-        {
+        if !known {
             return Err(damaged("a contact is between no particles"));
+        }
+        let sums = [friction_impulse, total, total_friction];
+        if numbers.iter().chain(&sums).any(|number| number.is_nan()) || impulse < 0.0 {
+            return Err(damaged("a number of a contact is negative or NaN"));
         }
         let (image, normal) = ([x, y], [u, v]);
         let base = Contact { places, image, normal, gap, touched, ..Contact::default() };
@@ -410,8 +410,11 @@ fn get_wall_impulses(from: &mut Reader<'_>, len: usize, version: u32) -> Result<
         let impulses: [f32; 2] = from.get()?;
         let pushes: [f32; 2] = if version > 5 { from.get()? } else { [0.0; 2] };
         let is_push = pushes[0] >= 0.0 && pushes.iter().all(|push| push.is_finite());
-        if row as usize >= len || impulses.iter().any(|impulse| impulse.is_nan()) || !is_push {
+        if row as usize >= len {
             return Err(damaged("a wall has an impulse on no particle"));
+        }
+        if impulses.iter().any(|impulse| impulse.is_nan()) || !is_push {
+            return Err(damaged("an impulse of a wall is not a number, or negative"));
         }
         all.push(WallImpulse { row, wall, impulses, pushes });
     }
@@ -425,10 +428,11 @@ fn put_walls(to: &mut Writer, walls: &[Wall]) {
         // No coefficient is below 0.
         to.put([*restitution, friction.unwrap_or(-1.0)]);
     }
-    let moves = walls.iter().any(Wall::moves);
-    to.put(u8::from(moves));
+    // A wall that was stopped has residuals, too.
+    let move_or_moved = walls.iter().any(|wall| wall.moves() || wall.residuals != [[0.0; 2]; 2]);
+    to.put(u8::from(move_or_moved));
     for Wall { residuals: [[a, b], [c, d]], velocity: [u, v], .. } in walls {
-        if moves {
+        if move_or_moved {
             to.put([*a, *b, *c, *d]);
             to.put([*u, *v]);
         }
