@@ -1,4 +1,4 @@
-"""Merging of particles that touch: what the merged particle inherits, and what it does not depend on."""
+"""Merging of particles that touch: the impulses of the merged one, and the order of adding."""
 
 from __future__ import annotations
 

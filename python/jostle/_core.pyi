@@ -3988,7 +3988,8 @@ class World:
         It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
         ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
         stands for an id that no particle has, also if it was removed since. Each call of `step`
-        replaces the array: read it after every call that may merge particles.
+        replaces the array: read it after every call that may merge particles. If its first step is
+        refused, the array stays. Snapshots, files and copies do not contain it.
 
         Raises
         ------

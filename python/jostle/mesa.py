@@ -10,9 +10,9 @@ distances the agent that was added first, whereas Mesa's order of these k agents
 
 Positions may be assigned (``agent.position = p``), changed in place (``agent.position += v``,
 ``agent.position[0] = x``), or written for many agents at once
-(``space.agent_positions[rows] = p``), also in views of them. Call `refresh` after other writes, which
-are not detected: those of NumPy's functions (``np.add(p, v, out=agent.position)``, ``np.copyto``)
-and those through ``.flat``.
+(``space.agent_positions[rows] = p``), also in views of them. Call `refresh` after other writes,
+which are not detected: those of NumPy's functions (``np.add(p, v, out=agent.position)``,
+``np.copyto``) and those through ``.flat``.
 
 Spaces that are not of two dimensions, and queries from points outside of a torus, use Mesa's own
 code.
@@ -65,9 +65,10 @@ class _Positions(np.ndarray):
 
     def __array_finalize__(self, source: Any) -> None:
         """Let views report writes as their source does; copies and results do not."""
-        if type(source) is _Positions and self.base is not None:
-            if self.base is source or self.base is source.base:
-                self.space, self.row = source.space, source.row
+        if type(source) is not _Positions or self.base is None:
+            return
+        if self.base is source or self.base is source.base:
+            self.space, self.row = source.space, source.row
 
     def __getitem__(self, key: Any) -> Any:
         """Return a view, which reports writes too."""
