@@ -33,6 +33,9 @@ class PausingComm(MPI.Intracomm):
     def Allgather(self, *buffers: object) -> None:
         pause_until(self.Iallgather(*buffers))
 
+    def Allgatherv(self, *buffers: object) -> None:
+        pause_until(self.Iallgatherv(*buffers))
+
     def Allreduce(self, *arguments: object, **options: object) -> None:
         pause_until(self.Iallreduce(*arguments, **options))
 

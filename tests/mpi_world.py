@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
+from mpi_groups import ALL, on_each_number_of_ranks, run
 
 import jostle
 import jostle.mpi
 import jostle.mpi.storage
 
-COMM = MPI.COMM_WORLD
+COMM = ALL  # of the present group
 STEPS = 300
 
 #: A distribution gives the rank of each particle, in ascending order.
@@ -133,9 +134,12 @@ def check_touches(name: str, ours: jostle.mpi.World, world: jostle.World) -> Non
 
 
 def main(which: str) -> None:
-    globals()[f"test_{which}"]()
-    if COMM.rank == 0:
-        print("all bits are right")
+    def test(comm: MPI.Comm) -> None:
+        global COMM
+        COMM = comm
+        globals()[f"test_{which}"]()
+
+    run(lambda: on_each_number_of_ranks(test), "all bits are right")
 
 
 def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jostle.World:
