@@ -55,9 +55,9 @@ def pause_until(request: MPI.Request) -> None:
             time.sleep(PAUSE)
 
 
-def wait_for_all() -> None:
-    """Wait for all processes."""
-    pause_until(ALL.Ibarrier())
+def wait_for_all(comm: MPI.Comm = ALL) -> None:
+    """Wait for all processes of a communicator."""
+    pause_until(comm.Ibarrier())
 
 
 def on_each_number_of_ranks(act: Callable[[MPI.Comm], object]) -> None:
