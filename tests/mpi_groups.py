@@ -30,6 +30,9 @@ class PausingComm(MPI.Intracomm):
     def Dup(self) -> "PausingComm":
         return PausingComm(super().Dup())
 
+    def Split(self, *arguments: int) -> "PausingComm":
+        return PausingComm(super().Split(*arguments))
+
     def Allgather(self, *buffers: object) -> None:
         pause_until(self.Iallgather(*buffers))
 
