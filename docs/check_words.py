@@ -67,7 +67,7 @@ IN_APP = {
     r"told apart|tells apart": "distinguished, significantly different",
     r"the last half minute": "rewind, the last 30 s",
 }
-APP = ("python/jostle/app/", "python/jostle/tune/", "python/jostle/bench/", "python/jostle/cli.py")
+APP = ("python/jostle/app/", "python/jostle/tune/", "python/jostle/bench/", "python/jostle/cli/")
 
 IN_TEXTS = {
     r"anew": "again",

@@ -44,11 +44,23 @@ settings.register_profile("here", deadline=None, print_blob=True)
 # Every run uses the same examples, so that a failure comes from the tested change.
 settings.register_profile("ci", parent=settings.get_profile("here"), derandomize=True)
 settings.load_profile("ci" if os.environ.get("CI") else "here")
+# On further Pythons the same compiled core is tested.
+settings.register_profile("library", parent=settings(), max_examples=20)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     text = "run only the tests of the library, which need none of the simulator's packages"
     parser.addoption("--library", action="store_true", help=text)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--library"):
+        settings.load_profile("library")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Start slow tests first, so that none of them is the last one."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:

@@ -30,8 +30,14 @@ class PausingComm(MPI.Intracomm):
     def Dup(self) -> "PausingComm":
         return PausingComm(super().Dup())
 
+    def Split(self, *arguments: int) -> "PausingComm":
+        return PausingComm(super().Split(*arguments))
+
     def Allgather(self, *buffers: object) -> None:
         pause_until(self.Iallgather(*buffers))
+
+    def Allgatherv(self, *buffers: object) -> None:
+        pause_until(self.Iallgatherv(*buffers))
 
     def Allreduce(self, *arguments: object, **options: object) -> None:
         pause_until(self.Iallreduce(*arguments, **options))
@@ -52,9 +58,9 @@ def pause_until(request: MPI.Request) -> None:
             time.sleep(PAUSE)
 
 
-def wait_for_all() -> None:
-    """Wait for all processes."""
-    pause_until(ALL.Ibarrier())
+def wait_for_all(comm: MPI.Comm = ALL) -> None:
+    """Wait for all processes of a communicator."""
+    pause_until(comm.Ibarrier())
 
 
 def on_each_number_of_ranks(act: Callable[[MPI.Comm], object]) -> None:

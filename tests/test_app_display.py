@@ -117,7 +117,7 @@ def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> Non
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
     )
-    monkeypatch.setattr(cli, "has_display", lambda: True)
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
     with pytest.raises(SystemExit):
         cli.main()

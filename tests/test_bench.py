@@ -451,7 +451,7 @@ def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
 
     from jostle import cli
 
-    monkeypatch.setattr(cli, "console", Console(width=24))
+    monkeypatch.setattr(cli.commands, "console", Console(width=24))
     assert bench(monkeypatch) == 0
     printed = capsys.readouterr().out
     assert "…" not in printed and "(×1)" in printed

@@ -112,7 +112,7 @@ def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
     from jostle.app.draw import screen
 
     monkeypatch.setattr(screen, "_MODERNGL", False)
-    monkeypatch.setattr(cli, "has_display", lambda: True)
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
     assert "--renderer is 'opengl', but OpenGL needs the package moderngl" in sentence
 
@@ -138,11 +138,11 @@ def test_the_display_decides(monkeypatch) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    assert not cli.has_display()
+    assert not cli.runs.has_display()
     monkeypatch.setenv("DISPLAY", ":0")
-    assert cli.has_display()
+    assert cli.runs.has_display()
     monkeypatch.setenv("SDL_VIDEODRIVER", "offscreen")
-    assert not cli.has_display()
+    assert not cli.runs.has_display()
 
 
 def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_path) -> None:
@@ -151,7 +151,7 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
     def refuse(*arguments: object, **options: object) -> None:
         raise pygame.error("no video device")
 
-    monkeypatch.setattr(cli, "has_display", lambda: True)
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     monkeypatch.setattr(pygame.display, "set_mode", refuse)
     assert run(monkeypatch, "run", "gas", "-n", "5", "--steps", "2", "--out", str(tmp_path)) == 0
     assert "no video device" in capsys.readouterr().out

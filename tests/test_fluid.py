@@ -89,7 +89,7 @@ def mean_and_error(values: Floats) -> tuple[float, float]:
 def test_g_of_a_lennard_jones_fluid_is_that_of_lammps() -> None:
     count, density = 784, 0.6
     side = math.sqrt(count / density)
-    places = frames(count, density, 200, settle=2000, every=60, seed=1)
+    places = frames(count, density, 200, settle=1500, every=40, seed=1)
     g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
     rings = np.pi * (BINS[1:] ** 2 - BINS[:-1] ** 2) * density * (count - 1) / count
     neighbors = g @ rings
@@ -114,7 +114,7 @@ def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     """
     count, density = 900, 0.03
     side = math.sqrt(count / density)
-    places = frames(count, density, 150, settle=10_000, every=300, seed=2)
+    places = frames(count, density, 150, settle=4000, every=80, seed=2)
     g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
     step = 0.04
     grid = (np.arange(-170, 170) + 0.5) * step

@@ -147,7 +147,7 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 # ---- the Python package --------------------------------------------------------------------------
 
-COMMAND = {"cli.py", "interrupt.py", "launcher.py", "tables.py"}
+COMMAND = {"interrupt.py", "launcher.py", "tables.py"}
 ADAPTERS = ["pygame"]  # those that are packages
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 LIBRARY += [path for name in ADAPTERS for path in sorted((PACKAGE / name).glob("*.py"))]

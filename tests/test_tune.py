@@ -433,7 +433,7 @@ def test_tune_leaves_tables_csv_and_pictures(
     monkeypatch, capsys, tmp_path: Path, hasty, options, stem
 ) -> None:
     out = tmp_path / "new"
-    monkeypatch.setattr(cli, "console", Console(width=120))
+    monkeypatch.setattr(cli.commands, "console", Console(width=120))
     code = run(
         monkeypatch, "orbit", "--n", "150", "--quick", "--rounds", "1", "--out", str(out), *options
     )

@@ -3,6 +3,8 @@
 mod boundaries;
 mod columns;
 mod edits;
+mod given;
+mod ids;
 mod properties;
 mod ranks;
 mod snapshots;

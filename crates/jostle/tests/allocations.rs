@@ -119,7 +119,7 @@ fn a_step_allocates_nothing_after_some_steps() {
     let rough = ["gas", "pile"];
     let all = smooth.map(|name| (name, 0.0)).into_iter().chain(rough.map(|name| (name, 0.5)));
     for (name, friction) in all {
-        let mut world = scenes::find(name).unwrap().create(Some(1500), 1).unwrap();
+        let mut world = scenes::find(name).unwrap().create(Some(800), 1).unwrap();
         let roughen = |all: &mut Particles| {
             all.spins_mut().iter_mut().for_each(|spin| spin.friction = friction);
             Ok(())

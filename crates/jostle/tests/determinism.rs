@@ -199,7 +199,7 @@ fn with_each_kind<R>(work: impl Fn() -> R) -> [R; 3] {
 fn vector_instructions_do_not_show_in_a_world() {
     for scene in &SCENES {
         let hashes = with_each_kind(|| {
-            let mut world = make(scene, 2000);
+            let mut world = make(scene, 1000);
             run(&mut world, 40);
             world.state_hash()
         });
@@ -257,7 +257,7 @@ fn threads_do_not_show() {
     for scene in &SCENES {
         let hashes = [1, 2, 8].map(|threads| {
             // Enough particles for every parallel path to be taken, colours included.
-            let mut world = scene.create(Some(30_000), 1).expect("a scene is valid");
+            let mut world = scene.create(Some(21_000), 1).expect("a scene is valid");
             with(&mut world, |settings| settings.tree.threads = Some(threads));
             run(&mut world, 3);
             world.state_hash()
@@ -272,7 +272,7 @@ fn brute_force_and_the_tree_make_the_same_world() {
         let [brute, tree] = [Method::Brute, Method::Quadtree].map(|method| {
             let mut world = make(scene, 500);
             with(&mut world, |settings| settings.method = method);
-            run(&mut world, 120);
+            run(&mut world, 80);
             (world.state_hash(), world.contacts().unwrap(), world.wall_contacts())
         });
         assert_eq!(brute, tree, "{}", scene.name);
@@ -289,7 +289,7 @@ fn leaf_capacity_and_depth_do_not_show() {
                     settings.tree =
                         Settings { leaf_capacity: capacity, max_depth: depth, ..settings.tree };
                 });
-                run(&mut world, 50);
+                run(&mut world, 30);
                 world.state_hash()
             });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);
@@ -338,8 +338,8 @@ fn a_permutation_permutes_and_changes_nothing_else() {
         let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
         mixed_up.set_walls(straight.walls().to_vec()).expect("still valid");
         mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
-        run(&mut straight, 120);
-        run(&mut mixed_up, 120);
+        run(&mut straight, 80);
+        run(&mut mixed_up, 80);
         if straight.len() == order.len() {
             let mut expected = Particles::default();
             expected.gather(&straight.particles(), &order, None);

@@ -1,16 +1,14 @@
-//! Adding, removing, reading and changing particles; ids and given accelerations.
+//! Adding, removing, reading and changing particles.
 
 use std::ops::Range;
 
 use jostle::{Changes, Each, Id};
-use numpy::{PyArray1, PyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use super::{PyWorld, State};
-use crate::arrays::{column, read_only, reals, table};
-use crate::error::refused;
+use crate::arrays::{column, reals};
 use crate::forces::kinds_of_each;
 use crate::ids::Ids;
 use crate::particles::{Arguments, Draft, only_vector, vectors};
@@ -307,190 +305,6 @@ impl PyWorld {
             results::world_particles(py, copy, kinds)
         }
     }
-
-    /// Add given forces on some particles, for the next call of `step`.
-    ///
-    /// They act during all steps of that call, beside gravity and `forces`, and end with it. Forces
-    /// on the same particle add up.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,)
-    ///     The particles; one may be given more than once. Immovable ones are not accelerated.
-    /// forces : array_like, shape (k, 2), or (2,) for one id
-    ///     In units of mass times length per second². A force wakes the particle.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError, ValueError
-    ///     If an id does not exist, a shape is wrong, or a number is not finite or too large; then
-    ///     nothing is changed.
-    ///
-    /// See Also
-    /// --------
-    /// World.accelerations : Those of all particles.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0)], [(0, 0), (0, 0)], radii=1.0, masses=2.0)
-    /// >>> world.force(1, (0, 6))
-    /// >>> world.step(0.5, steps=2)
-    /// >>> world.velocities.tolist()
-    /// [[0.0, 0.0], [0.0, 3.0]]
-    fn force(
-        &self,
-        py: Python<'_>,
-        ids: &Bound<'_, PyAny>,
-        forces: &Bound<'_, PyAny>,
-    ) -> PyResult<()> {
-        let ids = Ids::read(ids, "particle")?;
-        let forces = vectors_of(&ids, "forces", Some(forces))?.unwrap_or_default();
-        ids.result_of(self.long(py, |state| state.world.add_forces(&ids.all, &forces))?)
-    }
-
-    /// The ids of all particles, ascending: ndarray of int64, shape (n,), a read-only copy.
-    ///
-    /// The particle in row i of every column has the id ``ids[i]``. Ids never change and are never
-    /// used again. ``id in world`` is True if a particle has the id.
-    ///
-    /// See Also
-    /// --------
-    /// rows : The rows of ids.
-    /// renumbered : The new ids after particles merged.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    /// >>> world.remove(0)
-    /// >>> world.add([(2, 2)], [(0, 0)], radii=1.0)
-    /// array([3])
-    /// >>> world.ids
-    /// array([1, 2, 3])
-    #[getter]
-    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<Id>>> {
-        let ids = self.long(py, |state| state.world.ids())?;
-        Ok(read_only(column(py, ids)))
-    }
-
-    /// Return the rows that particles have in the columns.
-    ///
-    /// Parameters
-    /// ----------
-    /// ids : int or array_like of int, shape (k,)
-    ///     The particles.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray of int64, shape (k,), or int
-    ///     Their rows, until a particle before them is removed or merges; one row for one id.
-    ///
-    /// Raises
-    /// ------
-    /// TypeError
-    ///     If `ids` does not hold integers.
-    /// ValueError
-    ///     If no particle has an id.
-    ///
-    /// See Also
-    /// --------
-    /// ids : The ids of all rows.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    /// >>> world.remove(0)
-    /// >>> world.positions[world.rows(2)]
-    /// array([9., 0.], dtype=float32)
-    fn rows<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        let ids = Ids::read(ids, "particle")?;
-        let rows = ids.result_of(self.long(py, |state| state.world.rows_of(&ids.all))?)?;
-        if ids.single {
-            rows[0].into_bound_py_any(py)
-        } else {
-            Ok(column(py, rows.into_iter().map(i64::from).collect()).into_any())
-        }
-    }
-
-    /// Given accelerations in the next call of `step`: ndarray of float32, shape
-    /// (n, 2), a read-only copy in units of length per second².
-    ///
-    /// Assign an array of this shape before each call, or None for none; `force` adds to it. They
-    /// act during all steps of the call, beside gravity and `forces`, and are 0 after it. Immovable
-    /// particles are not accelerated. The others wake if theirs is not 0, and do not fall asleep in
-    /// the call.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If the shape is wrong, or a number is not finite or too large.
-    ///
-    /// See Also
-    /// --------
-    /// World.force : Forces on some particles.
-    ///
-    /// Examples
-    /// --------
-    /// A force towards the x axis:
-    ///
-    /// >>> import jostle
-    /// >>> world = jostle.World([(0, 1)], [(0, 0)], radii=0.1)
-    /// >>> for _ in range(157):  # half a period: π / 0.02 steps
-    /// ...     world.accelerations = -world.positions * (0, 1)
-    /// ...     world.step(0.02)
-    /// >>> world.positions.round(1).tolist()
-    /// [[0.0, -1.0]]
-    #[getter]
-    fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let given = self.long(py, |state| {
-            let mut given = state.world.given_accelerations().to_vec();
-            given.resize(state.world.len(), [0.0; 2]);
-            given
-        })?;
-        Ok(read_only(table(py, given)?))
-    }
-
-    #[setter]
-    fn set_accelerations(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let len = self.state(py)?.world.len();
-        let given = vectors("accelerations", value, len)?.unwrap_or_else(|| vec![[0.0; 2]; len]);
-        self.long(py, |state| state.world.set_accelerations(given))?.map_err(refused)
-    }
-
-    /// The new id of each id after the last call of `step`: a read-only ndarray of int64, or None
-    /// if no particles merged.
-    ///
-    /// It has one number for each id that was ever given: ``ids = world.renumbered[ids]`` updates
-    /// ids. Particles that merged share the smallest of their ids; all other ids stay the same. -1
-    /// stands for an id that no particle has, also if it was removed since. Each call of `step`
-    /// replaces the array: read it after every call that may merge particles. If its first step is
-    /// refused, the array stays. Snapshots, files and copies do not contain it.
-    ///
-    /// Raises
-    /// ------
-    /// MemoryError
-    ///     If more than 134217728 ids were given, or there is not enough memory.
-    ///
-    /// Examples
-    /// --------
-    /// >>> import jostle
-    /// >>> world = jostle.World(
-    /// ...     [(0, 0), (5, 0), (1, 0), (9, 0)], [(0, 0)] * 4, radii=1.0, on_touch="merge"
-    /// ... )
-    /// >>> world.step(0.1)
-    /// >>> world.ids
-    /// array([0, 1, 3])
-    /// >>> mine = np.array([2, 3])
-    /// >>> world.renumbered[mine]  # 2 is part of 0 now
-    /// array([0, 3])
-    #[getter]
-    fn renumbered<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray1<i64>>>> {
-        let ids = self.long(py, |state| state.world.renumbered())?.map_err(refused)?;
-        let ids = ids.map(|ids| ids.into_iter().map(|id| id.unwrap_or(-1)).collect());
-        Ok(ids.map(|ids| read_only(column(py, ids))))
-    }
 }
 
 impl State {
@@ -521,7 +335,7 @@ impl State {
 }
 
 /// One pair for each id, or a single pair for one id.
-fn vectors_of(
+pub(super) fn vectors_of(
     ids: &Ids,
     name: &'static str,
     value: Option<&Bound<'_, PyAny>>,

@@ -1,0 +1,103 @@
+//! A tree or a space as the target of queries.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use jostle::query::{self, Hits, Neighbors, Ray, RayHits, Region};
+use jostle::{Each, Quadtree, Scalar, Space};
+
+use crate::lock::Shared;
+use crate::queries::Answer;
+
+/// A tree or a space as the target of queries.
+pub trait Index<T> {
+    /// A row of a tree, or an id of a space.
+    type Id;
+    /// The shapes that overlap each region.
+    fn search<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Answer<Hits<Self::Id>>;
+    /// The nearest shapes of each point; `wanted` is their number and the maximum distance.
+    fn nearest(
+        &self,
+        points: &[[T; 2]],
+        wanted: (usize, Each<T>),
+        mask: Option<u32>,
+    ) -> Answer<Neighbors<T>>;
+    /// The first shape that each ray hits.
+    fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>>;
+    /// All shapes that each ray hits.
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>>;
+    /// The shapes within a distance of each shape.
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<Self::Id>>;
+}
+
+/// A tree, and the number of shapes that its last query tested.
+pub struct CountedTree<'a, T> {
+    /// The tree.
+    pub tree: &'a Quadtree<T>,
+    /// Number of tests of the last query.
+    pub tests: &'a AtomicU64,
+}
+
+impl<T> CountedTree<'_, T> {
+    fn count<R>(&self, found: jostle::Result<R>, tests: impl Fn(&R) -> u64) -> Answer<R> {
+        self.tests.store(found.as_ref().map_or(0, tests), Ordering::Relaxed);
+        Ok(found)
+    }
+}
+
+impl<T: Scalar> Index<T> for CountedTree<'_, T> {
+    type Id = u32;
+
+    fn search<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Answer<Hits<u32>> {
+        self.count(query::search(self.tree, regions, mask), |found| found.tests)
+    }
+
+    fn nearest(
+        &self,
+        points: &[[T; 2]],
+        wanted: (usize, Each<T>),
+        mask: Option<u32>,
+    ) -> Answer<Neighbors<T>> {
+        self.count(query::nearest(self.tree, points, wanted, mask), |found| found.tests)
+    }
+
+    fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        self.count(query::first_hits(self.tree, rays, mask), |found| found.tests)
+    }
+
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        self.count(query::all_hits(self.tree, rays, mask), |found| found.tests)
+    }
+
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<u32>> {
+        self.count(query::neighbors(self.tree, distance, mask), |found| found.tests)
+    }
+}
+
+impl<T: Scalar> Index<T> for Shared<Space<T>> {
+    type Id = jostle::Id;
+
+    fn search<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Answer<Hits<Self::Id>> {
+        Ok(self.lock()?.search(regions, mask))
+    }
+
+    fn nearest(
+        &self,
+        points: &[[T; 2]],
+        wanted: (usize, Each<T>),
+        mask: Option<u32>,
+    ) -> Answer<Neighbors<T>> {
+        Ok(self.lock()?.nearest(points, wanted, mask))
+    }
+
+    fn first_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        Ok(self.lock()?.first_hits(rays, mask))
+    }
+
+    fn all_hits(&self, rays: &[Ray<T>], mask: Option<u32>) -> Answer<RayHits<T>> {
+        Ok(self.lock()?.all_hits(rays, mask))
+    }
+
+    fn neighbors(&self, distance: T, mask: Option<u32>) -> Answer<Hits<Self::Id>> {
+        Ok(self.lock()?.neighbors(distance, mask))
+    }
+}

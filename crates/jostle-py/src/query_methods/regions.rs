@@ -1,0 +1,206 @@
+//! Queries of all shapes in a rectangle, a disc or a polygon, or at a point.
+
+macro_rules! region_methods {
+    ($class:ident, $with_index:ident, $name:literal, $make:literal, $ids:literal) => {
+        #[pymethods]
+        impl $class {
+            /// Find the shapes that overlap a rectangle, or each of many.
+            ///
+            /// Parameters
+            /// ----------
+            /// rect : array_like, shape (4,) or (k, 4)
+            ///     Sides min_x, min_y, max_x, max_y, not width and height. Objects with the attributes
+            ///     `left`, `top`, `right` and `bottom`, such as pygame's Rect, or `min_x`, `min_y`,
+            ///     `max_x` and `max_y`, such as :class:`jostle.Box` (float32), are accepted, also
+            ///     in a list.
+            /// mask : int, optional
+            ///     Find only shapes with a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of int64, shape (m,), or Hits
+            #[doc = concat!("    ", $ids, ", ascending; for many rectangles a `Hits`. A shape that only touches")]
+            ///     a rectangle does not overlap it.
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a number is not finite, a minimum is above its maximum, or there are more
+            ///     than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle, query_polygon : Other regions.
+            /// query_point : The shapes that contain a point.
+            ///
+            /// Notes
+            /// -----
+            #[doc = concat!("Queries are converted to the ", $name, "'s dtype; the result is that of brute force in this")]
+            #[doc = concat!("arithmetic. Many queries in one call use all threads of the ", $name, ". A shape without")]
+            /// categories (0) is found only if no mask is given.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
+            #[doc = concat!(">>> ", $name, ".query_rect((2.5, -1, 9, 1))")]
+            /// array([1, 2])
+            #[doc = concat!(">>> hits = ", $name, ".query_rect([(0, 0, 1, 1), (2.5, -1, 9, 1)])")]
+            /// >>> hits.ids[hits.offsets[1]:hits.offsets[2]]
+            /// array([1, 2])
+            #[pyo3(signature = (rect, *, mask=None))]
+            fn query_rect<'py>(
+                &self,
+                py: Python<'py>,
+                rect: &Bound<'py, PyAny>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let mask = queries::mask(mask)?;
+                $with_index!(self, index => {
+                    queries::rect(py, rect, |rects| index.search(rects, mask))
+                })
+            }
+
+            /// Find the shapes that overlap a disc, or each of many.
+            ///
+            /// Parameters
+            /// ----------
+            /// center : array_like, shape (2,) or (k, 2)
+            ///     Centres.
+            /// radius : array_like, a number or shape (k,)
+            ///     Radii. With one centre and many radii, all discs have that centre.
+            /// mask : int, optional
+            ///     Find only shapes with a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of int64, shape (m,), or Hits
+            #[doc = concat!("    ", $ids, ", ascending; for many discs a `Hits`. A shape that only touches")]
+            ///     a disc does not overlap it.
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a number is not finite, a radius is out of range, or there are more than
+            ///     134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_rect, query_polygon : Other regions.
+            /// nearest : The shapes nearest to a point, with distances.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
+            #[doc = concat!(">>> ", $name, ".query_circle((1, 0), 1.5)")]
+            /// array([0, 1])
+            #[pyo3(signature = (center, radius, *, mask=None))]
+            fn query_circle<'py>(
+                &self,
+                py: Python<'py>,
+                center: &Bound<'py, PyAny>,
+                radius: &Bound<'py, PyAny>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let mask = queries::mask(mask)?;
+                $with_index!(self, index => {
+                    queries::circle(py, center, radius, |circles| index.search(circles, mask))
+                })
+            }
+
+            /// Find the shapes that contain a point, or each of many points.
+            ///
+            /// A circle or a rounded box contains its edge. A rectangle contains its left and its
+            /// upper edge, but not the right and the lower, as in pygame, so tiles side by side
+            /// share no point. A rectangle of width and height 0 is a circle of radius 0.
+            ///
+            /// Parameters
+            /// ----------
+            /// point : array_like, shape (2,) or (k, 2)
+            ///     Points.
+            /// mask : int, optional
+            ///     Find only shapes with a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of int64, shape (m,), or Hits
+            #[doc = concat!("    ", $ids, ", ascending; for many points a `Hits`.")]
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a coordinate is not finite, or there are more than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_circle : The shapes near a point.
+            /// nearest : The shapes nearest to a point.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "boxes=[(0, 0, 1, 1), (1, 0, 2, 1)])")]
+            #[doc = concat!(">>> ", $name, ".query_point((1.0, 0.2))")]
+            /// array([1])
+            #[pyo3(signature = (point, *, mask=None))]
+            fn query_point<'py>(
+                &self,
+                py: Python<'py>,
+                point: &Bound<'py, PyAny>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let mask = queries::mask(mask)?;
+                $with_index!(self, index => {
+                    queries::point(py, point, |points| index.search(points, mask))
+                })
+            }
+
+            /// Find the shapes that overlap a convex polygon, or each of many.
+            ///
+            /// Parameters
+            /// ----------
+            /// vertices : array_like, shape (v, 2) or (k, v, 2)
+            ///     Corners in order, clockwise or counterclockwise.
+            /// mask : int, optional
+            ///     Find only shapes with a category in this set of bits.
+            ///
+            /// Returns
+            /// -------
+            /// ndarray of int64, shape (m,), or Hits
+            #[doc = concat!("    ", $ids, ", ascending; for many polygons a `Hits`. A shape that only touches")]
+            ///     a polygon does not overlap it.
+            ///
+            /// Raises
+            /// ------
+            /// ValueError
+            ///     If a polygon has fewer than three corners, is not convex or has no area, if a
+            ///     coordinate is not finite, or there are more than 134217728 ids.
+            ///
+            /// See Also
+            /// --------
+            /// query_rect, query_circle : Other regions.
+            ///
+            /// Examples
+            /// --------
+            /// >>> import jostle
+            #[doc = concat!(">>> ", $make, "[(0, 0), (3, 0), (4, 0)], radii=1.0)")]
+            #[doc = concat!(">>> ", $name, ".query_polygon([(1, 2), (5, 0.5), (5, 2)])")]
+            /// array([2])
+            #[pyo3(signature = (vertices, *, mask=None))]
+            fn query_polygon<'py>(
+                &self,
+                py: Python<'py>,
+                vertices: &Bound<'py, PyAny>,
+                mask: Maybe<'_, 'py>,
+            ) -> PyResult<Bound<'py, PyAny>> {
+                let mask = queries::mask(mask)?;
+                $with_index!(self, index => {
+                    queries::polygon(py, vertices, |polygons| index.search(polygons, mask))
+                })
+            }
+        }
+    };
+}
+
+pub(crate) use region_methods;
