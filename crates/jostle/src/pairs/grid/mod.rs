@@ -26,6 +26,10 @@ use crate::simd::{HALF, LANES, Simd, Work, block, first_lanes};
 use band::Band;
 use frame::{Centers, Frame, distance_of};
 
+/// For fewer circles the tree is faster. Measured with AVX-512; the same for all processors, because the
+/// order of the pairs depends on it.
+const MIN_CIRCLES: usize = 300;
+
 /// Maximum number of tasks for several threads. A task sorts the band before its first one too.
 const MAX_TASKS: usize = 16;
 
@@ -33,7 +37,7 @@ const MAX_TASKS: usize = 16;
 const MIN_BANDS: usize = 4;
 
 /// Number of circles that are tested between two checks of the output.
-const AT_A_TIME: usize = 64;
+const AT_A_TIME: usize = 32;
 
 /// Circles with more candidates than this are tested one by one, with more checks.
 const FEW: usize = 64;
@@ -56,7 +60,7 @@ impl<T> Default for Grid<T> {
 
 impl<T: Scalar> Grid<T> {
     /// All overlapping pairs of rows, `i < j`; None if the shapes are not circles of one radius, or
-    /// are so sparse that a tree is faster.
+    /// so few or so sparse that a tree is faster.
     pub(super) fn find(
         &mut self,
         shapes: &Shapes<T>,
@@ -66,6 +70,9 @@ impl<T: Scalar> Grid<T> {
     ) -> Option<Result<Found>> {
         let distance = distance_of(shapes)?;
         let centers = &shapes.centers[..];
+        if centers.len() < MIN_CIRCLES {
+            return None;
+        }
         let frame = Frame::over(extent_of(centers), distance.to_f64(), centers.len())?;
         let threads = parallel::worthwhile(threads, centers.len());
         let _awake = parallel::keep_awake(threads, centers.len(), parallel::WORTH_WAKING);
