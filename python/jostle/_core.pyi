@@ -215,8 +215,8 @@ def find_pairs(
         not periodic. Positions that differ by a multiple of the period are equal, and the gap along
         an axis is that of the minimum image.
     method : {"auto", "brute", "quadtree"}, default "auto"
-        How the pairs are found; the pairs are the same. "auto" uses brute force if it
-        is faster.
+        How the pairs are found; the pairs are the same. "auto" uses brute force for few shapes, a
+        uniform grid for circles of one radius unless they are sparse, and otherwise the tree.
     sort : bool, default False
         Whether to sort the pairs by the first, then by the second shape. If False, their
         order is not specified.

@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, TryLockError};
 
-use jostle::{Method, Period, Quadtree, Scalar, pairs};
+use jostle::pairs::FindScratch;
+use jostle::{Method, Period, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;
 
@@ -45,8 +46,8 @@ use crate::shapes::{Rows, Shapes};
 ///     not periodic. Positions that differ by a multiple of the period are equal, and the gap along
 ///     an axis is that of the minimum image.
 /// method : {"auto", "brute", "quadtree"}, default "auto"
-///     How the pairs are found; the pairs are the same. "auto" uses brute force if it
-///     is faster.
+///     How the pairs are found; the pairs are the same. "auto" uses brute force for few shapes, a
+///     uniform grid for circles of one radius unless they are sparse, and otherwise the tree.
 /// sort : bool, default False
 ///     Whether to sort the pairs by the first, then by the second shape. If False, their
 ///     order is not specified.
@@ -141,12 +142,9 @@ pub fn find_pairs<'py>(
         threads: settings::threads(threads)?,
     };
     let shapes = Shapes::read([centers, half_sizes, boxes], &radii, [categories, masks])?;
-    let pairs = detached(py, || {
-        let found = match shapes {
-            Shapes::Single(rows) => search.run(rows),
-            Shapes::Double(rows) => search.run(rows),
-        };
-        long(&found?)
+    let pairs = detached(py, || match shapes {
+        Shapes::Single(rows) => search.run(rows),
+        Shapes::Double(rows) => search.run(rows),
     })?;
     table(py, pairs.map_err(refused)?)
 }
@@ -161,32 +159,35 @@ struct Search {
 }
 
 impl Search {
-    fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[u32; 2]>> {
+    fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[i64; 2]>> {
         let shapes = rows.checked()?.grown(T::from_f64(self.distance))?;
         let shapes = shapes.in_period(settings::period_in(self.period)?);
-        let mut found = with_kept_tree(|tree| {
-            pairs::find_with(tree, &shapes, self.method, self.threads, self.max_pairs)
-        })?;
-        if self.sort {
-            found.sort()?;
-        }
-        Ok(found.pairs)
+        with_kept(|scratch| {
+            let Self { method, threads, max_pairs, .. } = *self;
+            let mut found = pairs::find_with(scratch, &shapes, method, threads, max_pairs)?;
+            if self.sort {
+                found.sort()?;
+            }
+            let pairs = long(&found.pairs)?;
+            scratch.keep(found.pairs);
+            Ok(pairs)
+        })
     }
 }
 
-/// Number types, each with a tree whose memory is kept between calls.
+/// Number types, each with scratch that is kept between calls.
 trait Kept: Scalar {
-    fn tree() -> &'static KeptTree<Self>;
+    fn scratch() -> &'static KeptScratch<Self>;
 }
 
-type KeptTree<T> = Mutex<Option<Quadtree<T>>>;
+type KeptScratch<T> = Mutex<Option<FindScratch<T>>>;
 
 macro_rules! kept {
     ($t:ty) => {
         impl Kept for $t {
-            fn tree() -> &'static KeptTree<Self> {
-                static TREE: KeptTree<$t> = Mutex::new(None);
-                &TREE
+            fn scratch() -> &'static KeptScratch<Self> {
+                static SCRATCH: KeptScratch<$t> = Mutex::new(None);
+                &SCRATCH
             }
         }
     };
@@ -197,22 +198,22 @@ kept!(f64);
 /// Maximum number of bytes that are kept for each of the two types: enough for a million circles.
 const MAX_KEPT: usize = 64 << 20;
 
-/// Calls `work` with a tree whose memory is kept between calls, because allocation takes a sixth of
-/// the time of a call; with a new tree if another thread uses the kept one.
-fn with_kept_tree<T: Kept, R>(work: impl FnOnce(&mut Quadtree<T>) -> R) -> R {
-    let mut kept = match T::tree().try_lock() {
+/// Calls `work` with scratch that is kept between calls, because allocation takes up to a third of
+/// the time of a call; with new scratch if another thread uses it.
+fn with_kept<T: Kept, R>(work: impl FnOnce(&mut FindScratch<T>) -> R) -> R {
+    let mut kept = match T::scratch().try_lock() {
         Ok(kept) => kept,
         Err(TryLockError::Poisoned(poisoned)) => {
-            T::tree().clear_poison();
+            T::scratch().clear_poison();
             let mut kept = poisoned.into_inner();
             *kept = None;
             kept
         }
-        Err(TryLockError::WouldBlock) => return work(&mut Quadtree::default()),
+        Err(TryLockError::WouldBlock) => return work(&mut FindScratch::default()),
     };
-    let tree = kept.get_or_insert_default();
-    let result = work(tree);
-    if tree.memory_bytes() > MAX_KEPT {
+    let scratch = kept.get_or_insert_default();
+    let result = work(scratch);
+    if scratch.memory_bytes() > MAX_KEPT {
         *kept = None;
     }
     result

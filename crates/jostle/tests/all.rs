@@ -9,6 +9,7 @@ mod filters;
 mod forces;
 mod friction;
 mod given;
+mod grid;
 mod interrupt;
 mod kinematic;
 mod limits;

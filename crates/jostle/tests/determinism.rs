@@ -223,6 +223,11 @@ fn crowd<T: Scalar>(count: usize, boxes: bool, filters: bool) -> Shapes<T> {
     Shapes::new(centers, Each::Rows(radii), boxes.then_some(Each::Rows(sizes)), filters).unwrap()
 }
 
+/// Circles of one radius, which are searched by a grid.
+fn equal_circles<T: Scalar>(count: usize) -> Shapes<T> {
+    Shapes { radii: Each::One(T::from_f64(0.4)), ..crowd(count, false, false) }
+}
+
 /// Pairs and numbers of tests, by every way of finding them.
 fn found<T: Scalar>(shapes: &Shapes<T>, threads: usize) -> [Found; 3] {
     let find = |method| pairs::find(shapes, method, Some(threads), DEFAULT_MAX_PAIRS).unwrap();
@@ -230,6 +235,16 @@ fn found<T: Scalar>(shapes: &Shapes<T>, threads: usize) -> [Found; 3] {
 }
 
 fn the_order_of_pairs_is_always_the_same<T: Scalar>() {
+    for count in [2, 100, 5_000, 40_000] {
+        let find = |threads| {
+            let shapes = equal_circles::<T>(count);
+            pairs::find(&shapes, None, Some(threads), DEFAULT_MAX_PAIRS).unwrap()
+        };
+        let expected = find(1);
+        assert!([2, 8].into_iter().all(|threads| find(threads) == expected), "{count}: threads");
+        let others = with_each_kind(|| find(1));
+        assert!(others.iter().all(|other| *other == expected), "{count}: instructions");
+    }
     for count in [2, 15, 16, 17, 200, 400, 600, 3_000, 40_000] {
         for (boxes, filters) in [(false, false), (true, false), (false, true), (true, true)] {
             // Forty thousand by brute force would take long; the tree is what uses threads.

@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use jostle::interrupt::watch;
+use jostle::pairs::FindScratch;
 use jostle::query::{Circle, Ray};
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::{Each, Error, Method, Quadtree, Result, Settings, Shapes, Space, pairs, query};
@@ -59,21 +60,34 @@ fn alone() -> Settings {
 fn a_rebuilt_tree_is_usable_after_every_stop() {
     let all = shapes(40_000);
     for method in [Method::Quadtree, Method::Brute] {
-        let find = |tree: &mut Quadtree<f64>| {
+        let find = |tree: &mut FindScratch<f64>| {
             let mut found = pairs::find_with(tree, &all, Some(method), Some(1), DEFAULT_MAX_PAIRS)?;
             found.sort()?;
             Ok(found.pairs)
         };
         let few = shapes(500);
         let expected = pairs::find(&few, None, None, DEFAULT_MAX_PAIRS).unwrap();
-        let found = at_every_poll(&mut Quadtree::default(), find, |tree| {
+        let found = at_every_poll(&mut FindScratch::default(), find, |tree| {
             let quadtree = Some(Method::Quadtree);
             let found = pairs::find_with(tree, &few, quadtree, Some(1), DEFAULT_MAX_PAIRS);
             assert_eq!(found.unwrap().pairs.len(), expected.pairs.len());
-            assert_eq!(tree.check(), Ok(()));
+            assert_eq!(tree.tree.check(), Ok(()));
         });
-        assert_eq!(found, find(&mut Quadtree::default()).unwrap());
+        assert_eq!(found, find(&mut FindScratch::default()).unwrap());
     }
+}
+
+#[test]
+fn a_search_by_a_grid_stops() {
+    let mut all = shapes(200_000);
+    all.radii = Each::One(8000.0);
+    let find = |scratch: &mut FindScratch<f64>| {
+        let found = pairs::find_with(scratch, &all, None, Some(1), DEFAULT_MAX_PAIRS)?;
+        assert!(scratch.tree.is_empty(), "the tree was used");
+        Ok(found)
+    };
+    let found = at_every_poll(&mut FindScratch::default(), find, |_| ());
+    assert_eq!(found, find(&mut FindScratch::default()).unwrap());
 }
 
 #[test]

@@ -218,6 +218,11 @@ impl JoinScratch {
     pub fn keep(&mut self, pairs: Vec<[u32; 2]>) {
         self.pairs.result = pairs;
     }
+
+    /// Allocated bytes, used or not.
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.pairs.memory_bytes() + self.tasks.capacity() * size_of::<Task>()
+    }
 }
 
 /// The traversal of the tasks on a stack, to their leaves.

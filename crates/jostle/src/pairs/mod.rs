@@ -6,6 +6,7 @@
 //! is found once. Brute force gives the same pairs.
 
 mod contacts;
+mod grid;
 mod images;
 mod join;
 mod kernel;
@@ -26,6 +27,7 @@ use crate::shapes::{Each, Shapes};
 use crate::simd::{Simd, Work};
 use crate::sorting;
 pub use contacts::{Overlaps, overlaps};
+use grid::Grid;
 use join::Join;
 pub use join::JoinScratch;
 use kernel::Kernel;
@@ -83,13 +85,40 @@ pub fn find<T: Scalar>(
     threads: Option<usize>,
     max_pairs: usize,
 ) -> Result<Found> {
-    find_with(&mut Quadtree::default(), shapes, method, threads, max_pairs)
+    find_with(&mut FindScratch::default(), shapes, method, threads, max_pairs)
 }
 
-/// As [`find`]; a tree is built in the memory of `tree`. Allocation would take up to a sixth of
-/// the time.
+/// Scratch of [`find_with`], kept between calls.
+#[derive(Debug)]
+pub struct FindScratch<T> {
+    /// The tree of the last search by a tree.
+    pub tree: Quadtree<T>,
+    grid: Grid<T>,
+    join: JoinScratch,
+}
+
+impl<T: Scalar> Default for FindScratch<T> {
+    fn default() -> Self {
+        let (tree, grid, join) = (Quadtree::default(), Grid::default(), JoinScratch::default());
+        Self { tree, grid, join }
+    }
+}
+
+impl<T: Scalar> FindScratch<T> {
+    /// Keeps the memory of a list of pairs for the result of the next call.
+    pub fn keep(&mut self, pairs: Vec<[u32; 2]>) {
+        self.join.keep(pairs);
+    }
+
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
+        self.tree.memory_bytes() + self.grid.memory_bytes() + self.join.memory_bytes()
+    }
+}
+
+/// As [`find`], in the memory of earlier calls. Allocation would take up to a third of the time.
 pub fn find_with<T: Scalar>(
-    tree: &mut Quadtree<T>,
+    scratch: &mut FindScratch<T>,
     shapes: &Shapes<T>,
     method: Option<Method>,
     threads: Option<usize>,
@@ -97,6 +126,7 @@ pub fn find_with<T: Scalar>(
 ) -> Result<Found> {
     let settings = Settings { threads, leaf_capacity: LEAF_CAPACITY, ..Settings::default() };
     settings.validate()?;
+    let FindScratch { tree, grid, join } = scratch;
     let circles = shapes.half_sizes.is_none() && shapes.boxes.is_none();
     let different = circles && matches!(shapes.radii, Each::Rows(_));
     let limit = if different { DIFFERENT_CIRCLES_LIMIT } else { BRUTE_FORCE_LIMIT };
@@ -108,8 +138,13 @@ pub fn find_with<T: Scalar>(
     if method == Some(Method::Brute) || (method.is_none() && small && !periodic) {
         return brute(&Columns::of(shapes)?, threads, max_pairs);
     }
+    if method.is_none()
+        && let Some(found) = grid.find(shapes, threads, max_pairs, &mut join.pairs)
+    {
+        return found;
+    }
     tree.fill_unordered(shapes, settings)?;
-    within(tree, None, max_pairs)
+    within_in(tree, None, max_pairs, join)
 }
 
 /// Number of brute force tests that take as long as inserting one shape into a tree.
@@ -135,17 +170,30 @@ pub fn find_between<T: Scalar>(
 /// All overlapping pairs of rows of one tree, `i < j`, in an order that depends on the tree. If
 /// there is a `mask`, both shapes must have a category in it.
 pub fn within<T: Scalar>(tree: &Quadtree<T>, mask: Option<u32>, max_pairs: usize) -> Result<Found> {
+    within_in(tree, mask, max_pairs, &mut JoinScratch::default())
+}
+
+/// As [`within`], in the memory of earlier calls.
+fn within_in<T: Scalar>(
+    tree: &Quadtree<T>,
+    mask: Option<u32>,
+    max_pairs: usize,
+    scratch: &mut JoinScratch,
+) -> Result<Found> {
     let rows = tree.rows();
     let ordered = |[a, b]: [u32; 2]| {
         let (i, j) = (rows[a as usize], rows[b as usize]);
         [i.min(j), i.max(j)]
     };
     let join = Join::within(tree, mask);
-    let Some(mask) = mask else { return join.run(max_pairs, &|pairs| map_each(pairs, ordered)) };
-    join.run(max_pairs, &|pairs| {
+    let Some(mask) = mask else {
+        return join.run_in(max_pairs, &|pairs| map_each(pairs, ordered), scratch);
+    };
+    let select = |pairs: &mut [[u32; 2]]| {
         let selected = |place: u32| has_category(tree, place, mask);
         filter_map(pairs, |pair| pair.into_iter().all(selected).then(|| ordered(pair)))
-    })
+    };
+    join.run_in(max_pairs, &select, scratch)
 }
 
 /// All overlapping pairs, the first a row of `a`, the second a row of `b`, in an order that

@@ -157,6 +157,14 @@ pub(super) struct PairScratch {
     parts: Vec<Part>,
 }
 
+impl PairScratch {
+    /// Allocated bytes of pairs, used or not.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let parts: usize = self.parts.iter().map(|part| part.pairs.capacity()).sum();
+        (self.result.capacity() + parts) * size_of::<Pair>()
+    }
+}
+
 /// The pairs of one thread.
 #[derive(Clone, Debug, Default)]
 struct Part {
@@ -266,7 +274,7 @@ impl<'a> Output<'a> {
     }
 
     #[cold]
-    fn fail(&mut self, error: Error) {
+    pub(super) fn fail(&mut self, error: Error) {
         self.budget.failed.store(true, Ordering::Relaxed);
         self.over = Some(Over::Failed(error));
     }

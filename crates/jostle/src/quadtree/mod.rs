@@ -15,6 +15,7 @@ mod cells;
 mod check;
 mod grid;
 mod order;
+pub(crate) mod partition;
 mod sort;
 mod strips;
 
@@ -22,6 +23,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 pub use cells::TreeBox;
+pub(crate) use order::extent_of;
 
 use crate::columns::Columns;
 use crate::error::Result;

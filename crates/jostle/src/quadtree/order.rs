@@ -12,7 +12,8 @@ use std::collections::{HashMap, VecDeque};
 use std::ops::Range;
 
 use super::grid::{Grid, NESTED};
-use super::sort::{Item, Parts, Precision, Sorter, Source};
+use super::partition::{Item, Source};
+use super::sort::{Parts, Precision, Sorter};
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::interrupt::{self, Pulse};
@@ -101,7 +102,7 @@ impl<T: Scalar> Order<T> {
         let mut open = std::mem::take(&mut self.open);
         open.clear();
         let centers = &shapes.centers;
-        let extent = T::with_widest(Extent(centers));
+        let extent = extent_of(centers);
         let known = grid_around(self.extent.unwrap_or(extent));
         let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
         let precision = match unsorted {
@@ -313,6 +314,11 @@ impl<T: Scalar> Work<T> for Keys<'_, T> {
 fn occupied<T: Scalar>(grid: &Grid, [min, max]: [[T; 2]; 2]) -> f64 {
     let [width, height] = [0, 1].map(|axis| grid.fraction(max[axis].to_f64(), min[axis].to_f64()));
     (width * height).clamp(1e-3, 1.0)
+}
+
+/// The bounding box of some centres, of which there must be one.
+pub fn extent_of<T: Scalar>(centers: &[[T; 2]]) -> [[T; 2]; 2] {
+    T::with_widest(Extent(centers))
 }
 
 /// Computes the bounding box of some centres.

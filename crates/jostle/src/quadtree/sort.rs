@@ -1,13 +1,13 @@
 //! Sorting of shapes by the Morton keys of their centres: a parallel radix sort, most significant
 //! bits first.
 //!
-//! Each chunk of the shapes is partitioned into blocks by the leading bits of the keys. Each
-//! block, which fits into the second-level cache, is then gathered from all chunks and sorted by
-//! the following bits. Items contain the centres, so these need no lookup afterwards.
+//! The shapes are partitioned into blocks by the leading bits of the keys. Each block, which fits
+//! into the second-level cache, is then gathered from all chunks and sorted by the following bits.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use super::partition::{Item, KEY_BITS, Partition, Source, leading};
 use crate::error::Result;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
@@ -16,12 +16,6 @@ use crate::sorting::prefix_sum;
 
 /// Up to this number of shapes a comparison sort is faster.
 const SMALL: usize = 256;
-
-/// Maximum number of chunks.
-const MAX_CHUNKS: usize = 8;
-
-/// Minimum number of shapes in a chunk.
-const MIN_CHUNK: usize = 1 << 11;
 
 /// Approximate number of shapes in a block.
 const BLOCK: usize = 1 << 12;
@@ -35,40 +29,8 @@ const MIN_BLOCK_BITS: u32 = 4;
 /// Blocks of more shapes than this are sorted in several passes.
 const LARGE_BLOCK: usize = 1 << 15;
 
-/// Bits of a key.
-const KEY_BITS: u32 = u32::BITS;
-
 /// Maximum number of tasks for the blocks.
 const MAX_TASKS: usize = 64;
-
-/// A shape to be sorted.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Item<T> {
-    /// The key of its centre.
-    pub key: u32,
-    /// Its row.
-    pub row: u32,
-    /// Its centre.
-    pub center: [T; 2],
-}
-
-impl<T> Item<T> {
-    /// The sort key: key, then row.
-    #[inline(always)]
-    fn rank(&self) -> u64 {
-        u64::from(self.key) << 32 | u64::from(self.row)
-    }
-}
-
-/// The shapes to be sorted.
-pub trait Source<T>: Sync {
-    /// Number of items.
-    fn len(&self) -> usize;
-    /// Writes the keys of some items.
-    fn keys(&self, range: Range<usize>, keys: &mut [u32]);
-    /// The item at `index`, whose key is `key`.
-    fn item(&self, index: usize, key: u32) -> Item<T>;
-}
 
 /// How far to sort.
 #[derive(Clone, Copy, Debug)]
@@ -144,10 +106,7 @@ impl Parts {
 /// Scratch for sorting.
 #[derive(Debug, Default)]
 pub struct Sorter<T> {
-    keys: Vec<u32>,
-    parted: Vec<Item<T>>,
-    /// For each chunk, the end of each block in it.
-    ends: Vec<u32>,
+    partition: Partition<T>,
     /// The first index of each block in the sorted items.
     starts: Vec<u32>,
     scratch: Mutex<Vec<Scratch<T>>>,
@@ -166,13 +125,7 @@ struct Task<'a, T> {
 impl<T> Clone for Sorter<T> {
     /// A sorter without scratch: it has no other state.
     fn clone(&self) -> Self {
-        Self {
-            keys: Vec::new(),
-            parted: Vec::new(),
-            ends: Vec::new(),
-            starts: Vec::new(),
-            scratch: Mutex::default(),
-        }
+        Self { partition: Partition::default(), starts: Vec::new(), scratch: Mutex::default() }
     }
 }
 
@@ -180,10 +133,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
     /// Allocated bytes, used or not.
     pub fn memory_bytes(&self) -> usize {
         let scratch: usize = locked(&self.scratch).iter().map(Scratch::memory_bytes).sum();
-        scratch
-            + self.parted.capacity() * size_of::<Item<T>>()
-            + (self.ends.capacity() + self.keys.capacity() + self.starts.capacity())
-                * size_of::<u32>()
+        scratch + self.partition.memory_bytes() + self.starts.capacity() * size_of::<u32>()
     }
 
     /// Fills `items` from `source`, sorts them to the given precision, and lists the ranges of
@@ -201,9 +151,9 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         equal.clear();
         let len = source.len();
         memory::resize(items, len, Item::default())?;
-        memory::resize(&mut self.keys, len, 0)?;
         if len <= SMALL {
-            let keys = &mut self.keys[..len];
+            memory::resize(&mut self.partition.keys, len, 0)?;
+            let keys = &mut self.partition.keys[..len];
             source.keys(0..len, keys);
             for (index, (item, &key)) in items.iter_mut().zip(&*keys).enumerate() {
                 *item = source.item(index, key);
@@ -216,42 +166,8 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         }
         let bits = (len / BLOCK).next_power_of_two().trailing_zeros();
         let bits = bits.clamp(MIN_BLOCK_BITS, MAX_BLOCK_BITS);
-        self.partition_chunks(threads, source, bits)?;
+        self.partition.fill(threads, source, bits)?;
         self.sort_blocks(threads, precision, items, bits, parts, equal)
-    }
-
-    /// Makes the items of every chunk and partitions them by their leading bits.
-    fn partition_chunks(
-        &mut self,
-        threads: Option<usize>,
-        source: &impl Source<T>,
-        bits: u32,
-    ) -> Result<()> {
-        let stop = Stop::current();
-        let Self { keys, parted, ends, .. } = self;
-        let (len, blocks) = (source.len(), 1 << bits);
-        let chunk = chunk_of(len);
-        memory::resize(parted, len, Item::default())?;
-        ends.clear();
-        memory::resize(ends, len.div_ceil(chunk) * blocks, 0)?;
-        let chunks = keys[..len].chunks_mut(chunk).zip(parted[..len].chunks_mut(chunk));
-        let tasks = chunks.zip(ends.chunks_mut(blocks)).enumerate();
-        parallel::for_each(threads, tasks, |(index, ((keys, parted), ends))| {
-            if stop.is_set() {
-                return;
-            }
-            let start = index * chunk;
-            source.keys(start..start + keys.len(), keys);
-            let block = |key: u32| leading(key, 0, bits);
-            keys.iter().for_each(|&key| ends[block(key)] += 1);
-            prefix_sum(ends);
-            for (offset, &key) in keys.iter().enumerate() {
-                let place = &mut ends[block(key)];
-                parted[*place as usize] = source.item(start + offset, key);
-                *place += 1;
-            }
-        });
-        stop.check()
     }
 
     /// Gathers every block from all chunks and sorts it.
@@ -266,10 +182,9 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
     ) -> Result<()> {
         let stop = Stop::current();
         let len = items.len();
-        let Self { parted, ends, starts, scratch: spare, .. } = self;
-        let source =
-            Parted { items: &parted[..len], ends, blocks: 1 << bits, chunk: chunk_of(len) };
-        source.find_starts(starts)?;
+        let Self { partition, starts, scratch: spare } = self;
+        partition.find_starts(starts)?;
+        let source = Blocks(partition);
         // Two bits for each subdivision; blocks may have an odd number of bits.
         let group_bits = precision.bits(len).max(bits + bits % 2);
         parts.bits = if group_bits < KEY_BITS { group_bits } else { bits };
@@ -299,17 +214,6 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
     }
 }
 
-/// Number of items in a chunk; it depends only on the number of items.
-fn chunk_of(len: usize) -> usize {
-    len.div_ceil(MAX_CHUNKS).max(MIN_CHUNK)
-}
-
-/// The `bits` bits of a key after its first `skipped` bits.
-#[inline(always)]
-fn leading(key: u32, skipped: u32, bits: u32) -> usize {
-    if bits == 0 { 0 } else { (key << skipped >> (KEY_BITS - bits)) as usize }
-}
-
 /// How to sort a block.
 #[derive(Clone, Copy)]
 struct BlockSort {
@@ -322,15 +226,10 @@ struct BlockSort {
     precision: Precision,
 }
 
-/// The partitioned chunks.
-struct Parted<'a, T> {
-    items: &'a [Item<T>],
-    ends: &'a [u32],
-    blocks: usize,
-    chunk: usize,
-}
+/// The blocks to be sorted.
+struct Blocks<'a, T>(&'a Partition<T>);
 
-impl<T: Copy + Default> Parted<'_, T> {
+impl<T: Copy + Default> Blocks<'_, T> {
     /// Gathers and sorts the blocks of a task; lists the ranges that share a key in `scratch`.
     fn sort(
         &self,
@@ -343,7 +242,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         let mut pulse = Pulse::of(stop);
         let mut ends = task.ends.chunks_mut(1 << how.listed);
         for block in task.blocks {
-            let len = self.pieces(block).map(<[Item<T>]>::len).sum::<usize>();
+            let len = self.0.pieces(block).map(<[Item<T>]>::len).sum::<usize>();
             pulse.check(len)?;
             let sorted = &mut task.items[from..from + len];
             let start = task.start + from;
@@ -373,7 +272,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         if sorted.len() > LARGE_BLOCK {
             scratch.collected.clear();
             memory::reserve(&mut scratch.collected, sorted.len())?;
-            self.pieces(block).for_each(|piece| scratch.collected.extend_from_slice(piece));
+            self.0.pieces(block).for_each(|piece| scratch.collected.extend_from_slice(piece));
             radix_sort(&mut scratch.collected, &mut scratch.spare)?;
             sorted.copy_from_slice(&scratch.collected);
             return equal_keys(sorted, start, &mut scratch.equal);
@@ -384,7 +283,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         let ends = &mut scratch.counts;
         ends.clear();
         ends.resize(1 << next, 0);
-        let items = || self.pieces(block).flatten();
+        let items = || self.0.pieces(block).flatten();
         items().for_each(|item| ends[leading(item.key, bits, next)] += 1);
         prefix_sum(ends);
         for &item in items() {
@@ -411,28 +310,6 @@ impl<T: Copy + Default> Parted<'_, T> {
         Ok(())
     }
 
-    /// The items of a block in each chunk.
-    fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T>]> {
-        let chunks = self.items.chunks(self.chunk).zip(self.ends.chunks(self.blocks));
-        chunks.map(move |(items, ends)| {
-            let start = if block == 0 { 0 } else { ends[block - 1] };
-            &items[start as usize..ends[block] as usize]
-        })
-    }
-
-    /// Writes the first index of each block in the sorted items, and the end of the last one.
-    fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
-        starts.clear();
-        memory::resize(starts, self.blocks + 1, 0)?;
-        // The end of a block in a chunk is the number of items of this and all blocks before it.
-        for ends in self.ends.chunks(self.blocks) {
-            for (start, &end) in starts[1..].iter_mut().zip(ends) {
-                *start += end;
-            }
-        }
-        Ok(())
-    }
-
     /// All blocks, divided into tasks of about equal size, and the `ends` divided in the same way.
     fn tasks<'a>(
         &self,
@@ -441,7 +318,7 @@ impl<T: Copy + Default> Parted<'_, T> {
         mut ends: &'a mut [u32],
     ) -> impl Iterator<Item = Task<'a, T>> + use<'a, T> {
         const EXPECT: &str = "the sizes add up";
-        let (min_size, blocks) = (items.len().div_ceil(MAX_TASKS), self.blocks);
+        let (min_size, blocks) = (items.len().div_ceil(MAX_TASKS), self.0.blocks());
         let listed = ends.len() / blocks;
         let (mut first, mut start) = (0, 0);
         (1..=blocks).filter_map(move |end| {
@@ -512,6 +389,7 @@ fn equal_keys<T>(items: &[Item<T>], start: usize, equal: &mut Vec<Range<usize>>)
 
 #[cfg(test)]
 mod tests {
+    use super::super::partition::MIN_CHUNK;
     use super::*;
 
     /// Keys of many kinds: uniform, few different ones, small ones, all equal.

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::sort::Item;
+use super::partition::Item;
 use crate::geometry::{Bounds, Scalar};
 use crate::shapes::{Each, Shapes};
 

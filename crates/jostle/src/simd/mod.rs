@@ -17,6 +17,9 @@ use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 /// Numbers in a block.
 pub const LANES: usize = 16;
 
+/// Numbers in half a block.
+pub const HALF: usize = LANES / 2;
+
 /// Bits of the first `count` lanes.
 #[inline(always)]
 pub fn first_lanes(count: usize) -> u32 {
@@ -96,6 +99,8 @@ pub trait Simd<T: Number>: Copy {
     fn splat(self, value: T) -> Self::Block;
     /// Loads a block.
     fn load(self, from: &[T; LANES]) -> Self::Block;
+    /// Loads a block from two places.
+    fn load_halves(self, low: &[T; HALF], high: &[T; HALF]) -> Self::Block;
     /// Stores a block.
     fn store(self, block: Self::Block, to: &mut [T; LANES]);
     /// a + b.
@@ -151,6 +156,14 @@ pub trait Simd<T: Number>: Copy {
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
     /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
     fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
+    /// As [`Simd::pair_with`], the smaller number of each pair first; the others are in two halves.
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    );
     /// Writes `first` + lane for every set bit, as [`Simd::pack`].
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }
@@ -250,7 +263,7 @@ mod tests {
     struct All<T>([T; LANES], [T; LANES]);
 
     impl<T: Number> Work<T> for All<T> {
-        type Out = (Vec<[T; LANES]>, [u32; 4], Vec<(Vec<T>, [Vec<[u32; 2]>; 2], Vec<u32>)>);
+        type Out = (Vec<[T; LANES]>, [u32; 4], Vec<(Vec<T>, [Vec<[u32; 2]>; 3], Vec<u32>)>);
 
         #[inline(always)]
         fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
@@ -260,6 +273,8 @@ mod tests {
             let places = PairPlaces::new([places(5), places(7)]);
             simd.scatter([a, b], &words, &places, 0);
             let shuffled = simd.gather(&words, &places, 1);
+            let halves: [[T; HALF]; 2] =
+                [1, 5].map(|from| std::array::from_fn(|lane| self.0[from + lane]));
             let blocks = [
                 simd.splat(self.0[3]),
                 simd.add(a, b),
@@ -273,6 +288,7 @@ mod tests {
                 simd.choose(0b0110_1010_0110_0101, a, b),
                 shuffled[0],
                 shuffled[1],
+                simd.load_halves(&halves[0], &halves[1]),
             ];
             let stored = blocks.map(|block| {
                 let mut to = [T::default(); LANES];
@@ -282,11 +298,13 @@ mod tests {
             let mut packed = Vec::new();
             for bits in SETS {
                 let (mut numbers, mut places) = ([T::default(); LANES], [0; LANES]);
-                let mut pairs = [[[0; 2]; LANES]; 2];
+                let mut pairs = [[[0; 2]; LANES]; 3];
                 simd.pack(a, bits, &mut numbers);
                 simd.pack_places(70, bits, &mut places);
                 simd.pair_with(5, &OTHERS, bits, &mut pairs[0]);
                 simd.pair_with_places(6, 80, bits, &mut pairs[1]);
+                let [low, high] = [&OTHERS[..HALF], &OTHERS[HALF..]].map(|half| half.try_into());
+                simd.ordered_pairs(12, [low.unwrap(), high.unwrap()], bits, &mut pairs[2]);
                 let count = bits.count_ones() as usize;
                 let pairs = pairs.map(|pairs| pairs[..count].to_vec());
                 packed.push((numbers[..count].to_vec(), pairs, places[..count].to_vec()));

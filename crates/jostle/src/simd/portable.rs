@@ -1,6 +1,6 @@
 //! Blocks as arrays, which the compiler vectorizes for the target.
 
-use super::{LANES, Number, Simd, for_each_lane};
+use super::{HALF, LANES, Number, Simd, for_each_lane};
 
 /// Instructions of every processor of the architecture.
 #[derive(Clone, Copy)]
@@ -36,6 +36,17 @@ pub fn pair_with(first: u32, other: impl Fn(usize) -> u32, bits: u32, to: &mut [
     });
 }
 
+/// [`Simd::ordered_pairs`], one set bit after the other.
+#[inline(always)]
+pub fn ordered_pairs(first: u32, others: [&[u32; HALF]; 2], bits: u32, to: &mut [[u32; 2]; LANES]) {
+    let mut count = 0;
+    for_each_lane(bits, |lane| {
+        let other = others[lane / HALF % 2][lane % HALF];
+        to[count % LANES] = [first.min(other), first.max(other)];
+        count += 1;
+    });
+}
+
 #[inline(always)]
 fn both<T: Number>(a: [T; LANES], b: [T; LANES], f: impl Fn(T, T) -> T) -> [T; LANES] {
     let mut out = a;
@@ -55,6 +66,10 @@ impl<T: Number> Simd<T> for Portable {
     #[inline(always)]
     fn load(self, from: &[T; LANES]) -> Self::Block {
         *from
+    }
+    #[inline(always)]
+    fn load_halves(self, low: &[T; HALF], high: &[T; HALF]) -> Self::Block {
+        std::array::from_fn(|lane| if lane < HALF { low[lane] } else { high[lane - HALF] })
     }
     #[inline(always)]
     fn store(self, block: Self::Block, to: &mut [T; LANES]) {
@@ -124,6 +139,16 @@ impl<T: Number> Simd<T> for Portable {
     #[inline(always)]
     fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         pair_with(first, |lane| start + lane as u32, bits, to);
+    }
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs(first, others, bits, to);
     }
     #[inline(always)]
     fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {

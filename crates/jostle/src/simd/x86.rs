@@ -12,7 +12,7 @@ use std::arch::x86_64::*;
 use std::sync::atomic::AtomicU64;
 
 use super::gather;
-use super::{Instructions, LANES, Number, PairPlaces, Simd, Work, portable};
+use super::{HALF, Instructions, LANES, Number, PairPlaces, Simd, Work, portable};
 
 /// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
 /// several times longer to compile.
@@ -179,6 +179,25 @@ macro_rules! arithmetic {
         #[inline(always)]
         fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block {
             [$($choose(self, bits >> ($k * $each), a[$k], b[$k])),*]
+        }
+    };
+}
+
+/// [`Simd::load_halves`] with registers `$k` of `$each` numbers, at most half a block.
+macro_rules! load_halves {
+    ($t:ty, [$($k:literal)*] of $each:literal, $load:ident) => {
+        #[inline(always)]
+        fn load_halves(self, low: &[$t; HALF], high: &[$t; HALF]) -> Self::Block {
+            let [low, high] = [low.as_ptr(), high.as_ptr()];
+            // SAFETY: as in `load`; register k covers numbers k · each … of the one half, or those
+            // of the other, which follow it.
+            unsafe {
+                [$($load(if $k * $each < HALF {
+                    low.add($k * $each)
+                } else {
+                    high.add($k * $each - HALF)
+                })),*]
+            }
         }
     };
 }
@@ -408,6 +427,24 @@ impl Simd<f32> for Avx512 {
         }
     }
     #[inline(always)]
+    fn load_halves(self, low: &[f32; HALF], high: &[f32; HALF]) -> Self::Block {
+        // SAFETY: the token proves the instructions; each array is half a register long.
+        unsafe {
+            let low = _mm512_castps256_ps512(_mm256_loadu_ps(low.as_ptr()));
+            [_mm512_insertf32x8::<1>(low, _mm256_loadu_ps(high.as_ptr()))]
+        }
+    }
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_512(self, first, [low, high], bits, to);
+    }
+    #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         // SAFETY: the token proves the instruction; the array is one register long.
         let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
@@ -456,6 +493,17 @@ impl Simd<f64> for Avx512 {
             _mm512_storeu_pd(to.as_mut_ptr().add(low.count_ones() as usize), packed);
         }
     }
+    load_halves!(f64, [0 1] of 8, _mm512_loadu_pd);
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_512(self, first, [low, high], bits, to);
+    }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         // SAFETY: the token proves the instruction; the array is one register long.
@@ -503,6 +551,38 @@ fn pairs_512(_: Avx512, first: u32, others: __m512i, bits: u32, to: &mut [[u32; 
             let own = _mm512_set1_epi32(first as i32);
             _mm512_storeu_si512(to.cast(), _mm512_permutex2var_epi32(own, low, others));
             _mm512_storeu_si512(to.add(8).cast(), _mm512_permutex2var_epi32(own, high, others));
+        }
+    }
+}
+
+/// As [`pairs_512`], the smaller number of each pair first.
+#[inline(always)]
+fn ordered_pairs_512(
+    _: Avx512,
+    first: u32,
+    [low, high]: [&[u32; HALF]; 2],
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
+    // SAFETY: the token proves the instructions; each array is half a register long, and all stores
+    // end within the sixteen pairs.
+    unsafe {
+        let to = to.as_mut_ptr();
+        let low = _mm512_castsi256_si512(_mm256_loadu_si256(low.as_ptr().cast()));
+        let others = _mm512_inserti32x8::<1>(low, _mm256_loadu_si256(high.as_ptr().cast()));
+        let others = _mm512_maskz_compress_epi32(bits as u16, others);
+        let (own, four) = (_mm_set1_epi32(first as i32), _mm512_castsi512_si128(others));
+        let (less, more) = (_mm_min_epu32(own, four), _mm_max_epu32(own, four));
+        _mm_storeu_si128(to.cast(), _mm_unpacklo_epi32(less, more));
+        _mm_storeu_si128(to.add(2).cast(), _mm_unpackhi_epi32(less, more));
+        if bits.count_ones() > 4 {
+            let low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+            let high =
+                _mm512_setr_epi32(8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+            let own = _mm512_set1_epi32(first as i32);
+            let (less, more) = (_mm512_min_epu32(own, others), _mm512_max_epu32(own, others));
+            _mm512_storeu_si512(to.cast(), _mm512_permutex2var_epi32(less, low, more));
+            _mm512_storeu_si512(to.add(8).cast(), _mm512_permutex2var_epi32(less, high, more));
         }
     }
 }
@@ -567,6 +647,17 @@ impl Simd<f32> for Avx2 {
             _mm256_storeu_ps(to.as_mut_ptr().add(behind), high);
         }
     }
+    load_halves!(f32, [0 1] of 8, _mm256_loadu_ps);
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_256(self, first, [low, high], bits, to);
+    }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         // SAFETY: the token proves the instruction; the array is two registers long.
@@ -619,6 +710,17 @@ impl Simd<f64> for Avx2 {
             _mm256_storeu_pd(to.add(behind(8)), packed_256d(self, from[2], bits >> 8));
             _mm256_storeu_pd(to.add(behind(12)), packed_256d(self, from[3], bits >> 12));
         }
+    }
+    load_halves!(f64, [0 1 2 3] of 4, _mm256_loadu_pd);
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_256(self, first, [low, high], bits, to);
     }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
@@ -684,6 +786,17 @@ impl Simd<f32> for Sse2 {
         }
     }
     pack_one_by_one!(f32);
+    load_halves!(f32, [0 1 2 3] of 4, _mm_loadu_ps);
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        portable::ordered_pairs(first, others, bits, to);
+    }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         portable::pair_with(first, |lane| others[lane % LANES], bits, to);
@@ -719,6 +832,17 @@ impl Simd<f64> for Sse2 {
         choose_128d
     );
     pack_one_by_one!(f64);
+    load_halves!(f64, [0 1 2 3 4 5 6 7] of 2, _mm_loadu_pd);
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        portable::ordered_pairs(first, others, bits, to);
+    }
     #[inline(always)]
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
         portable::pair_with(first, |lane| others[lane % LANES], bits, to);
@@ -806,6 +930,23 @@ fn pairs_256(
         _mm256_castsi256_si128(_mm256_blendv_epi8(low, high, is_high))
     };
     four_pairs(token, first, others, to);
+}
+
+/// As [`pairs_256`], the smaller number of each pair first.
+#[inline(always)]
+fn ordered_pairs_256(
+    token: Avx2,
+    first: u32,
+    [low, high]: [&[u32; HALF]; 2],
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
+    // SAFETY: the token proves the instruction; each array is one register long.
+    let others = unsafe { [low, high].map(|half| _mm256_loadu_si256(half.as_ptr().cast())) };
+    pairs_256(token, first, others, bits, to);
+    for pair in &mut to[..bits.count_ones() as usize] {
+        *pair = [pair[0].min(pair[1]), pair[0].max(pair[1])];
+    }
 }
 
 /// Pairs of `first` with `start` + lane for every set bit.

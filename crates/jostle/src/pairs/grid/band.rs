@@ -1,0 +1,123 @@
+//! The circles of a band, sorted by counting into its cells.
+
+use std::ops::Range;
+
+use super::frame::Frame;
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::memory;
+use crate::quadtree::partition::Item;
+use crate::simd::LANES;
+
+/// The circles of some adjacent rows of cells, with those of the row before.
+#[derive(Debug)]
+pub(super) struct Band<T> {
+    /// The place of the first circle of each cell. One empty cell precedes the first row, and one
+    /// follows each row.
+    pub(super) starts: Vec<u32>,
+    /// The cell of each circle, as an index of `starts`.
+    pub(super) cells: Vec<u32>,
+    /// Centres, x, with spare rows.
+    pub(super) x: Vec<T>,
+    /// Centres, y, with spare rows.
+    pub(super) y: Vec<T>,
+    /// Rows of the caller, with spare rows.
+    pub(super) ids: Vec<u32>,
+    /// Number of circles of the row before.
+    pub(super) before: usize,
+    len: usize,
+}
+
+impl<T> Default for Band<T> {
+    fn default() -> Self {
+        let (starts, cells, ids) = (Vec::new(), Vec::new(), Vec::new());
+        Self { starts, cells, x: Vec::new(), y: Vec::new(), ids, before: 0, len: 0 }
+    }
+}
+
+impl<T: Scalar> Band<T> {
+    /// Replaces the circles by `items` and by the last row of the band before.
+    pub(super) fn fill<'a>(
+        &mut self,
+        frame: &Frame,
+        last: &Self,
+        items: impl Iterator<Item = &'a [Item<T>]> + Clone,
+    ) -> Result<()> {
+        let stride = frame.stride as usize;
+        let own = 1 + stride;
+        let end = own + frame.rows() * stride;
+        self.starts.clear();
+        memory::resize(&mut self.starts, end + 2, 0)?;
+        let count: usize = items.clone().map(<[Item<T>]>::len).sum();
+        self.take_row(frame, last, count)?;
+        // During the sort the count of a cell is two places further, its next free place one.
+        for item in items.clone().flatten() {
+            self.starts[own + frame.cell(item.key) + 2] += 1;
+        }
+        let mut sum = self.before as u32;
+        self.starts[own] = sum;
+        for start in &mut self.starts[own + 1..] {
+            sum += *start;
+            *start = sum;
+        }
+        let len = self.len;
+        let (starts, cells) = (&mut self.starts[..], &mut self.cells[..len]);
+        let (x, y, ids) = (&mut self.x[..len], &mut self.y[..len], &mut self.ids[..len]);
+        for item in items.flatten() {
+            let cell = own + frame.cell(item.key);
+            let next = &mut starts[cell + 1];
+            let place = *next as usize;
+            *next += 1;
+            [x[place], y[place]] = item.center;
+            (ids[place], cells[place]) = (item.row, cell as u32);
+        }
+        Ok(())
+    }
+
+    /// Makes room for `count` circles after those of the last row of the band before, which are
+    /// copied.
+    fn take_row(&mut self, frame: &Frame, last: &Self, count: usize) -> Result<()> {
+        let row = last.last_row(frame);
+        self.before = row.len();
+        self.len = row.len() + count;
+        memory::lengthen(&mut self.cells, self.len, 0)?;
+        memory::lengthen(&mut self.ids, self.len + LANES, 0)?;
+        memory::lengthen(&mut self.x, self.len + LANES, T::ZERO)?;
+        memory::lengthen(&mut self.y, self.len + LANES, T::ZERO)?;
+        if row.is_empty() {
+            return Ok(());
+        }
+        self.x[..row.len()].copy_from_slice(&last.x[row.clone()]);
+        self.y[..row.len()].copy_from_slice(&last.y[row.clone()]);
+        self.ids[..row.len()].copy_from_slice(&last.ids[row.clone()]);
+        let stride = frame.stride as usize;
+        let starts = &last.starts[1 + frame.rows() * stride..][..stride];
+        for (to, &start) in self.starts[1..].iter_mut().zip(starts) {
+            *to = start - row.start as u32;
+        }
+        Ok(())
+    }
+
+    /// The places of the circles of its last row.
+    fn last_row(&self, frame: &Frame) -> Range<usize> {
+        let first = 1 + frame.rows() * frame.stride as usize;
+        self.starts.get(first).map_or(0, |&start| start as usize)..self.len
+    }
+
+    /// Removes all circles.
+    pub(super) fn clear(&mut self) {
+        self.starts.clear();
+        (self.before, self.len) = (0, 0);
+    }
+
+    /// The places of its circles, without those of the row before.
+    pub(super) fn places(&self) -> Range<usize> {
+        self.before..self.len
+    }
+
+    /// Allocated bytes, used or not.
+    pub(super) fn memory_bytes(&self) -> usize {
+        (self.starts.capacity() + self.cells.capacity() + self.ids.capacity()) * size_of::<u32>()
+            + (self.x.capacity() + self.y.capacity()) * size_of::<T>()
+    }
+}

@@ -1,0 +1,152 @@
+//! Partition of shapes into blocks by the leading bits of the keys of their centres, the first pass
+//! of a sort.
+//!
+//! Each chunk of the shapes is partitioned by itself, so the threads need no common counters. Items
+//! contain the centres, so these need no lookup afterwards.
+
+use std::ops::Range;
+
+use crate::error::Result;
+use crate::interrupt::Stop;
+use crate::memory;
+use crate::parallel;
+use crate::sorting::prefix_sum;
+
+/// Maximum number of chunks.
+const MAX_CHUNKS: usize = 8;
+
+/// Minimum number of shapes in a chunk.
+pub(super) const MIN_CHUNK: usize = 1 << 11;
+
+/// Bits of a key.
+pub const KEY_BITS: u32 = u32::BITS;
+
+/// A shape to be sorted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Item<T> {
+    /// The key of its centre.
+    pub key: u32,
+    /// Its row.
+    pub row: u32,
+    /// Its centre.
+    pub center: [T; 2],
+}
+
+impl<T> Item<T> {
+    /// The sort key: key, then row.
+    #[inline(always)]
+    pub(super) fn rank(&self) -> u64 {
+        u64::from(self.key) << 32 | u64::from(self.row)
+    }
+}
+
+/// The shapes to be sorted.
+pub trait Source<T>: Sync {
+    /// Number of items.
+    fn len(&self) -> usize;
+    /// Writes the keys of some items.
+    fn keys(&self, range: Range<usize>, keys: &mut [u32]);
+    /// The item at `index`, whose key is `key`.
+    fn item(&self, index: usize, key: u32) -> Item<T>;
+}
+
+/// Items partitioned into blocks, chunk by chunk.
+#[derive(Debug)]
+pub struct Partition<T> {
+    pub(super) keys: Vec<u32>,
+    items: Vec<Item<T>>,
+    /// For each chunk, the end of each block in it.
+    ends: Vec<u32>,
+    len: usize,
+    blocks: usize,
+}
+
+impl<T> Default for Partition<T> {
+    fn default() -> Self {
+        Self { keys: Vec::new(), items: Vec::new(), ends: Vec::new(), len: 0, blocks: 0 }
+    }
+}
+
+impl<T: Copy + Default + Send + Sync> Partition<T> {
+    /// Makes the items and partitions them by the first `bits` bits of their keys.
+    pub fn fill(
+        &mut self,
+        threads: Option<usize>,
+        source: &impl Source<T>,
+        bits: u32,
+    ) -> Result<()> {
+        let stop = Stop::current();
+        let (len, blocks) = (source.len(), 1 << bits);
+        (self.len, self.blocks) = (len, blocks);
+        let Self { keys, items, ends, .. } = self;
+        let chunk = chunk_of(len);
+        memory::resize(keys, len, 0)?;
+        memory::resize(items, len, Item::default())?;
+        ends.clear();
+        memory::resize(ends, len.div_ceil(chunk) * blocks, 0)?;
+        let chunks = keys[..len].chunks_mut(chunk).zip(items[..len].chunks_mut(chunk));
+        let tasks = chunks.zip(ends.chunks_mut(blocks)).enumerate();
+        parallel::for_each(threads, tasks, |(index, ((keys, items), ends))| {
+            if stop.is_set() {
+                return;
+            }
+            let start = index * chunk;
+            source.keys(start..start + keys.len(), keys);
+            let block = |key: u32| leading(key, 0, bits);
+            keys.iter().for_each(|&key| ends[block(key)] += 1);
+            prefix_sum(ends);
+            for (offset, &key) in keys.iter().enumerate() {
+                let place = &mut ends[block(key)];
+                items[*place as usize] = source.item(start + offset, key);
+                *place += 1;
+            }
+        });
+        stop.check()
+    }
+}
+
+impl<T> Partition<T> {
+    /// The items of a block in each chunk, in the order of the source.
+    pub fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T>]> + Clone {
+        let chunks = self.items[..self.len].chunks(chunk_of(self.len));
+        chunks.zip(self.ends.chunks(self.blocks)).map(move |(items, ends)| {
+            let start = if block == 0 { 0 } else { ends[block - 1] };
+            &items[start as usize..ends[block] as usize]
+        })
+    }
+
+    /// Writes the number of items in all blocks before each block, and in all blocks.
+    pub fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
+        starts.clear();
+        memory::resize(starts, self.blocks + 1, 0)?;
+        // The end of a block in a chunk is the number of items of this and all blocks before it.
+        for ends in self.ends.chunks(self.blocks) {
+            for (start, &end) in starts[1..].iter_mut().zip(ends) {
+                *start += end;
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks
+    }
+
+    /// Allocated bytes, used or not.
+    pub fn memory_bytes(&self) -> usize {
+        self.items.capacity() * size_of::<Item<T>>()
+            + (self.ends.capacity() + self.keys.capacity()) * size_of::<u32>()
+    }
+}
+
+/// Number of items in a chunk; it depends only on the number of items.
+fn chunk_of(len: usize) -> usize {
+    len.div_ceil(MAX_CHUNKS).max(MIN_CHUNK)
+}
+
+/// The `bits` bits of a key after its first `skipped` bits.
+#[inline(always)]
+pub fn leading(key: u32, skipped: u32, bits: u32) -> usize {
+    if bits == 0 { 0 } else { (key << skipped >> (KEY_BITS - bits)) as usize }
+}

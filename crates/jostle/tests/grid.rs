@@ -1,0 +1,146 @@
+//! The grid for circles of one radius against brute force.
+
+use jostle::pairs::{self, FindScratch};
+use jostle::scenes::random::Random;
+use jostle::settings::DEFAULT_MAX_PAIRS;
+use jostle::simd::{self, Instructions};
+use jostle::{Each, Error, Method, Scalar, Shapes};
+use proptest::prelude::*;
+
+/// Whether the tree was used for the pairs, which are sorted.
+fn find<T: Scalar>(shapes: &Shapes<T>, threads: usize) -> (bool, Vec<[u32; 2]>) {
+    let mut scratch = FindScratch::default();
+    let threads = Some(threads);
+    let found = pairs::find_with(&mut scratch, shapes, None, threads, DEFAULT_MAX_PAIRS);
+    let mut found = found.unwrap();
+    found.sort().unwrap();
+    (!scratch.tree.is_empty(), found.pairs)
+}
+
+fn brute<T: Scalar>(shapes: &Shapes<T>) -> Vec<[u32; 2]> {
+    let method = Some(Method::Brute);
+    let mut found = pairs::find(shapes, method, Some(1), DEFAULT_MAX_PAIRS).unwrap();
+    found.sort().unwrap();
+    found.pairs
+}
+
+/// Circles at random places of a rectangle.
+fn circles<T: Scalar>(
+    seed: u64,
+    count: usize,
+    [width, height]: [f32; 2],
+    middle: [f64; 2],
+    radius: f64,
+) -> Shapes<T> {
+    let mut random = Random::new(seed);
+    let centers = (0..count).map(|_| {
+        let place = [random.between(0.0, width), random.between(0.0, height)];
+        [0, 1].map(|k| T::from_f64(middle[k] + f64::from(place[k])))
+    });
+    Shapes::circles(centers.collect(), Each::One(T::from_f64(radius))).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
+
+    /// Sparse to crowded, square to narrow, far from the origin.
+    #[test]
+    fn its_pairs_are_those_of_brute_force(
+        seed in 0u64..1000,
+        count in 301usize..1200,
+        proportion in prop_oneof![Just(1.0f32), Just(0.01), Just(40.0), Just(0.0)],
+        covered in prop_oneof![Just(0.02f32), 0.1f32..1.0, 1.0f32..20.0],
+        offset in prop_oneof![Just(0.0), Just(-1e4), Just(1e6)],
+    ) {
+        let side = (count as f32 * std::f32::consts::PI / covered).sqrt();
+        let extent = [side, side * proportion];
+        let one = circles::<f32>(seed, count, extent, [offset, 7.0], 1.0);
+        let two = circles::<f64>(seed, count, extent, [7.0, offset], 1.0);
+        let expected = (brute(&one), brute(&two));
+        for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+            // Other tests may set another limit meanwhile: then more than one is tested here.
+            simd::limit(most);
+            prop_assert_eq!(&find(&one, 1).1, &expected.0);
+            prop_assert_eq!(&find(&two, 2).1, &expected.1);
+        }
+    }
+}
+
+#[test]
+fn bands_of_many_circles_agree_on_all_threads() {
+    for extent in [[300.0, 300.0], [2000.0, 40.0]] {
+        let shapes = circles::<f32>(3, 40_000, extent, [5.0, -9.0], 0.9);
+        let (by_tree, found) = find(&shapes, 1);
+        assert!(!by_tree);
+        let tree = Some(Method::Quadtree);
+        let mut expected = pairs::find(&shapes, tree, Some(1), DEFAULT_MAX_PAIRS).unwrap();
+        expected.sort().unwrap();
+        assert!(found == expected.pairs && found.len() > 100_000);
+        assert!(find(&shapes, 8) == (false, found));
+    }
+}
+
+#[test]
+fn circles_that_touch_do_not_overlap() {
+    let lattice = |step: f64| {
+        let centers = (0..40).flat_map(|i| (0..40).map(move |j| [i, j]));
+        let centers = centers.map(|center| center.map(|v| step * f64::from(v)));
+        Shapes::circles(centers.collect(), Each::One(0.5)).unwrap()
+    };
+    assert_eq!(find(&lattice(1.0), 1), (false, Vec::new()));
+    assert_eq!(find(&lattice(1.0 - 1e-9), 1).1.len(), 2 * 40 * 39);
+}
+
+/// A sparse scene would have many empty cells, and a cell of other shapes no fixed size.
+#[test]
+fn other_shapes_are_searched_by_a_tree() {
+    let dense = circles::<f64>(1, 500, [40.0; 2], [0.0; 2], 1.0);
+    assert!(!find(&dense, 1).0);
+    let with_radii = |radii| Shapes { radii, ..dense.clone() };
+    let radii = (0..500).map(|row| 1.0 + f64::from(row % 2)).collect();
+    let sizes = Some(Each::One([1.0; 2]));
+    let filters = Some([Each::One(1), Each::Rows(vec![1; 500])]);
+    let far = dense.centers.iter().map(|c| c.map(|v| 1e306 * (v - 20.0))).collect();
+    for shapes in [
+        circles::<f64>(1, 500, [4e3; 2], [0.0; 2], 1.0),
+        with_radii(Each::Rows(radii)),
+        with_radii(Each::One(0.0)),
+        Shapes { half_sizes: sizes, ..dense.clone() },
+        Shapes { filters, ..dense.clone() },
+        Shapes { centers: far, ..dense.clone() },
+    ] {
+        let (by_tree, found) = find(&shapes, 1);
+        assert!(by_tree);
+        assert_eq!(found, brute(&shapes));
+    }
+}
+
+#[test]
+fn a_limit_stops_the_search() {
+    let centers = vec![[3.0f32, 4.0]; 1_000_000];
+    let shapes = Shapes::circles(centers, Each::One(1.0)).unwrap();
+    for max_pairs in [0, 1000, 1_000_000] {
+        let found = pairs::find(&shapes, None, None, max_pairs);
+        assert_eq!(found, Err(Error::TooManyPairs { max_pairs }));
+    }
+    let few = Shapes { centers: vec![[3.0, 4.0]; 500], ..shapes };
+    let exact = 500 * 499 / 2;
+    assert_eq!(pairs::find(&few, None, None, exact).unwrap().pairs.len(), exact);
+    assert!(pairs::find(&few, None, None, exact - 1).is_err());
+}
+
+/// Memory is kept: later searches of the same shapes need no more.
+#[test]
+fn memory_is_reused() {
+    let shapes = circles::<f64>(5, 20_000, [150.0; 2], [0.0; 2], 0.5);
+    let mut scratch = FindScratch::default();
+    let bytes = [(); 5].map(|()| {
+        let found = pairs::find_with(&mut scratch, &shapes, None, Some(1), 1 << 20).unwrap();
+        assert!(found.pairs.len() > 10_000);
+        scratch.keep(found.pairs);
+        scratch.memory_bytes()
+    });
+    // Two bands take turns, so that both are large enough after two searches.
+    assert!(bytes[2..].iter().all(|&of| of == bytes[1]), "{bytes:?}");
+    assert!(bytes[1] < 100 * shapes.len());
+}
