@@ -132,6 +132,15 @@ def check_touches(name: str, ours: jostle.mpi.World, world: jostle.World) -> Non
     assert ours.collisions == world.collisions, name
 
 
+def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
+    """The events of all ranks together are those of one process; returns how many these are."""
+    found = [np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)]
+    for pairs, expected in zip(found, world.events, strict=True):
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        assert np.array_equal(pairs, expected), f"{name} at {world.time}"
+    return sum(map(len, found))
+
+
 def main(which: str) -> None:
     globals()[f"test_{which}"]()
     if COMM.rank == 0:
@@ -153,6 +162,77 @@ def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jost
         container = jostle.Torus(width, width)
     velocities = options.pop("velocities", rng.normal(0, 20, (n, 2)))
     return jostle.World(positions, velocities, radii, container=container, **options)
+
+
+def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
+    """Triangles that fall asleep soon, a row of discs that touch, and discs that fall on them."""
+    left = np.arange(n) * 6.0 + 3.0
+    corners = np.array([(-1.0, 1.0), (1.0, 1.0), (0.0, 1.0 + np.sqrt(3.0))])
+    row = np.column_stack([left[-1] + 5.0 + 2.0 * np.arange(n), np.ones(n)])
+    late = np.array([(left[n // 2] + 0.5, 55.0), (row[n // 2, 0] + 0.3, 90.0)])
+    triangles = np.concatenate([corners + np.array([x, 0.0]) for x in left])
+    positions = np.concatenate([triangles, row, late[:falling]])
+    rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6} | options
+    width = float(row[-1, 0]) + 3.0
+    return jostle.World(
+        positions, np.zeros_like(positions), 1.0, container=jostle.Box(0, 0, width, 200), **rules
+    )
+
+
+def check_asleep(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """The same state and the same sleeping particles."""
+    found, expected = ours.state_hash(), world.state_hash()
+    assert found == expected, f"{name}: {found:#x} is not {expected:#x} at {world.time}"
+    ids, asleep = (np.concatenate(COMM.allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), f"{name} at {world.time}"
+    check_touches(name, ours, world)
+
+
+def test_sleeping() -> None:
+    """Islands that several ranks have fall asleep and wake as in one process."""
+    for where in (evenly, all_on_first, unevenly):
+        world = sleepers()
+        ours = scattered(world, where)
+        ours._core._rebalance_every(7)
+        counts = []
+        for _ in range(16):
+            world.step(1 / 60, 20)
+            ours.step(1 / 60, 20)
+            check_asleep("sleeping", ours, world)
+            counts.append(int(world.asleep.sum()))
+        # Some wake when discs fall on them.
+        assert max(counts) > 30 and np.diff(counts).min() < 0, counts
+    walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
+    tracked = sleepers(walls=walls, track_events=True)
+    ours = scattered(tracked, unevenly)
+    for _ in range(12):
+        tracked.step(1 / 60, 20)
+        ours.step(1 / 60, 20)
+        check_asleep("walls", ours, tracked)
+        check_events("walls", ours, tracked)
+    assert tracked.asleep.sum() > 10
+    # Kinematic particles keep others awake; static ones do not.
+    movable = np.arange(42) % 5 > 0
+    still = sleepers(movable=movable)
+    still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
+    ours = scattered(still, evenly)
+    for _ in range(8):
+        still.step(1 / 60, 20)
+        ours.step(1 / 60, 20)
+        check_asleep("obstacles", ours, still)
+    assert still.asleep.any()
+
+
+def test_calls_of_sleepers() -> None:
+    """A world of which all sleeps takes one call of all ranks for a step."""
+    world = sleepers(4, falling=0)
+    ours = scattered(world, evenly)
+    ours._core._rebalance_every(1000)
+    ours.step(1 / 60, 120)
+    assert sum(COMM.allgather(int(ours.asleep.sum()))) == ours.total
+    before = ours.traffic["calls"]
+    ours.step(1 / 60, 10)
+    assert ours.traffic["calls"] - before == 10
 
 
 def test_gas() -> None:
@@ -281,6 +361,15 @@ def test_files() -> None:
     check_file(folder / "world", world, 2)
     walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
     check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 30)
+    # Some sleep when it is saved, and some wake later.
+    for done in (110, 190):
+        world = sleepers(5)
+        world.step(1 / 60, done)
+        ours = scattered(sleepers(5), unevenly)
+        ours.step(1 / 60, done)
+        assert 0 < world.asleep.sum() < len(world)
+        check_asleep("before the file", ours, world)
+        check_saved(folder / f"sleepers-{done}", ours, world, 60)
     check_refused_files(folder)
     check_failed_writing(folder)
     COMM.Barrier()
@@ -289,15 +378,20 @@ def test_files() -> None:
 
 
 def check_file(path: Path, world: jostle.World, steps: int) -> None:
-    ours = check(path.name, world, 1 / 60, steps)
+    check_saved(path, check(path.name, world, 1 / 60, steps), world, steps)
+
+
+def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: int) -> None:
     ours.save(path)
     COMM.Barrier()
+    asleep = world.asleep
     assert not list(path.parent.glob(".*")), "nothing is left beside the file"
     world.step(1 / 60, steps)
     # All ranks, one rank alone, and groups of two.
     for comm in (COMM, MPI.COMM_SELF, COMM.Split(COMM.rank // 2)):
         again = jostle.mpi.World.load(comm, path)
         assert again.time == ours.time and again.total == len(world)
+        assert np.array_equal(again.asleep, asleep[again.ids])
         again.step(1 / 60, steps)
         assert again.state_hash() == world.state_hash()
     alone = ours.gather(COMM.size - 1)
@@ -306,6 +400,7 @@ def check_file(path: Path, world: jostle.World, steps: int) -> None:
         plain = jostle.World.load(path)
         assert plain.time == alone.time and plain.walls.shape == world.walls.shape
         for one in (alone, plain):
+            assert np.array_equal(one.asleep, asleep)
             assert one.state_hash() == ours_hash_of(one)
             one.step(1 / 60, steps)
             assert one.state_hash() == world.state_hash()
@@ -531,13 +626,7 @@ def test_events() -> None:
         for _ in range(8):
             world.step(1 / 60, steps)
             ours.step(1 / 60, steps)
-            found = [
-                np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)
-            ]
-            for pairs, expected in zip(found, world.events, strict=True):
-                pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-                assert np.array_equal(pairs, expected), name
-                seen += len(pairs)
+            seen += check_events(name, ours, world)
         assert seen > 0, name
     try:
         _ = scattered(gas(9), evenly).events
@@ -579,13 +668,11 @@ def test_parts() -> None:
 
 def test_errors() -> None:
     """What is refused is refused on all ranks, and an error leaves the world as it was."""
-    rest = {"gravity": (0.0, 9.8), "restitution": 0.5}  # and sleeping=True
     world = scattered(gas(50), evenly)
     # So many that their text would be shortened; one in the middle differs.
     walls = np.arange(600.0)[:, None, None] * 2 + np.array([[[0.0, 0.0], [1.0, 0.0]]])
     walls[300, 1, 1] += COMM.rank
     refused: list[tuple[str, Callable[[], Any]]] = [
-        ("sleeping", lambda: scattered(gas(50, **rest), evenly).step(1 / 60)),
         ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
         ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
         ("dt", lambda: world.step(-1.0)),

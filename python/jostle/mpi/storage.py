@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from jostle._core import checksum
 
 from .exchange import raise_together, send, together
-from .records import PARTS
+from .records import PAIRS, PARTS
 
 _MAGIC = b"jostle ranks\x1a\n\0\0"
-_VERSION = 2
+_VERSION = 3
 
 #: Ids of a chunk. Each rank has whole chunks, so that the file does not depend on the ranks.
 _CHUNK = 1 << 14
@@ -140,7 +140,7 @@ def _removed_after_errors(comm: MPI.Intracomm, path: Path) -> Iterator[None]:
 def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, list[NDArray[Any]]]:
     """Return the settings, and the `PARTS` of this rank's range of ids.
 
-    A rank gets the resting contacts of its particles with those of others, too.
+    A rank gets the contacts of its particles with those of others, too.
     """
     with together(comm):
         with path.open("rb") as file:
@@ -149,10 +149,11 @@ def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, list[NDArray[Any]]]:
             np.concatenate([np.zeros(0, kind), *(rows[part] for rows in chunks)])
             for part, kind in enumerate(PARTS)
         ]
-    resting = parts[2]
-    homes = [_ranks_of(resting[name], comm.size, total, _CHUNK) for name in ("id", "other")]
-    is_shared = homes[0] != homes[1]
-    parts[2] = np.concatenate([resting, send(comm, resting[is_shared], homes[1][is_shared])])
+    for number in PAIRS:
+        rows = parts[number]
+        homes = [_ranks_of(rows[name], comm.size, total, _CHUNK) for name in ("id", "other")]
+        is_shared = homes[0] != homes[1]
+        parts[number] = np.concatenate([rows, send(comm, rows[is_shared], homes[1][is_shared])])
     return settings, parts
 
 

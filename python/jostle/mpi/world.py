@@ -39,6 +39,7 @@ _SMOOTHING = 0.1
 _SETTINGS = (
     *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
     *("wall_velocities", "wall_restitution", "wall_friction", "forces", "on_touch", "substeps"),
+    *("sleeping", "track_events"),
 )
 
 
@@ -91,14 +92,13 @@ class World:
 
     Notes
     -----
-    Not supported are merging, islands that sleep (pass ``sleeping=False`` if gravity acts and a
-    coefficient of restitution is below 1), and forces other than `PairForce`, `Flocking`,
-    `Thermostat`, `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the
-    kinds of this rank's particles; there may be two.
+    Not supported are merging, and forces other than `PairForce`, `Flocking`, `Thermostat`,
+    `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
+    rank's particles; there may be two.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
     32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
-    ranks.
+    ranks; sleeping ones stay where they are until they wake.
 
     Examples
     --------
@@ -297,6 +297,11 @@ class World:
         return self._column("sensors")
 
     @property
+    def asleep(self) -> NDArray[Any]:
+        """Which particles are asleep: ndarray of bool, shape (n,), in the order of `ids`."""
+        return self._column("asleep")
+
+    @property
     def ghosts(self) -> int:
         """Number of copies of particles of other ranks in the last step."""
         count, ids, *_ = self._own()
@@ -382,16 +387,13 @@ class World:
         is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
         owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
         pairs = np.sort(pairs, axis=1)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        order = order[owner[order] < count]
+        is_own = owner < count
         normals = np.where(is_reversed[:, None], -found.normals, found.normals)
-        return jostle.WorldContacts(
-            pairs[order],
-            normals[order],
-            found.depths[order],
-            found.normal_impulses[order],
-            found.friction_impulses[order],
-        )
+        awake = (column[is_own] for column in (pairs, normals, *found[2:]))
+        both = zip(awake, self._core._own_touches_asleep(), strict=True)
+        pairs, *columns = (np.concatenate(columns) for columns in both)
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        return jostle.WorldContacts(pairs[order], *(column[order] for column in columns))
 
     @property
     def wall_contacts(self) -> jostle.WallContacts:
@@ -490,9 +492,9 @@ class World:
             gathered.append(np.sort(deliver(self._comm, to), order="id", kind="stable"))
         if self._comm.rank != root:
             return None
-        records, *impulses = (rows.tobytes() for rows in gathered)
+        records, *kept = (rows.tobytes() for rows in gathered)
         world: Any = self._core._of_records(records)
-        world._take_impulses(*impulses)
+        world._take_kept(*kept)
         return cast(jostle.World, world)
 
     @collective
@@ -556,18 +558,18 @@ class World:
     @collective
     def _load(self, path: Path, threads: int | None) -> None:
         settings, parts = read(self._comm, path)
-        records, *impulses = (rows.tobytes() for rows in parts)
+        records, *kept = (rows.tobytes() for rows in parts)
         with together(self._comm):
             empty: Any = jostle.World.restore(settings)
             core = empty._of_records(records)
             core.threads = threads
         self._core = core
         core._distribute(self._messages, parts[0]["id"].copy())
-        core._take_impulses(*impulses)
+        core._take_kept(*kept)
 
     def _parts(self) -> list[NDArray[Any]]:
-        """The particles of this rank, and the impulses that the core keeps: all `PARTS`."""
-        parts = [self._core._own_records(), *self._core._own_impulses()]
+        """The particles of this rank, and what the core keeps of them: all `PARTS`."""
+        parts = [self._core._own_records(), *self._core._own_kept()]
         return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
 
     def _records(self) -> NDArray[Any]:

@@ -11,6 +11,7 @@ use crate::arrays::{column, table};
 use crate::communicator::PyCommunicator;
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::results;
 
 /// Own particles, ids, particles of all ranks; calls, messages, bytes; repeated steps.
 type Numbers<'py> = (usize, Bound<'py, PyArray1<i64>>, usize, (u64, u64, u64), u64);
@@ -70,23 +71,29 @@ impl PyWorld {
         Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
     }
 
-    /// What the solver keeps of the own particles: the impulses of sides, contacts and walls. For
-    /// `jostle.mpi`.
-    fn _own_impulses<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 3]> {
-        let all = self.long(py, |state| state.world.own_impulses())?;
+    /// What is kept of the own particles from step to step, as in `jostle.mpi.records`. For `jostle.mpi`.
+    fn _own_kept<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 5]> {
+        let all = self.long(py, |state| state.world.own_kept())?;
         Ok(all.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
-    /// Take what `_own_impulses` returned, of all particles of this world. For `jostle.mpi`.
-    fn _take_impulses(
+    /// Take what `_own_kept` returned, of all particles of this world. For `jostle.mpi`.
+    fn _take_kept(
         &self,
         py: Python<'_>,
-        sides: &[u8],
+        kept: &[u8],
         resting: &[u8],
         pushes: &[u8],
+        members: &[u8],
+        touches: &[u8],
     ) -> PyResult<()> {
-        let impulses = [sides, resting, pushes];
-        self.long(py, |state| state.world.take_impulses(impulses))?.map_err(refused)
+        let all = [kept, resting, pushes, members, touches];
+        self.long(py, |state| state.world.take_kept(all))?.map_err(refused)
+    }
+
+    /// The pairs of sleeping islands that touched, each on one rank. For `jostle.mpi`.
+    fn _own_touches_asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        results::world_contacts(py, self.long(py, |state| state.world.own_touches_asleep())?)
     }
 
     /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.

@@ -9,8 +9,10 @@ use std::iter::repeat_n;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::asleep::Asleep;
 use super::carried::Resting;
 use super::ids::Ids;
+use super::islands::SleepingContact;
 use super::search::Lists;
 use super::{Memory, OnTouch, World};
 use crate::contacts::{ContactShape, Contacts};
@@ -55,6 +57,20 @@ pub(super) struct Domain {
     pub(super) own: usize,
     /// Particles of all ranks.
     pub(super) total: usize,
+    /// Those that are awake, and those that sleep.
+    pub(super) awake: usize,
+    pub(super) asleep: usize,
+    /// Whether some sleep and all others are static.
+    pub(super) is_still: bool,
+    /// The contacts of sleeping islands; those of islands that have been woken in a step that is not
+    /// complete, too.
+    pub(super) sleeping: Vec<SleepingContact>,
+    /// The sleeping particles of other ranks near own ones.
+    pub(super) foreign: Asleep,
+    /// The names of those of their islands that the step would touch.
+    pub(super) touched: Vec<Id>,
+    /// How far the particle at each place may get before it leaves its circle.
+    pub(super) left: Vec<f32>,
     is_elastic: bool,
     has_friction: bool,
     /// Quantiles of the coordinates of all ranks along each axis.
@@ -107,8 +123,8 @@ pub(super) struct Domain {
 impl Domain {
     /// What the events of a sub-step share with other ranks.
     pub(super) fn halo(&self) -> Halo<'_> {
-        let Self { group, total, is_own, shared, sent_places, ghost_places, .. } = self;
-        Halo { group, total: *total, is_own, shared, sent: sent_places, ghosts: ghost_places }
+        let Self { group, awake, is_own, shared, sent_places, ghost_places, .. } = self;
+        Halo { group, total: *awake, is_own, shared, sent: sent_places, ghosts: ghost_places }
     }
 
     /// Whether a row has an own particle.
@@ -164,7 +180,7 @@ impl Domain {
 
     /// Lists the places of own and of shared particles.
     pub(super) fn list_places(&mut self, rows: &[u32]) {
-        if rows.len() == self.own && self.sent.iter().all(Vec::is_empty) {
+        if self.ids.len() == self.own && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
             self.shared.clear();
@@ -172,7 +188,7 @@ impl Domain {
             (self.sent_places, self.ghost_places) = (vec![vec![]; size], vec![vec![]; size]);
             return;
         }
-        let mut places = vec![0; rows.len()];
+        let mut places = vec![0; self.ids.len()];
         (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
         self.sent_places.resize(self.sent.len(), Vec::new());
         for (places_of, rows) in self.sent_places.iter_mut().zip(&self.sent) {
@@ -256,13 +272,17 @@ impl Domain {
         memory: &mut Memory,
     ) {
         let Memory { limits, reaches, .. } = memory;
+        let has_sleepers = self.asleep > 0;
         limits.clear();
+        self.left.clear();
         if self.sent.len() < 2 {
+            limits.extend(reaches.iter().filter(|_| has_sleepers));
             return;
         }
         for ((&row, position), &reach) in rows.iter().zip(&particles.positions).zip(&*reaches) {
             let Some(of) = self.announced.get(row as usize) else {
                 limits.push(f32::INFINITY);
+                self.left.push(f32::INFINITY);
                 continue;
             };
             let moved = if *position == of.position {
@@ -276,7 +296,8 @@ impl Domain {
             if left < reach {
                 self.far.push((row, moved + reach));
             }
-            limits.push(left);
+            self.left.push(left);
+            limits.push(if has_sleepers { left.min(reach) } else { left });
         }
     }
 }
@@ -301,6 +322,7 @@ impl World {
     /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
     pub fn distribute(&mut self, communicator: Box<dyn Communicator>, ids: Vec<Id>) -> Result<()> {
         self.check_distributable()?;
+        self.wake_all();
         let mut group = Group::new(communicator);
         let total = group.sum([ids.len() as u64])?[0] as usize;
         self.domain = Some(Box::new(Domain {
@@ -308,6 +330,13 @@ impl World {
             own: ids.len(),
             ids,
             total,
+            awake: total,
+            asleep: 0,
+            is_still: false,
+            sleeping: Vec::new(),
+            foreign: Asleep::default(),
+            touched: Vec::new(),
+            left: Vec::new(),
             is_elastic: self.are_own_elastic(),
             has_friction: true,
             scales: Default::default(),
@@ -390,6 +419,10 @@ impl World {
         for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
             put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
         }
+        let discs = &self.asleep.sleepers().discs;
+        for at in self.asleep.indices() {
+            put_record(&mut bytes, self.name_of(domain, discs.rows[at]), &discs.particles, at);
+        }
         bytes
     }
 
@@ -437,9 +470,19 @@ impl World {
         }
     }
 
-    /// The number of particles of all ranks.
+    /// The number of particles of all ranks that are awake.
     pub(super) fn count_of_all(&self) -> usize {
-        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.total)
+        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.awake)
+    }
+
+    /// Whether something is so on any rank.
+    pub(super) fn any_of_all(&self, own: bool) -> Result<bool> {
+        if self.domain.is_none() { Ok(own) } else { Ok(self.sum_of_all([u64::from(own)])? != [0]) }
+    }
+
+    /// Waits for all ranks. Returns an error if one has failed.
+    pub(super) fn wait_for_all(&self) -> Result<()> {
+        self.sum_of_all([]).map(|[]: [u64; 0]| ())
     }
 
     /// The largest of each number of all ranks.
@@ -490,9 +533,10 @@ impl World {
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
         let Some(domain) = domain else { return };
         let own = domain.own;
-        if rows.len() > own {
+        if domain.ids.len() > own {
+            let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
             let mut end = rows.len();
-            for place in 0..own {
+            for place in 0..awake {
                 if domain.owns(rows[place]) {
                     continue;
                 }
@@ -505,9 +549,9 @@ impl World {
                 persistent.move_row(end, place);
                 rows[place] = rows[end];
             }
-            particles.resize(own);
-            persistent.resize(own);
-            rows.truncate(own);
+            particles.resize(awake);
+            persistent.resize(awake);
+            rows.truncate(awake);
             domain.ids.truncate(own);
             forces::change_kinds(forces, |kinds| kinds.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
@@ -521,6 +565,7 @@ impl World {
     pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
         let Self { domain, particles, rows, persistent, ids, forces, .. } = self;
         let Some(domain) = domain else { return };
+        let first = domain.ids.len();
         for bytes in bytes {
             let (new, new_ids, new_kinds) = read_records(bytes);
             particles.extend(&new);
@@ -528,8 +573,8 @@ impl World {
             forces::add_kinds(forces, &new_kinds);
         }
         let len = domain.ids.len();
-        rows.extend(rows.len() as u32..len as u32);
-        persistent.resize(len);
+        rows.extend(first as u32..len as u32);
+        persistent.resize(rows.len());
         *ids = Ids::of_rows(len);
         if are_own {
             domain.own = len;
@@ -544,19 +589,31 @@ impl World {
         if domain.steps.is_multiple_of(domain.rebalance_every) {
             self.rebalance()?;
         }
+        self.sum_up_ranks()
+    }
+
+    /// Finds out what the particles that are awake require on all ranks, and how many these are.
+    pub(super) fn sum_up_ranks(&mut self) -> Result<()> {
         let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
-        let own = [u64::from(!self.are_own_elastic()), u64::from(has_friction)];
-        let [inelastic, frictions] = self.sum_of_all(own)?;
+        let moving = (0..self.rows.len()).any(|place| !self.particles.is_static(place));
+        let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
+        let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
+        let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
+        let [inelastic, frictions, moving, awake, asleep] = self.sum_of_all(own)?;
         if let Some(domain) = &mut self.domain {
             (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+            (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
+            domain.is_still = asleep > 0 && moving == 0;
         }
         if frictions > 0 {
             self.particles.spins_mut();
         }
-        if self.may_rest() && self.may_sleep() {
-            let rule = "islands of a distributed world do not fall asleep; pass sleeping=False";
-            return Err(Error::of("sleeping", "True", rule));
-        }
         Ok(())
     }
+}
+
+/// Whether a row is one of this rank, and no ghost.
+#[inline(always)]
+pub(super) fn owns(domain: &Option<Box<Domain>>, row: u32) -> bool {
+    domain.as_ref().is_none_or(|domain| domain.owns(row))
 }

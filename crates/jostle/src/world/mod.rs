@@ -20,6 +20,7 @@ mod edits;
 mod force_step;
 mod given;
 mod ids;
+mod islands;
 mod merge;
 mod migration;
 mod record;
@@ -37,6 +38,7 @@ mod touches;
 mod touching;
 mod undo;
 mod waking;
+mod waking_ranks;
 
 use std::sync::OnceLock;
 
@@ -187,6 +189,8 @@ struct Memory {
     limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
     touched: Vec<u32>,
+    /// Whether there are any, on any rank.
+    meets_sleepers: bool,
     sleeping: sleeping::Scratch,
     waking: waking::Scratch,
     grown: bounds::Grown,
