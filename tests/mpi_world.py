@@ -235,6 +235,139 @@ def test_calls_of_sleepers() -> None:
     assert ours.traffic["calls"] - before == 10
 
 
+def of_rank(rows: np.ndarray) -> np.ndarray:
+    """Every rank's share of some rows, in the order of ranks."""
+    return np.array_split(rows, COMM.size)[COMM.rank]
+
+
+def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
+    """Changes of a world; the second argument gives a rank's share of rows."""
+    new = np.column_stack([np.arange(7) * 9.0 + 4.0, np.full(7, 30.0)])
+    still = np.zeros((7, 2))
+    gone = np.array([2, 17, 31, 9])
+    pushed, static = np.array([20, 5]), np.array([0])
+
+    def wall(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.4)]
+
+    def stop(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.0)]
+
+    def lighter(world: Any, _: Callable[..., Any]) -> None:
+        world.gravity = (0.5, -9.0)
+
+    return [
+        ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
+        ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
+        ("added", lambda w, own: w.add(own(new), own(still), own(np.full(7, 0.5)), friction=0.5)),
+        ("removed", lambda w, own: w.remove(own(gone))),
+        ("a moving wall", wall),
+        ("a wall that stops", stop),
+        ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
+        ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
+        ("the static disc is removed", lambda w, own: w.remove(own(static))),
+        ("gravity", lighter),
+        (
+            "obstacles",
+            lambda w, own: w.add(own(new + 9.0), own(still), 1.0, movable=False, friction=0.6),
+        ),
+        ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
+    ]
+
+
+def resting(**options: Any) -> jostle.World:
+    """Triangles on a static disc and on a wall, which fall asleep."""
+    world = sleepers(
+        8, falling=1, walls=[[(60.0, 0.5), (75.0, 0.5)]], movable=np.arange(33) > 0, **options
+    )
+    assert len(world) == 33
+    return world
+
+
+def test_edits() -> None:
+    """Particles that are added, removed and changed while others sleep."""
+    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
+    for where in (evenly, all_on_last):
+        world = resting(track_events=True)
+        ours = scattered(world, where)
+        ours._core._rebalance_every(5)
+        counts = set()
+        for number, (name, change) in enumerate(edits()):
+            for _ in range(3):
+                world.step(1 / 60, 30)
+                ours.step(1 / 60, 30)
+            check_asleep(f"before {name}", ours, world)
+            check_events(name, ours, world)
+            change(world, lambda rows: rows)
+            change(ours, of_rank)
+            check_asleep_now(f"after {name}", ours, world)
+            counts.add(int(world.asleep.sum()))
+            if name in ("removed", "obstacles") and where is evenly:
+                check_saved(folder / str(number), ours, world, 0)
+        world.step(1 / 60, 30)
+        ours.step(1 / 60, 30)
+        check_asleep("the last", ours, world)
+        assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
+    COMM.Barrier()
+    if COMM.rank == 0:
+        shutil.rmtree(folder)
+    check_refused_edits()
+
+
+def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """As `check_asleep`, without contacts, which are those of a step."""
+    assert ours.state_hash() == world.state_hash(), name
+    ids, asleep = (np.concatenate(COMM.allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(np.sort(ids), world.ids), name
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), name
+
+
+def check_refused_edits() -> None:
+    ours = scattered(gas(50), evenly)
+    before, ids = ours.state_hash(), ours.ids
+    last = COMM.rank == COMM.size - 1
+    none = np.zeros((0, 2))
+    for call, message in (
+        (lambda: ours.remove([7, 99] if last else []), "ids contain 99; no particle"),
+        (lambda: ours.remove([7, 7] if last else []), "ids contain 7 twice"),
+        (lambda: ours.remove([0.5] if last else []), "ids must be integers"),
+        (lambda: ours.set([3] if last else [], radii=-1.0 if last else 1.0), "radii"),
+        (lambda: ours.add([(1, 1)] if last else none, [(1, 1)] if last else none, -1.0), "radii"),
+        (lambda: setattr(ours, "drag", -1.0 if last else 0.0), "drag"),
+    ):
+        refuse(call, message)
+    if COMM.size > 1:
+        refuse(lambda: setattr(ours, "drag", COMM.rank * 0.5), "drag is not the same")
+        columns = {"radii": 1.0} if last else {"masses": 1.0}
+        refuse(lambda: ours.set([], **columns), "the columns are not the same")
+    assert ours.state_hash() == before and np.array_equal(ours.ids, ids)
+    ours.step(1 / 60)
+
+
+def test_rebalancing() -> None:
+    """Domains are chosen again when a rank has too much work, and results do not depend on it."""
+    world = gas(600, velocities=np.zeros((600, 2)))
+    ours = scattered(world, all_on_first)
+
+    def steps(count: int, work: float) -> int:
+        for _ in range(count):
+            ours._core._set_work(work)
+            ours._core._step_distributed(1 / 60)
+        world.step(1 / 60, count)
+        assert ours.state_hash() == world.state_hash()
+        numbers = COMM.allgather(ours.traffic["rebalances"])
+        assert min(numbers) == max(numbers)
+        return int(numbers[0])
+
+    assert steps(40, 1.0) == 1
+    even = len(ours)
+    assert COMM.size == 1 or abs(even - 600 / COMM.size) < 60
+    slow = COMM.rank == 0
+    count = steps(60, 3.0 if slow else 1.0)
+    assert count == 1 if COMM.size == 1 else 2 <= count <= 5, count
+    assert COMM.size == 1 or (len(ours) < even - 30) == slow
+
+
 def test_gas() -> None:
     for where in (evenly, all_on_first, all_on_last, unevenly):
         check("gas", gas(), 1 / 60, where=where)
@@ -391,7 +524,7 @@ def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: 
     for comm in (COMM, MPI.COMM_SELF, COMM.Split(COMM.rank // 2)):
         again = jostle.mpi.World.load(comm, path)
         assert again.time == ours.time and again.total == len(world)
-        assert np.array_equal(again.asleep, asleep[again.ids])
+        assert np.array_equal(again.asleep, asleep[np.searchsorted(world.ids, again.ids)])
         again.step(1 / 60, steps)
         assert again.state_hash() == world.state_hash()
     alone = ours.gather(COMM.size - 1)
@@ -491,7 +624,7 @@ def refuse(call: Callable[[], Any], message: str) -> None:
     """All ranks raise, with this message or that of the rank that has it."""
     try:
         call()
-    except (ValueError, OSError, jostle.mpi.RankError) as error:
+    except (ValueError, TypeError, OSError, jostle.mpi.RankError) as error:
         assert message in str(error), error
     else:
         raise AssertionError(message)

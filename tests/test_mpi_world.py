@@ -17,6 +17,7 @@ CASES = (
     "events",
     "forces",
     "calls_of_sleepers",
+    "rebalancing",
 )
 
 
@@ -32,7 +33,7 @@ def test_ranks_have_the_bits_of_one_process(case: str, ranks: int) -> None:
 @needs_mpi
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [1, 2, 3, 4])
-@pytest.mark.parametrize("case", ["scenes", "piles", "sleeping"])
+@pytest.mark.parametrize("case", ["scenes", "piles", "sleeping", "edits"])
 def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str, ranks: int) -> None:
     """A step has hundreds of calls of all ranks."""
     assert "all bits are right" in run_ranks(ranks, HERE / "mpi_world.py", case)

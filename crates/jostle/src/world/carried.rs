@@ -211,7 +211,7 @@ impl World {
     pub fn take_kept(&mut self, bytes: Parts<'_>) -> Result<()> {
         let ids: Vec<Id> = match &self.domain {
             Some(domain) => domain.ids[..domain.own].to_vec(),
-            None => (0..self.rows.len() as Id).collect(),
+            None => self.ids(),
         };
         let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
         let [kept, resting, pushes, members, touches] = bytes;

@@ -27,8 +27,16 @@ use crate::particles::Particles;
 use crate::space::Id;
 use crate::table::Table;
 
-/// Steps after which particles move to the ranks of the domains in which they are.
-const REBALANCE_EVERY: u64 = 32;
+/// Steps between two times at which domains are chosen, at least.
+const FEWEST_STEPS: u64 = 16;
+
+/// Domains are chosen anew if the rank with most work has more than this times the mean, or if there
+/// are more than this times as many ghosts as after the last time.
+const MOST_IMBALANCE: f64 = 1.15;
+const MOST_GHOSTS: f64 = 1.4;
+
+/// Ghosts of a rank that are few whatever they were before.
+const FEW_GHOSTS: f64 = 32.0;
 
 /// A circle that an own particle does not leave in a step, as the other ranks know.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,6 +63,8 @@ pub(super) struct Domain {
     pub(super) ids: Vec<Id>,
     /// The number of own particles.
     pub(super) own: usize,
+    /// The id that is given next.
+    pub(super) next: Id,
     /// Particles of all ranks.
     pub(super) total: usize,
     /// Those that are awake, and those that sleep.
@@ -116,8 +126,15 @@ pub(super) struct Domain {
     pub(super) widening: f64,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
-    /// Steps after which domains are chosen anew.
-    pub(super) rebalance_every: u64,
+    /// Steps after which domains are chosen anew; None if the imbalance decides.
+    pub(super) rebalance_every: Option<u64>,
+    /// Whether they are chosen anew in the next step.
+    pub(super) is_stale: bool,
+    /// The step in which they were chosen, how often they were, and the ghosts of all ranks in the step
+    /// after that; 0 if these are not known.
+    chosen: u64,
+    rebalances: u64,
+    usual_ghosts: f64,
 }
 
 impl Domain {
@@ -125,6 +142,27 @@ impl Domain {
     pub(super) fn halo(&self) -> Halo<'_> {
         let Self { group, awake, is_own, shared, sent_places, ghost_places, .. } = self;
         Halo { group, total: *awake, is_own, shared, sent: sent_places, ghosts: ghost_places }
+    }
+
+    /// Whether domains are chosen in this step; the same on all ranks.
+    fn is_due(&self) -> bool {
+        self.is_stale || self.rebalance_every.is_some_and(|every| self.steps.is_multiple_of(every))
+    }
+
+    /// Finds out from the work of each rank and the ghosts of all whether to choose domains in the next step.
+    /// All ranks have the same numbers.
+    fn note_load(&mut self, work: impl Iterator<Item = f64> + Clone, ghosts: f64) {
+        if self.steps == self.chosen || self.rebalance_every.is_some() {
+            return;
+        }
+        if self.steps < self.chosen + FEWEST_STEPS {
+            self.usual_ghosts = self.usual_ghosts.max(ghosts);
+            return;
+        }
+        let (most, sum) = (work.clone().fold(0.0, f64::max), work.clone().sum::<f64>());
+        let few = FEW_GHOSTS * work.count() as f64;
+        self.is_stale |= most * self.received.len() as f64 > MOST_IMBALANCE * sum
+            || ghosts > (MOST_GHOSTS * self.usual_ghosts).max(few);
     }
 
     /// Whether a row has an own particle.
@@ -315,6 +353,8 @@ pub struct OwnParticles {
     pub traffic: Traffic,
     /// Steps that were repeated because ghosts were missing.
     pub repeats: u64,
+    /// How often domains were chosen.
+    pub rebalances: u64,
 }
 
 impl World {
@@ -329,6 +369,7 @@ impl World {
             group: Mutex::new(group),
             own: ids.len(),
             ids,
+            next: total as Id,
             total,
             awake: total,
             asleep: 0,
@@ -361,7 +402,11 @@ impl World {
             repeats: 0,
             widening: 1.0,
             work: 1.0,
-            rebalance_every: REBALANCE_EVERY,
+            rebalance_every: None,
+            is_stale: true,
+            chosen: 0,
+            rebalances: 0,
+            usual_ghosts: 0.0,
         }));
         Ok(())
     }
@@ -401,6 +446,7 @@ impl World {
             total: domain.total,
             traffic: locked(&domain.group).traffic,
             repeats: domain.repeats,
+            rebalances: domain.rebalances,
         })
     }
 
@@ -412,9 +458,15 @@ impl World {
         }
     }
 
-    /// The own particles as records, see [`read_records`].
+    /// The number of own particles that are awake.
+    pub fn own_awake(&self) -> usize {
+        self.own_and_all().0 - self.asleep.len()
+    }
+
+    /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
+    /// distributed.
     pub fn own_records(&self) -> Vec<u8> {
-        let Some(domain) = &self.domain else { return Vec::new() };
+        let Some(domain) = &self.domain else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
         for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
             put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
@@ -433,10 +485,14 @@ impl World {
 
     /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
     pub fn part(&self, rows: Range<usize>) -> Result<Self> {
+        self.of_records(&self.records_of(rows))
+    }
+
+    fn records_of(&self, rows: Range<usize>) -> Vec<u8> {
         let (all, mut bytes) = (self.particles(), Vec::new());
         let name = |row: usize| (row as Id, forces::kinds_of(&self.forces, row));
         rows.for_each(|row| put_record(&mut bytes, name(row), &all, row));
-        self.of_records(&bytes)
+        bytes
     }
 
     /// A world with the settings, walls, forces and time of this one, and the particles of some records.
@@ -463,10 +519,17 @@ impl World {
         }
     }
 
-    /// Chooses domains anew after so many steps, the same number on all ranks.
+    /// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
     pub fn rebalance_every(&mut self, steps: u64) {
         if let Some(domain) = &mut self.domain {
-            domain.rebalance_every = steps.max(1);
+            domain.rebalance_every = Some(steps.max(1));
+        }
+    }
+
+    /// Chooses domains anew in the next step.
+    pub(super) fn forget_domains(&mut self) {
+        if let Some(domain) = &mut self.domain {
+            domain.is_stale = true;
         }
     }
 
@@ -527,7 +590,7 @@ impl World {
     }
 
     /// Removes the ghosts.
-    pub(super) fn drop_ghosts(&mut self) {
+    pub fn drop_ghosts(&mut self) {
         self.keep_resting();
         let Self { domain, particles, rows, persistent, contacts, ids, .. } = self;
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
@@ -585,8 +648,10 @@ impl World {
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
     /// require. There must be no ghosts.
     pub(super) fn move_to_domains(&mut self) -> Result<()> {
-        let Some(domain) = &self.domain else { return Ok(()) };
-        if domain.steps.is_multiple_of(domain.rebalance_every) {
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        if domain.is_due() {
+            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
+            domain.rebalances += 1;
             self.rebalance()?;
         }
         self.sum_up_ranks()
@@ -599,12 +664,18 @@ impl World {
         let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
         let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
         let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
-        let [inelastic, frictions, moving, awake, asleep] = self.sum_of_all(own)?;
-        if let Some(domain) = &mut self.domain {
-            (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
-            (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
-            domain.is_still = asleep > 0 && moving == 0;
-        }
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let load = [domain.work * self.rows.len() as f64, domain.received.iter().sum::<usize>() as f64].map(f64::to_bits);
+        let all = locked(&domain.group).gather([
+            own[0], own[1], own[2], own[3], own[4], load[0], load[1],
+        ])?;
+        let sum = |k: usize| all.iter().map(|of| of[k]).sum::<u64>();
+        let [inelastic, frictions, moving, awake, asleep] = [0, 1, 2, 3, 4].map(sum);
+        let loads = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
+        domain.note_load(loads(5), loads(6).sum());
+        (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+        (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
+        domain.is_still = asleep > 0 && moving == 0;
         if frictions > 0 {
             self.particles.spins_mut();
         }

@@ -17,6 +17,7 @@ mod discs;
 mod domain;
 mod drive;
 mod edits;
+mod edits_of_ranks;
 mod force_step;
 mod given;
 mod ids;
@@ -287,6 +288,7 @@ impl World {
             self.walls = walls;
             self.persistent.forget_sides();
             self.wall_impulses.clear();
+            self.forget_domains();
         }
         if track_events != self.settings.track_events {
             self.record.forget_pairs();

@@ -192,7 +192,7 @@ impl World {
     }
 
     /// Wakes islands between two steps.
-    fn wake_to_stay(&mut self, islands: &[u32]) {
+    pub(super) fn wake_to_stay(&mut self, islands: &[u32]) {
         self.wake(islands);
         self.forget_woken();
     }

@@ -6,6 +6,7 @@ use super::super::World;
 use crate::bytes::{Reader, checksum, damaged};
 use crate::decomposition::{RECORD, read_records};
 use crate::error::{Error, Result};
+use crate::space::Id;
 use crate::world::carried::{Kept, MEMBER, Push, Resting};
 use crate::world::islands::SleepingContact;
 
@@ -36,9 +37,10 @@ pub(super) fn restore(bytes: &[u8]) -> Result<World> {
         let rule = format!("this version of jostle reads format {VERSION} of ranks");
         return Err(Error::of("data", format!("a file in format {version} of ranks"), &rule));
     }
-    let (total, settings): (u64, usize) = (from.get()?, from.get_count()?);
+    let (total, next): (u64, u64) = (from.get()?, from.get()?);
+    let settings = from.get_count()?;
     let settings = World::restore_whole(&from.get_all::<u8>(settings)?)?;
-    let table: Vec<[u64; 2]> = from.get_all(total.div_ceil(CHUNK) as usize)?;
+    let table: Vec<[u64; 2]> = from.get_all(next.div_ceil(CHUNK) as usize)?;
     let mut parts = [const { Vec::new() }; SIZES.len()];
     for [size, sum] in table {
         let chunk: Vec<u8> = from.get_all(size as usize)?;
@@ -54,11 +56,13 @@ pub(super) fn restore(bytes: &[u8]) -> Result<World> {
     }
     from.close()?;
     let [records, kept, resting, pushes, members, touches] = &parts;
-    if !read_records(records).1.into_iter().eq(0..total as i64) {
-        return Err(damaged("its particles are not in the order of ids"));
+    let ids = read_records(records).1;
+    if ids.len() as u64 != total {
+        return Err(damaged("the number of its particles is wrong"));
     }
     let valid = |error: Error| damaged(&error.to_string());
     let mut world = settings.of_records(records).map_err(valid)?;
+    world.set_ids(&ids, next as Id).map_err(valid)?;
     world.take_kept([kept, resting, pushes, members, touches])?;
     world.check_wall_impulses()?;
     world.check_sleeping()?;
