@@ -172,7 +172,7 @@ def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
     late = np.array([(left[n // 2] + 0.5, 55.0), (row[n // 2, 0] + 0.3, 90.0)])
     triangles = np.concatenate([corners + np.array([x, 0.0]) for x in left])
     positions = np.concatenate([triangles, row, late[:falling]])
-    rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6} | options
+    rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6, "substeps": 2} | options
     width = float(row[-1, 0]) + 3.0
     return jostle.World(
         positions, np.zeros_like(positions), 1.0, container=jostle.Box(0, 0, width, 200), **rules
@@ -195,9 +195,9 @@ def test_sleeping() -> None:
         ours = scattered(world, where)
         ours._core._rebalance_every(7)
         counts = []
-        for _ in range(16):
-            world.step(1 / 60, 20)
-            ours.step(1 / 60, 20)
+        for _ in range(14):
+            world.step(1 / 30, 12)
+            ours.step(1 / 30, 12)
             check_asleep("sleeping", ours, world)
             counts.append(int(world.asleep.sum()))
         # Some wake when discs fall on them.
@@ -205,9 +205,9 @@ def test_sleeping() -> None:
     walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
     tracked = sleepers(walls=walls, track_events=True)
     ours = scattered(tracked, unevenly)
-    for _ in range(12):
-        tracked.step(1 / 60, 20)
-        ours.step(1 / 60, 20)
+    for _ in range(8):
+        tracked.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
         check_asleep("walls", ours, tracked)
         check_events("walls", ours, tracked)
     assert tracked.asleep.sum() > 10
@@ -216,9 +216,9 @@ def test_sleeping() -> None:
     still = sleepers(movable=movable)
     still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
     ours = scattered(still, evenly)
-    for _ in range(8):
-        still.step(1 / 60, 20)
-        ours.step(1 / 60, 20)
+    for _ in range(5):
+        still.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
         check_asleep("obstacles", ours, still)
     assert still.asleep.any()
 
@@ -254,24 +254,24 @@ def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
         world.wall_velocities = [(0.0, 0.0)]
 
     def lighter(world: Any, _: Callable[..., Any]) -> None:
-        world.gravity = (0.5, -9.0)
+        world.gravity = (0.0, -9.0)
 
     return [
         ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
         ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
         ("added", lambda w, own: w.add(own(new), own(still), own(np.full(7, 0.5)), friction=0.5)),
         ("removed", lambda w, own: w.remove(own(gone))),
-        ("a moving wall", wall),
-        ("a wall that stops", stop),
         ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
         ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
         ("the static disc is removed", lambda w, own: w.remove(own(static))),
+        ("a moving wall", wall),
+        ("a wall that stops", stop),
         ("gravity", lighter),
+        ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
         (
             "obstacles",
             lambda w, own: w.add(own(new + 9.0), own(still), 1.0, movable=False, friction=0.6),
         ),
-        ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
     ]
 
 
@@ -287,15 +287,15 @@ def resting(**options: Any) -> jostle.World:
 def test_edits() -> None:
     """Particles that are added, removed and changed while others sleep."""
     folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
-    for where in (evenly, all_on_last):
+    for where in (evenly, all_on_last)[: 1 if COMM.size > 2 else 2]:
         world = resting(track_events=True)
         ours = scattered(world, where)
         ours._core._rebalance_every(5)
         counts = set()
         for number, (name, change) in enumerate(edits()):
-            for _ in range(3):
-                world.step(1 / 60, 30)
-                ours.step(1 / 60, 30)
+            for _ in range(2):
+                world.step(1 / 30, 16)
+                ours.step(1 / 30, 16)
             check_asleep(f"before {name}", ours, world)
             check_events(name, ours, world)
             change(world, lambda rows: rows)
@@ -304,8 +304,8 @@ def test_edits() -> None:
             counts.add(int(world.asleep.sum()))
             if name in ("removed", "obstacles") and where is evenly:
                 check_saved(folder / str(number), ours, world, 0)
-        world.step(1 / 60, 30)
-        ours.step(1 / 60, 30)
+        world.step(1 / 30, 16)
+        ours.step(1 / 30, 16)
         check_asleep("the last", ours, world)
         assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
     COMM.Barrier()
