@@ -665,10 +665,11 @@ impl World {
         let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
         let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
         let Some(domain) = &mut self.domain else { return Ok(()) };
-        let load = [domain.work * self.rows.len() as f64, domain.received.iter().sum::<usize>() as f64].map(f64::to_bits);
-        let all = locked(&domain.group).gather([
-            own[0], own[1], own[2], own[3], own[4], load[0], load[1],
-        ])?;
+        let load =
+            [domain.work * self.rows.len() as f64, domain.received.iter().sum::<usize>() as f64]
+                .map(f64::to_bits);
+        let all = locked(&domain.group)
+            .gather([own[0], own[1], own[2], own[3], own[4], load[0], load[1]])?;
         let sum = |k: usize| all.iter().map(|of| of[k]).sum::<u64>();
         let [inelastic, frictions, moving, awake, asleep] = [0, 1, 2, 3, 4].map(sum);
         let loads = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));

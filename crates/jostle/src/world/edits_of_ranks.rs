@@ -155,6 +155,9 @@ mod tests {
         let one = Changed { wakes_all: false, driven: vec![9, 4], names: vec![7] };
         let other = Changed { wakes_all: true, driven: vec![5], names: vec![2, 8] };
         let joined = Changed::join(&[one.words(), Changed::default().words(), other.words()]);
-        assert_eq!(joined, Changed { wakes_all: true, driven: vec![4, 5, 9], names: vec![7, 2, 8] });
+        assert_eq!(
+            joined,
+            Changed { wakes_all: true, driven: vec![4, 5, 9], names: vec![7, 2, 8] }
+        );
     }
 }

@@ -39,7 +39,7 @@ mod touches;
 mod touching;
 mod undo;
 mod waking;
-mod waking_ranks;
+mod waking_of_ranks;
 
 use std::sync::OnceLock;
 

@@ -23,7 +23,7 @@ use super::asleep::Asleep;
 use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::domain::Announced;
 use super::step::MOST_ATTEMPTS;
-use super::waking_ranks::islands_of_circles;
+use super::waking_of_ranks::islands_of_circles;
 use super::{Stats, Watch, World};
 use crate::decomposition::{Grid, Marks, Near, RECORD, digest, digest_all, put_record};
 use crate::error::{Error, Result};
