@@ -25,7 +25,9 @@ def add(comm: MPI.Intracomm, core: Any, *columns: ArrayLike, **named: Any) -> ND
         # Checked and completed by a world without other particles.
         new: Any = core._of_records(b"")
         new.add(*columns, **named)
-    ids = core._own_ids()[1] + first_id(comm, len(new)) + np.arange(len(new), dtype=np.int64)
+    ids: NDArray[np.int64] = (
+        core._own_ids()[1] + first_id(comm, len(new)) + np.arange(len(new), dtype=np.int64)
+    )
     core._add_records(new._own_records(), ids, int(comm.allreduce(len(new))))
     return ids
 

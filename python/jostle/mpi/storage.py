@@ -206,8 +206,8 @@ def _read_chunks(
 
 def _are_ids(ids: NDArray[np.int64], number: int) -> bool:
     """Whether ids may be those of a chunk: ascending, in its range."""
-    limits = [[number * _CHUNK - 1], ids, [(number + 1) * _CHUNK]]
-    return bool((np.diff(np.concatenate(limits)) > 0).all())
+    before, after = number * _CHUNK - 1, (number + 1) * _CHUNK
+    return bool((np.diff(ids, prepend=before, append=after) > 0).all())
 
 
 def _rows_of(chunk: bytes) -> list[NDArray[Any]]:

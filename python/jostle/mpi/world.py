@@ -252,6 +252,7 @@ class World:
     @collective
     def add(
         self,
+        /,
         positions: ArrayLike,
         velocities: ArrayLike,
         radii: ArrayLike | None = None,
@@ -312,7 +313,7 @@ class World:
         edits.remove(self._comm, self._core, ids)
 
     @collective
-    def set(self, ids: ArrayLike, **columns: Any) -> None:
+    def set(self, /, ids: ArrayLike, **columns: Any) -> None:
         """Change some columns of some particles of any rank.
 
         Parameters

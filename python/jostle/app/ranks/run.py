@@ -129,7 +129,7 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
     def part(rank: int, size: int) -> Any:
         nonlocal view
         if settings.particles:  # their positions depend on all others
-            whole = start(settings)
+            whole: Any = start(settings)
             core, view = part_of(whole.world, rank, size), whole.view
         else:
             simulation = WorldSimulation(
