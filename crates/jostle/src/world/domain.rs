@@ -648,13 +648,19 @@ impl World {
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
     /// require. There must be no ghosts.
     pub(super) fn move_to_domains(&mut self) -> Result<()> {
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        if domain.is_due() {
-            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
-            domain.rebalances += 1;
+        let is_due = self.domain.as_ref().is_some_and(|domain| domain.is_due());
+        if is_due {
             self.rebalance()?;
         }
-        self.sum_up_ranks()
+        self.sum_up_ranks()?;
+        // All ranks have done it, or none.
+        if let Some(domain) = &mut self.domain
+            && is_due
+        {
+            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
+            domain.rebalances += 1;
+        }
+        Ok(())
     }
 
     /// Finds out what the particles that are awake require on all ranks, and how many these are.
