@@ -175,6 +175,15 @@ def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None
     assert ours.collisions == expected.collisions, name
 
 
+def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
+    """The events of all ranks together are those of one process; returns how many these are."""
+    found = [np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)]
+    for pairs, expected in zip(found, world.events, strict=True):
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        assert np.array_equal(pairs, expected), f"{name} at {world.time}"
+    return sum(map(len, found))
+
+
 def main(which: str) -> None:
     def test(comm: MPI.Comm) -> None:
         global COMM
@@ -199,6 +208,210 @@ def gas(n: int = 600, seed: int = 1, cover: float = 0.4, **options: Any) -> jost
         container = jostle.Torus(width, width)
     velocities = options.pop("velocities", rng.normal(0, 20, (n, 2)))
     return jostle.World(positions, velocities, radii, container=container, **options)
+
+
+def sleepers(n: int = 10, falling: int = 2, **options: Any) -> jostle.World:
+    """Triangles that fall asleep soon, a row of discs that touch, and discs that fall on them."""
+    left = np.arange(n) * 6.0 + 3.0
+    corners = np.array([(-1.0, 1.0), (1.0, 1.0), (0.0, 1.0 + np.sqrt(3.0))])
+    row = np.column_stack([left[-1] + 5.0 + 2.0 * np.arange(n), np.ones(n)])
+    late = np.array([(left[n // 2] + 0.5, 55.0), (row[n // 2, 0] + 0.3, 90.0)])
+    triangles = np.concatenate([corners + np.array([x, 0.0]) for x in left])
+    positions = np.concatenate([triangles, row, late[:falling]])
+    rules = {"gravity": (0.0, -9.8), "restitution": 0.3, "friction": 0.6, "substeps": 2} | options
+    width = float(row[-1, 0]) + 3.0
+    return jostle.World(
+        positions, np.zeros_like(positions), 1.0, container=jostle.Box(0, 0, width, 200), **rules
+    )
+
+
+def check_asleep(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """The same state and the same sleeping particles."""
+    found, expected = ours.state_hash(), world.state_hash()
+    assert found == expected, f"{name}: {found:#x} is not {expected:#x} at {world.time}"
+    ids, asleep = (np.concatenate(COMM.allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), f"{name} at {world.time}"
+    check_touches(name, ours, world)
+
+
+def test_sleeping() -> None:
+    """Islands that several ranks have fall asleep and wake as in one process."""
+    for where in (evenly, all_on_first, unevenly):
+        world = sleepers()
+        ours = scattered(world, where)
+        ours._core._rebalance_every(7)
+        counts = []
+        for _ in range(14):
+            world.step(1 / 30, 12)
+            ours.step(1 / 30, 12)
+            check_asleep("sleeping", ours, world)
+            counts.append(int(world.asleep.sum()))
+        # Some wake when discs fall on them.
+        assert max(counts) > 30 and np.diff(counts).min() < 0, counts
+    walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
+    tracked = sleepers(walls=walls, track_events=True)
+    ours = scattered(tracked, unevenly)
+    for _ in range(8):
+        tracked.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("walls", ours, tracked)
+        check_events("walls", ours, tracked)
+    assert tracked.asleep.sum() > 10
+    # Kinematic particles keep others awake; static ones do not.
+    movable = np.arange(42) % 5 > 0
+    still = sleepers(movable=movable)
+    still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
+    ours = scattered(still, evenly)
+    for _ in range(5):
+        still.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("obstacles", ours, still)
+    assert still.asleep.any()
+
+
+def test_calls_of_sleepers() -> None:
+    """A world of which all sleeps takes one call of all ranks for a step."""
+    world = sleepers(4, falling=0)
+    ours = scattered(world, evenly)
+    ours._core._rebalance_every(1000)
+    ours.step(1 / 60, 120)
+    assert sum(COMM.allgather(int(ours.asleep.sum()))) == ours.total
+    before = ours.traffic["calls"]
+    ours.step(1 / 60, 10)
+    assert ours.traffic["calls"] - before == 10
+
+
+def of_rank(rows: np.ndarray) -> np.ndarray:
+    """Every rank's share of some rows, in the order of ranks."""
+    return np.array_split(rows, COMM.size)[COMM.rank]
+
+
+def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
+    """Changes of a world; the second argument gives a rank's share of rows."""
+    new = np.column_stack([np.arange(7) * 9.0 + 4.0, np.full(7, 30.0)])
+    still = np.zeros((7, 2))
+    gone = np.array([2, 17, 31, 9])
+    pushed, static = np.array([20, 5]), np.array([0])
+
+    def wall(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.4)]
+
+    def stop(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.0)]
+
+    def lighter(world: Any, _: Callable[..., Any]) -> None:
+        world.gravity = (0.0, -9.0)
+
+    return [
+        ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
+        ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
+        ("added", lambda w, own: w.add(own(new), own(still), own(np.full(7, 0.5)), friction=0.5)),
+        ("removed", lambda w, own: w.remove(own(gone))),
+        ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
+        ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
+        ("the static disc is removed", lambda w, own: w.remove(own(static))),
+        ("a moving wall", wall),
+        ("a wall that stops", stop),
+        ("gravity", lighter),
+        ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
+        (
+            "obstacles",
+            lambda w, own: w.add(own(new + 9.0), own(still), 1.0, movable=False, friction=0.6),
+        ),
+    ]
+
+
+def resting(**options: Any) -> jostle.World:
+    """Triangles on a static disc and on a wall, which fall asleep."""
+    world = sleepers(
+        8, falling=1, walls=[[(60.0, 0.5), (75.0, 0.5)]], movable=np.arange(33) > 0, **options
+    )
+    assert len(world) == 33
+    return world
+
+
+def test_edits() -> None:
+    """Particles that are added, removed and changed while others sleep."""
+    folder = Path(COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None))
+    for where in (evenly, all_on_last)[: 1 if COMM.size > 2 else 2]:
+        world = resting(track_events=True)
+        ours = scattered(world, where)
+        ours._core._rebalance_every(5)
+        counts = set()
+        for number, (name, change) in enumerate(edits()):
+            for _ in range(2):
+                world.step(1 / 30, 16)
+                ours.step(1 / 30, 16)
+            check_asleep(f"before {name}", ours, world)
+            check_events(name, ours, world)
+            change(world, lambda rows: rows)
+            change(ours, of_rank)
+            check_asleep_now(f"after {name}", ours, world)
+            counts.add(int(world.asleep.sum()))
+            if name in ("removed", "obstacles") and where is evenly:
+                check_saved(folder / str(number), ours, world, 0)
+        world.step(1 / 30, 16)
+        ours.step(1 / 30, 16)
+        check_asleep("the last", ours, world)
+        assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
+    COMM.Barrier()
+    if COMM.rank == 0:
+        shutil.rmtree(folder)
+    check_refused_edits()
+
+
+def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """As `check_asleep`, without contacts, which are those of a step."""
+    assert ours.state_hash() == world.state_hash(), name
+    ids, asleep = (np.concatenate(COMM.allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(np.sort(ids), world.ids), name
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), name
+
+
+def check_refused_edits() -> None:
+    ours = scattered(gas(50), evenly)
+    before, ids = ours.state_hash(), ours.ids
+    last = COMM.rank == COMM.size - 1
+    none = np.zeros((0, 2))
+    for call, message in (
+        (lambda: ours.remove([7, 99] if last else []), "ids contain 99; no particle"),
+        (lambda: ours.remove([7, 7] if last else []), "ids contain 7 twice"),
+        (lambda: ours.remove([0.5] if last else []), "ids must be integers"),
+        (lambda: ours.set([3] if last else [], radii=-1.0 if last else 1.0), "radii"),
+        (lambda: ours.add([(1, 1)] if last else none, [(1, 1)] if last else none, -1.0), "radii"),
+        (lambda: setattr(ours, "drag", -1.0 if last else 0.0), "drag"),
+    ):
+        refuse(call, message)
+    if COMM.size > 1:
+        refuse(lambda: setattr(ours, "drag", COMM.rank * 0.5), "drag is not the same")
+        columns = {"radii": 1.0} if last else {"masses": 1.0}
+        refuse(lambda: ours.set([], **columns), "the columns are not the same")
+    assert ours.state_hash() == before and np.array_equal(ours.ids, ids)
+    ours.step(1 / 60)
+
+
+def test_rebalancing() -> None:
+    """Domains are chosen again when a rank has too much work, and results do not depend on it."""
+    world = gas(600, velocities=np.zeros((600, 2)))
+    ours = scattered(world, all_on_first)
+
+    def steps(count: int, work: float) -> int:
+        for _ in range(count):
+            ours._core._set_work(work)
+            ours._core._step_distributed(1 / 60)
+        world.step(1 / 60, count)
+        assert ours.state_hash() == world.state_hash()
+        numbers = COMM.allgather(ours.traffic["rebalances"])
+        assert min(numbers) == max(numbers)
+        return int(numbers[0])
+
+    assert steps(40, 1.0) == 1
+    even = len(ours)
+    assert COMM.size == 1 or abs(even - 600 / COMM.size) < 60
+    slow = COMM.rank == 0
+    count = steps(60, 3.0 if slow else 1.0)
+    assert count == 1 if COMM.size == 1 else 2 <= count <= 5, count
+    assert COMM.size == 1 or (len(ours) < even - 30) == slow
 
 
 def test_gas() -> None:
@@ -327,6 +540,15 @@ def test_files() -> None:
     check_file(folder / "world", world, 2)
     walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
     check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 30)
+    # Some sleep when it is saved, and some wake later.
+    for done in (110, 190):
+        world = sleepers(5)
+        world.step(1 / 60, done)
+        ours = scattered(sleepers(5), unevenly)
+        ours.step(1 / 60, done)
+        assert 0 < world.asleep.sum() < len(world)
+        check_asleep("before the file", ours, world)
+        check_saved(folder / f"sleepers-{done}", ours, world, 60)
     check_refused_files(folder)
     check_failed_writing(folder)
     COMM.Barrier()
@@ -335,15 +557,20 @@ def test_files() -> None:
 
 
 def check_file(path: Path, world: jostle.World, steps: int) -> None:
-    ours = check(path.name, world, 1 / 60, steps)
+    check_saved(path, check(path.name, world, 1 / 60, steps), world, steps)
+
+
+def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: int) -> None:
     ours.save(path)
     COMM.Barrier()
+    asleep = world.asleep
     assert not list(path.parent.glob(".*")), "nothing is left beside the file"
     world.step(1 / 60, 2 * steps)
     # All ranks, one rank alone, and groups of two.
     for comm in (COMM, MPI.COMM_SELF, COMM.Split(COMM.rank // 2)):
         again = jostle.mpi.World.load(comm, path)
         assert again.time == ours.time and again.total == len(world)
+        assert np.array_equal(again.asleep, asleep[np.searchsorted(world.ids, again.ids)])
         again.step(1 / 60, steps)
         assert again.state_hash() == world.state_hash()
     alone = ours.gather(COMM.size - 1)
@@ -352,6 +579,7 @@ def check_file(path: Path, world: jostle.World, steps: int) -> None:
         plain = jostle.World.load(path)
         assert plain.time == alone.time and plain.walls.shape == world.walls.shape
         for one in (alone, plain):
+            assert np.array_equal(one.asleep, asleep)
             assert one.state_hash() == ours_hash_of(one)
             one.step(1 / 60, steps)
             assert one.state_hash() == world.state_hash()
@@ -442,7 +670,7 @@ def refuse(call: Callable[[], Any], message: str) -> None:
     """All ranks raise, with this message or that of the rank that has it."""
     try:
         call()
-    except (ValueError, OSError, jostle.mpi.RankError) as error:
+    except (ValueError, TypeError, OSError, jostle.mpi.RankError) as error:
         assert message in str(error), error
     else:
         raise AssertionError(message)
@@ -577,13 +805,7 @@ def test_events() -> None:
         for _ in range(8):
             world.step(1 / 60, steps)
             ours.step(1 / 60, steps)
-            found = [
-                np.concatenate(parts) for parts in zip(*COMM.allgather(ours.events), strict=True)
-            ]
-            for pairs, expected in zip(found, world.events, strict=True):
-                pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-                assert np.array_equal(pairs, expected), name
-                seen += len(pairs)
+            seen += check_events(name, ours, world)
         assert seen > 0, name
     try:
         _ = scattered(gas(9), evenly).events
@@ -625,13 +847,11 @@ def test_parts() -> None:
 
 def test_errors() -> None:
     """What is refused is refused on all ranks, and an error leaves the world as it was."""
-    rest = {"gravity": (0.0, 9.8), "restitution": 0.5}  # and sleeping=True
     world = scattered(gas(50), evenly)
     # So many that their text would be shortened; one in the middle differs.
     walls = np.arange(600.0)[:, None, None] * 2 + np.array([[[0.0, 0.0], [1.0, 0.0]]])
     walls[300, 1, 1] += COMM.rank
     refused: list[tuple[str, Callable[[], Any]]] = [
-        ("sleeping", lambda: scattered(gas(50, **rest), evenly).step(1 / 60)),
         ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
         ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
         ("dt", lambda: world.step(-1.0)),

@@ -14,6 +14,8 @@ import pytest
 from mpi_ranks import ENVIRONMENT, LAUNCHER, needs_mpi, run_ranks
 
 import jostle
+from jostle.app.simulate.start import start
+from jostle.app.storage.config import read_config
 
 RUN = ("-m", "jostle_command", "run")
 GAS = ("gas", "-n", "300")
@@ -55,6 +57,33 @@ def test_ranks_record_a_video_and_continue_from_a_checkpoint(tmp_path: Path) -> 
     assert is_disc.mean() > 0.1 and differ.mean() < 0.01, (is_disc.mean(), differ.mean())
     printed = run_ranks(2, *again[:-2], "--steps", "16", "--out", out, is_right=False)
     assert printed.count("steps is 16") == 1, printed
+
+
+CONFIG = """
+scene = "pile"
+n = 25
+friction = 0.4
+world_size = 1.2
+[[walls]]
+points = [[100, 300], [300, 350]]
+"""
+GROUP = """
+[[particles]]
+count = 3
+radius = 5
+"""
+
+
+@pytest.mark.parametrize("config", [CONFIG, CONFIG + GROUP], ids=["settings", "particles"])
+def test_ranks_run_a_configuration_file_as_one_process_does(tmp_path: Path, config: str) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(config)
+    simulation = start(read_config(path).settings)
+    assert simulation.world.sleeping
+    for _ in range(5):
+        simulation.step()
+    options = (*RUN, "--config", path, "--steps", "5", "--out", tmp_path)
+    assert hash_of(run_ranks(2, *options)) == simulation.world.state_hash()
 
 
 @pytest.mark.parametrize(

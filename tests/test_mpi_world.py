@@ -16,6 +16,8 @@ CASES = (
     "parts",
     "events",
     "forces",
+    "calls_of_sleepers",
+    "rebalancing",
 )
 
 
@@ -29,7 +31,7 @@ def test_one_to_four_ranks_have_the_bits_of_one_process(case: str) -> None:
 @pytest.mark.ranks
 @needs_mpi
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["scenes", "piles"])
+@pytest.mark.parametrize("case", ["scenes", "piles", "sleeping", "edits"])
 def test_ranks_with_resting_contacts_have_the_bits_of_one_process(case: str) -> None:
     """A step has hundreds of calls of all ranks."""
     assert "all bits are right" in run_ranks(4, HERE / "mpi_world.py", case)

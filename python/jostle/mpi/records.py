@@ -1,4 +1,4 @@
-"""What the core writes of particles, and of the impulses that it keeps from step to step."""
+"""What the core writes of particles, and what it keeps of them from step to step."""
 
 from __future__ import annotations
 
@@ -25,14 +25,37 @@ RECORD = np.dtype(
     ]
 )
 
-#: Impulses of the sides of the container on a particle, and of their friction.
-SIDES = np.dtype([("id", "<i8"), ("impulses", "<f4", (2, 4))])
+#: Impulses of the sides of the container on a particle, and of their friction; how it has moved.
+KEPT = np.dtype([("id", "<i8"), ("impulses", "<f4", (2, 4)), ("drift", "<f4", (2, 3))])
 
 #: Impulses of a resting contact; the smaller id is first.
 RESTING = np.dtype([("id", "<i8"), ("other", "<i8"), ("impulses", "<f4", 2)])
 
-#: Impulses of a wall on a particle at rest.
-PUSH = np.dtype([("id", "<i8"), ("wall", "<u4"), ("impulses", "<f4", 2)])
+#: Impulses of a wall on a particle, of the step and at rest.
+PUSH = np.dtype([("id", "<i8"), ("wall", "<u4"), ("impulses", "<f4", (2, 2))])
+
+#: A sleeping particle, and the smallest id of its island.
+MEMBER = np.dtype([("id", "<i8"), ("island", "<i8")])
+
+#: A contact of a sleeping particle.
+TOUCH = np.dtype(
+    [
+        ("id", "<i8"),
+        ("other", "<i8"),
+        ("island", "<i8"),
+        ("image", "<f4", 2),
+        ("normal", "<f4", 2),
+        ("gap", "<f4"),
+        ("impulses", "<f4", 2),
+        ("totals", "<f4", 2),
+        ("reach", "<f4"),
+        ("touched", "?"),
+        ("is_near", "?"),
+    ]
+)
 
 #: All parts of the state, each with an `id` by which it is distributed.
-PARTS = (RECORD, SIDES, RESTING, PUSH)
+PARTS = (RECORD, KEPT, RESTING, PUSH, MEMBER, TOUCH)
+
+#: Those of pairs, which the ranks of both particles have.
+PAIRS = tuple(number for number, part in enumerate(PARTS) if "other" in (part.names or ()))

@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from jostle._core import create_scene_part
 
+from .records import RECORD
 from .world import World
 
 
@@ -79,4 +80,11 @@ def create_scene(
             setattr(core, setting, value)
         return core
 
-    return World._of_parts(comm, part)
+    return World.of_parts(comm, part)
+
+
+def part_of(world: Any, rank: int, size: int) -> Any:
+    """Return a world with a rank's share of the particles of a `jostle.World`."""
+    records, total = world._own_records(), len(world)
+    first, last = (of * total // size * RECORD.itemsize for of in (rank, rank + 1))
+    return world._of_records(records[first:last])

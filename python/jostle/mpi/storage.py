@@ -20,15 +20,23 @@ from numpy.typing import NDArray
 from jostle._core import checksum
 
 from .exchange import raise_together, send, together
-from .records import PARTS
+from .records import PAIRS, PARTS
 
 _MAGIC = b"jostle ranks\x1a\n\0\0"
-_VERSION = 2
+_VERSION = 3
 
 #: Ids of a chunk. Each rank has whole chunks, so that the file does not depend on the ranks.
 _CHUNK = 1 << 14
 
-_HEAD = np.dtype([("magic", "S16"), ("version", "<u8"), ("particles", "<u8"), ("settings", "<u8")])
+_HEAD = np.dtype(
+    [
+        ("magic", "S16"),
+        ("version", "<u8"),
+        ("particles", "<u8"),
+        ("next", "<u8"),
+        ("settings", "<u8"),
+    ]
+)
 
 #: Fields by which rows are sorted, the last one first.
 _ORDER = ("wall", "other", "id")
@@ -37,41 +45,46 @@ _ORDER = ("wall", "other", "id")
 _ENTRY = np.dtype([("size", "<u8"), ("checksum", "<u8")])
 
 
-def by_ids(comm: MPI.Intracomm, rows: NDArray[Any], total: int, unit: int = 1) -> NDArray[Any]:
-    """Send rows to ranks so that each has a range of ids, in units of so many."""
-    rows = send(comm, rows, _ranks_of(rows["id"], comm.size, total, unit))
+def by_ids(comm: MPI.Intracomm, rows: NDArray[Any], end: int, unit: int = 1) -> NDArray[Any]:
+    """Send rows to ranks so that each has a range of the ids below an end, in units of so many."""
+    rows = send(comm, rows, _ranks_of(rows["id"], comm.size, end, unit))
     names = [name for name in _ORDER if name in (rows.dtype.names or ())]
     return rows[np.lexsort([rows[name] for name in names])]
 
 
-def _starts(size: int, total: int, unit: int) -> NDArray[np.int64]:
+def _starts(size: int, end: int, unit: int) -> NDArray[np.int64]:
     """The first id of each rank."""
-    units = -(-total // unit)
-    return np.minimum(np.arange(size) * units // size * unit, total)
+    units = -(-end // unit)
+    return np.minimum(np.arange(size) * units // size * unit, end)
 
 
-def _ranks_of(ids: NDArray[np.int64], size: int, total: int, unit: int) -> NDArray[np.intp]:
-    return np.searchsorted(_starts(size, total, unit)[1:], ids, side="right")
+def _ranks_of(ids: NDArray[np.int64], size: int, end: int, unit: int) -> NDArray[np.intp]:
+    return np.searchsorted(_starts(size, end, unit)[1:], ids, side="right")
 
 
-def _chunks_of(rank: int, size: int, total: int) -> tuple[int, int]:
+def _chunks_of(rank: int, size: int, end: int) -> tuple[int, int]:
     """The chunks of a rank: the first one, and the one after the last."""
-    count = -(-total // _CHUNK)
+    count = -(-end // _CHUNK)
     return rank * count // size, (rank + 1) * count // size
 
 
-def write(comm: MPI.Intracomm, path: Path, settings: bytes, parts: list[NDArray[Any]]) -> None:
-    """Write a file beside `path`, and rename it when it is complete; `settings` of rank 0 count."""
+def write(
+    comm: MPI.Intracomm, path: Path, settings: bytes, end: int, parts: list[NDArray[Any]]
+) -> None:
+    """Write a file beside `path`, and rename it when it is complete; `settings` of rank 0 count.
+
+    All ids are below `end`.
+    """
     total = int(comm.allreduce(len(parts[0])))
-    parts = [by_ids(comm, rows, total, _CHUNK) for rows in parts]
-    first, last = _chunks_of(comm.rank, comm.size, total)
+    parts = [by_ids(comm, rows, end, _CHUNK) for rows in parts]
+    first, last = _chunks_of(comm.rank, comm.size, end)
     chunks = [_chunk(parts, number) for number in range(first, last)]
     table = np.array([(len(chunk), checksum(chunk)) for chunk in chunks], _ENTRY)
     settings = comm.bcast(settings)
-    head = np.array([(_MAGIC, _VERSION, total, len(settings))], _HEAD).tobytes() + settings
+    head = np.array([(_MAGIC, _VERSION, total, end, len(settings))], _HEAD).tobytes() + settings
     table_at = len(head)
     size = int(table["size"].sum())
-    chunks_at = table_at + _ENTRY.itemsize * -(-total // _CHUNK)
+    chunks_at = table_at + _ENTRY.itemsize * -(-end // _CHUNK)
     own_at = chunks_at + int(comm.exscan(size) or 0)
     beside = path.with_name(f".{path.name}.partial")
     with _new_file(comm, beside, chunks_at + int(comm.allreduce(size))) as file:
@@ -137,29 +150,30 @@ def _removed_after_errors(comm: MPI.Intracomm, path: Path) -> Iterator[None]:
         raise
 
 
-def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, list[NDArray[Any]]]:
-    """Return the settings, and the `PARTS` of this rank's range of ids.
+def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, int, list[NDArray[Any]]]:
+    """Return the settings, the end of the ids, and the `PARTS` of this rank's range of ids.
 
-    A rank gets the resting contacts of its particles with those of others, too.
+    A rank gets the contacts of its particles with those of others, too.
     """
     with together(comm):
         with path.open("rb") as file:
-            settings, total, chunks = _read_chunks(file, path, comm.rank, comm.size)
+            settings, end, chunks = _read_chunks(file, path, comm.rank, comm.size)
         parts = [
             np.concatenate([np.zeros(0, kind), *(rows[part] for rows in chunks)])
             for part, kind in enumerate(PARTS)
         ]
-    resting = parts[2]
-    homes = [_ranks_of(resting[name], comm.size, total, _CHUNK) for name in ("id", "other")]
-    is_shared = homes[0] != homes[1]
-    parts[2] = np.concatenate([resting, send(comm, resting[is_shared], homes[1][is_shared])])
-    return settings, parts
+    for number in PAIRS:
+        rows = parts[number]
+        homes = [_ranks_of(rows[name], comm.size, end, _CHUNK) for name in ("id", "other")]
+        is_shared = homes[0] != homes[1]
+        parts[number] = np.concatenate([rows, send(comm, rows[is_shared], homes[1][is_shared])])
+    return settings, end, parts
 
 
 def _read_chunks(
     file: Any, path: Path, rank: int, size: int
 ) -> tuple[bytes, int, list[list[NDArray[Any]]]]:
-    """Return the settings, the number of particles, and the rows of each of this rank's chunks."""
+    """Return the settings, the end of the ids, and the rows of each of this rank's chunks."""
     head = np.frombuffer(file.read(_HEAD.itemsize).ljust(_HEAD.itemsize, b"\0"), _HEAD)[0]
     if head["magic"] != _MAGIC.rstrip(b"\0"):
         raise ValueError(f"{path} is not a file of jostle.mpi.World.save")
@@ -167,8 +181,8 @@ def _read_chunks(
         raise ValueError(
             f"{path} has format {head['version']}; this version of jostle reads {_VERSION}"
         )
-    total, length = int(head["particles"]), int(head["settings"])
-    count = -(-total // _CHUNK)
+    end, length = int(head["next"]), int(head["settings"])
+    count = -(-end // _CHUNK)
     found = os.fstat(file.fileno()).st_size
     chunks_at = _HEAD.itemsize + length + count * _ENTRY.itemsize
     settings, table = (file.read(size) if chunks_at <= found else b""
@@ -176,19 +190,24 @@ def _read_chunks(
     entries = np.frombuffer(table, _ENTRY)
     if chunks_at + int(entries["size"].sum()) != found:
         raise ValueError(f"{path} is cut off, or has something after its end")
-    first, last = _chunks_of(rank, size, total)
+    first, last = _chunks_of(rank, size, end)
     file.seek(int(entries["size"][:first].sum()), os.SEEK_CUR)
     chunks = []
     for number in range(first, last):
         chunk = file.read(int(entries[number]["size"]))
         rows = _rows_of(chunk) if checksum(chunk) == entries[number]["checksum"] else None
-        ids = np.arange(number * _CHUNK, min((number + 1) * _CHUNK, total))
-        if rows is None or not np.array_equal(rows[0]["id"], ids):
+        if rows is None or not _are_ids(rows[0]["id"], number):
             raise ValueError(
                 f"{path} is damaged: the particles from {number * _CHUNK} on are not as written"
             )
         chunks.append(rows)
-    return settings, total, chunks
+    return settings, end, chunks
+
+
+def _are_ids(ids: NDArray[np.int64], number: int) -> bool:
+    """Whether ids may be those of a chunk: ascending, in its range."""
+    before, after = number * _CHUNK - 1, (number + 1) * _CHUNK
+    return bool((np.diff(ids, prepend=before, append=after) > 0).all())
 
 
 def _rows_of(chunk: bytes) -> list[NDArray[Any]]:

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
+from . import edits
 from .events import events_of
 from .exchange import (
     deliver,
@@ -29,6 +30,7 @@ from .exchange import (
 from .interrupts import collective, held
 from .messages import Messages
 from .records import PARTS, RECORD
+from .settings import Setting
 from .storage import by_ids, read, write
 from .sums import exact_sum
 
@@ -39,6 +41,7 @@ _SMOOTHING = 0.1
 _SETTINGS = (
     *("gravity", "drag", "restitution", "container", "container_restitution", "walls"),
     *("wall_velocities", "wall_restitution", "wall_friction", "forces", "on_touch", "substeps"),
+    *("sleeping", "track_events"),
 )
 
 
@@ -91,14 +94,16 @@ class World:
 
     Notes
     -----
-    Not supported are merging, islands that sleep (pass ``sleeping=False`` if gravity acts and a
-    coefficient of restitution is below 1), and forces other than `PairForce`, `Flocking`,
-    `Thermostat`, `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the
-    kinds of this rank's particles; there may be two.
+    Not supported are merging, and forces other than `PairForce`, `Flocking`, `Thermostat`,
+    `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
+    rank's particles; there may be two.
 
-    Each rank has the particles of a range of the Morton curve, and copies of those near them. Every
-    32 steps the ranges are chosen again, by the time that ranks need, and particles move to other
-    ranks.
+    Each rank has the particles of a range of the Morton curve, and copies of those near them. If
+    some ranks need more time than others, or have many copies, the ranges are chosen again, and
+    particles move to other ranks; sleeping ones stay where they are until they wake.
+
+    Settings such as `gravity` and `walls` can be assigned, a collective call. `contacts` are empty
+    after that, and after `add` and `remove`, until the next step.
 
     Examples
     --------
@@ -122,18 +127,40 @@ class World:
         **options: Any,
     ) -> None:
         def part(*_: int) -> Any:
-            places, speeds = (
-                np.zeros((0, 2)) if np.size(column) == 0 else column
-                for column in (positions, velocities)
-            )
+            places, speeds = map(edits.rows_of, (positions, velocities))
             return jostle.World(places, speeds, radii, threads=threads, **options)
 
         self._begin(comm)
         self._distribute(part)
 
     @classmethod
-    def _of_parts(cls, comm: MPI.Intracomm, part: Callable[[int, int], Any]) -> World:
-        """The world whose part of a rank, of so many, a function makes."""
+    def of_parts(cls, comm: MPI.Intracomm, part: Callable[[int, int], Any]) -> World:
+        """Make a world of which each rank makes its part.
+
+        Parameters
+        ----------
+        comm : mpi4py.MPI.Intracomm
+            The ranks.
+        part : callable
+            Takes the number of the rank and that of all ranks. Returns a `jostle.World` with this
+            rank's particles, which is used up.
+
+        Returns
+        -------
+        World
+            Its ids count the particles of rank 0 first, then those of rank 1, and so on.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Those of `part`, for what is not supported, or if settings of ranks differ.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        jostle.mpi.create_scene : Makes the world of a scene.
+        """
         world = cls.__new__(cls)
         world._begin(comm)
         world._distribute(part)
@@ -151,21 +178,30 @@ class World:
             core = part(self._comm.rank, self._comm.size)
             core._check_distributable()
         self._core: Any = core
-        self._check_settings()
+        self._check_settings(core, _SETTINGS)
         ids = first_id(self._comm, len(core)) + np.arange(len(core))
         core._distribute(self._messages, ids)
 
-    def _check_settings(self) -> None:
+    def _check_settings(self, core: Any, names: tuple[str, ...]) -> None:
         """Refuse settings that differ between ranks."""
-        values = [getattr(self._core, name) for name in _SETTINGS]
+        values = [getattr(core, name) for name in names]
         digests = [hashlib.sha256(_bytes_of(value)).digest() for value in values]
         own = np.frombuffer(b"".join(digests), np.uint8).reshape(len(values), -1)
         everything = from_all(self._comm, own)
         differ = (everything != everything[0]).any(axis=(0, 2))
         for at in np.flatnonzero(differ):
-            raise ValueError(
-                f"{_SETTINGS[at]} is not the same on all ranks: here it is {values[at]!r}"
-            )
+            raise ValueError(f"{names[at]} is not the same on all ranks: here it is {values[at]!r}")
+
+    @collective
+    def _assign(self, name: str, value: object) -> None:
+        """Change a setting on all ranks. All islands wake."""
+        with together(self._comm):
+            trial: Any = self._core._of_records(self._core._own_records())
+            setattr(trial, name, value)
+            trial._check_distributable()
+        self._check_settings(trial, (name,))
+        self._core._drop_ghosts()
+        setattr(self._core, name, value)
 
     def step(self, dt: float, steps: int = 1) -> None:
         """Advance the world.
@@ -208,10 +244,99 @@ class World:
         except BaseException as error:
             raise_together(self._comm, error)
         busy = time.perf_counter() - start - (self._messages.seconds - waited)
-        work = busy / max(len(self), 1)
+        work = busy / max(self._core._counts()[2], 1)
         # One step may be disturbed by other processes.
         self._work = work if self._work is None else self._work + _SMOOTHING * (work - self._work)
         self._core._set_work(self._work)
+
+    @collective
+    def add(
+        self,
+        /,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike | None = None,
+        **columns: Any,
+    ) -> NDArray[np.int64]:
+        """Add particles.
+
+        Parameters
+        ----------
+        positions, velocities : array_like, shape (k, 2)
+            Those that this rank adds, wherever they are; k may be 0.
+        radii : array_like, a number or shape (k,), optional
+            Required if no number was given for all particles.
+        **columns
+            The other arguments of `jostle.World.add`.
+
+        Returns
+        -------
+        ndarray of int64, shape (k,)
+            Their ids, above all ids before; those of rank 0 first, then those of rank 1, and so on.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `jostle.World.add`; then no rank adds any.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        remove : Remove particles.
+        set : Change particles.
+        """
+        pairs = map(edits.rows_of, (positions, velocities))
+        return edits.add(self._comm, self._core, *pairs, radii=radii, **columns)
+
+    @collective
+    def remove(self, ids: ArrayLike) -> None:
+        """Remove particles of any rank. Their ids are never used again.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            given at most once by all ranks together.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `jostle.World.remove`; then none is removed on any rank.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        add : Add particles.
+        """
+        edits.remove(self._comm, self._core, ids)
+
+    @collective
+    def set(self, /, ids: ArrayLike, **columns: Any) -> None:
+        """Change some columns of some particles of any rank.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            given at most once by all ranks together.
+        **columns
+            The columns of `jostle.World.set`, the same ones on all ranks.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `jostle.World.set`, or if the columns are not the same on all ranks; then nothing
+            changes on any rank.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        add : Add particles.
+        """
+        edits.change(self._comm, self._core, ids, **columns)
 
     def __len__(self) -> int:
         """Number of particles of this rank."""
@@ -223,8 +348,8 @@ class World:
             f"{len(self)} of them on rank {self._comm.rank} of {self._comm.size}>"
         )
 
-    def _own(self) -> tuple[int, NDArray[np.int64], int, tuple[int, int, int], int]:
-        own: tuple[int, NDArray[np.int64], int, tuple[int, int, int], int] = self._core._own()
+    def _own(self) -> tuple[int, NDArray[np.int64], list[int]]:
+        own: tuple[int, NDArray[np.int64], list[int]] = self._core._own()
         return own
 
     def _column(self, name: str) -> NDArray[Any]:
@@ -297,6 +422,11 @@ class World:
         return self._column("sensors")
 
     @property
+    def asleep(self) -> NDArray[Any]:
+        """Which particles are asleep: ndarray of bool, shape (n,), in the order of `ids`."""
+        return self._column("asleep")
+
+    @property
     def ghosts(self) -> int:
         """Number of copies of particles of other ranks in the last step."""
         count, ids, *_ = self._own()
@@ -317,24 +447,33 @@ class World:
         """What this rank has sent so far.
 
         A dict of `calls` in which all ranks take part, `messages` and `bytes` with particles and
-        hashes, `repeats`, the number of steps that were repeated, and `seconds` of waiting and
-        communication.
+        hashes, `repeats`, the number of steps that were repeated, `rebalances`, how often domains
+        were chosen, and `seconds` of waiting and communication.
         """
-        _, _, _, (calls, messages, size), repeats = self._own()
-        counts = {"calls": calls, "messages": messages, "bytes": size, "repeats": repeats}
+        names = ("calls", "messages", "bytes", "repeats", "rebalances")
+        counts = dict(zip(names, self._own()[2], strict=True))
         return {**counts, "seconds": self._messages.seconds}
 
-    @property
-    def container(self) -> jostle.Box | jostle.Circle | jostle.Torus | None:
-        """The region of the particles, see `jostle.World.container`."""
-        container: jostle.Box | jostle.Circle | jostle.Torus | None = self._core.container
-        return container
-
-    @property
-    def walls(self) -> NDArray[np.float32]:
-        """Line segments: ndarray of float32, shape (m, 2, 2), see `jostle.World.walls`."""
-        walls: NDArray[np.float32] = self._core.walls
-        return walls
+    gravity = Setting[tuple[float, float]]("Acceleration of gravity, (x, y).")
+    drag = Setting[float]("Loss of velocity per second, see `jostle.World.drag`.")
+    restitution = Setting[float]("Coefficient of restitution of all contacts.")
+    container = Setting[jostle.Box | jostle.Circle | jostle.Torus | None](
+        "The region of the particles, see `jostle.World.container`."
+    )
+    container_restitution = Setting[Any]("See `jostle.World.container_restitution`.")
+    walls = Setting[NDArray[np.float32]](
+        "Line segments: ndarray of float32, shape (m, 2, 2), see `jostle.World.walls`."
+    )
+    wall_velocities = Setting[NDArray[np.float32]](
+        "Velocities of the walls: ndarray of float32, shape (m, 2)."
+    )
+    wall_restitution = Setting[Any]("See `jostle.World.wall_restitution`.")
+    wall_friction = Setting[Any]("See `jostle.World.wall_friction`.")
+    forces = Setting[list[Any]](
+        "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
+    )
+    substeps = Setting[int | None]("Sub-steps of a step, see `jostle.World.substeps`.")
+    sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
 
     @property
     def profile(self) -> dict[str, float]:
@@ -374,7 +513,7 @@ class World:
 
         Not collective. The pairs are of ids, sorted; see `jostle.World.contacts`.
         """
-        count, ids, *_ = self._own()
+        count, ids, _ = self._own()
         found = self._core.contacts
         movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
         is_reversed = pairs[:, 0] > pairs[:, 1]
@@ -382,16 +521,13 @@ class World:
         is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
         owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
         pairs = np.sort(pairs, axis=1)
-        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
-        order = order[owner[order] < count]
+        is_own = owner < count
         normals = np.where(is_reversed[:, None], -found.normals, found.normals)
-        return jostle.WorldContacts(
-            pairs[order],
-            normals[order],
-            found.depths[order],
-            found.normal_impulses[order],
-            found.friction_impulses[order],
-        )
+        awake = (column[is_own] for column in (pairs, normals, *found[2:]))
+        both = zip(awake, self._core._own_touches_asleep(), strict=True)
+        pairs, *columns = (np.concatenate(columns) for columns in both)
+        order = np.lexsort((pairs[:, 1], pairs[:, 0]))
+        return jostle.WorldContacts(pairs[order], *(column[order] for column in columns))
 
     @property
     def wall_contacts(self) -> jostle.WallContacts:
@@ -442,8 +578,7 @@ class World:
         """
         rows = self._records()
         size, total = self._comm.size, self.total
-        # Ids have no gaps: no particle is removed.
-        rows = by_ids(self._comm, rows, total)
+        rows = by_ids(self._comm, rows, self._core._own_ids()[1])
         defaults = {
             1: ((rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0)),
             2: ((rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF)),
@@ -490,9 +625,10 @@ class World:
             gathered.append(np.sort(deliver(self._comm, to), order="id", kind="stable"))
         if self._comm.rank != root:
             return None
-        records, *impulses = (rows.tobytes() for rows in gathered)
+        records, *kept = (rows.tobytes() for rows in gathered)
         world: Any = self._core._of_records(records)
-        world._take_impulses(*impulses)
+        world._set_ids(gathered[0]["id"].copy(), self._core._own_ids()[1])
+        world._take_kept(*kept)
         return cast(jostle.World, world)
 
     @collective
@@ -515,7 +651,7 @@ class World:
         jostle.World.load : Reads the file in one process.
         """
         settings = self._core._of_records(b"").snapshot()
-        write(self._comm, Path(path), settings, self._parts())
+        write(self._comm, Path(path), settings, self._core._own_ids()[1], self._parts())
 
     @classmethod
     def load(
@@ -555,19 +691,20 @@ class World:
 
     @collective
     def _load(self, path: Path, threads: int | None) -> None:
-        settings, parts = read(self._comm, path)
-        records, *impulses = (rows.tobytes() for rows in parts)
+        settings, end, parts = read(self._comm, path)
+        records, *kept = (rows.tobytes() for rows in parts)
         with together(self._comm):
             empty: Any = jostle.World.restore(settings)
             core = empty._of_records(records)
             core.threads = threads
         self._core = core
         core._distribute(self._messages, parts[0]["id"].copy())
-        core._take_impulses(*impulses)
+        core._set_ids(parts[0]["id"].copy(), end)
+        core._take_kept(*kept)
 
     def _parts(self) -> list[NDArray[Any]]:
-        """The particles of this rank, and the impulses that the core keeps: all `PARTS`."""
-        parts = [self._core._own_records(), *self._core._own_impulses()]
+        """The particles of this rank, and what the core keeps of them: all `PARTS`."""
+        parts = [self._core._own_records(), *self._core._own_kept()]
         return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
 
     def _records(self) -> NDArray[Any]:

@@ -1,6 +1,6 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
-use jostle::decomposition::read_records;
+use jostle::decomposition::{Traffic, read_records};
 use jostle::{Column, StateHash};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -11,9 +11,10 @@ use crate::arrays::{column, table};
 use crate::communicator::PyCommunicator;
 use crate::error::refused;
 use crate::interrupt::detached;
+use crate::results;
 
-/// Own particles, ids, particles of all ranks; calls, messages, bytes; repeated steps.
-type Numbers<'py> = (usize, Bound<'py, PyArray1<i64>>, usize, (u64, u64, u64), u64);
+/// Own particles and the ids of all rows; calls, messages, bytes, repeated steps, rebalances.
+type Numbers<'py> = (usize, Bound<'py, PyArray1<i64>>, [u64; 5]);
 
 #[pymethods]
 impl PyWorld {
@@ -55,14 +56,54 @@ impl PyWorld {
     fn _own<'py>(&self, py: Python<'py>) -> PyResult<Option<Numbers<'py>>> {
         let own = self.long(py, |state| state.world.own_particles())?;
         Ok(own.map(|own| {
-            let traffic = (own.traffic.calls, own.traffic.messages, own.traffic.bytes);
-            (own.own, column(py, own.ids), own.total, traffic, own.repeats)
+            let Traffic { calls, messages, bytes } = own.traffic;
+            let numbers = [calls, messages, bytes, own.repeats, own.rebalances];
+            (own.own, column(py, own.ids), numbers)
         }))
     }
 
-    /// The number of own particles, and that of all ranks. For `jostle.mpi`.
-    fn _counts(&self, py: Python<'_>) -> PyResult<(usize, usize)> {
-        Ok(self.state(py)?.world.own_and_all())
+    /// The number of own particles, that of all ranks, and that of own ones that are awake. For
+    /// `jostle.mpi`.
+    fn _counts(&self, py: Python<'_>) -> PyResult<(usize, usize, usize)> {
+        let world = &self.state(py)?.world;
+        let (own, all) = world.own_and_all();
+        Ok((own, all, world.own_awake()))
+    }
+
+    /// The ids of the own particles, and the id that is given next. For `jostle.mpi`.
+    fn _own_ids<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray1<i64>>, i64)> {
+        let (ids, next) = self.long(py, |state| state.world.own_ids())?;
+        Ok((column(py, ids), next))
+    }
+
+    /// Replace the ids, and the id that is given next. For `jostle.mpi`.
+    fn _set_ids(&self, py: Python<'_>, ids: PyReadonlyArray1<'_, i64>, next: i64) -> PyResult<()> {
+        let ids = ids.as_array().to_vec();
+        self.long(py, |state| state.world.set_ids(&ids, next))?.map_err(refused)
+    }
+
+    /// Add the particles of records to this rank, with these ids; so many on all ranks. For
+    /// `jostle.mpi`.
+    fn _add_records(
+        &self,
+        py: Python<'_>,
+        records: Vec<u8>,
+        ids: PyReadonlyArray1<'_, i64>,
+        count: usize,
+    ) -> PyResult<()> {
+        let ids = ids.as_array().to_vec();
+        self.long(py, |state| state.world.add_of_ranks(records, &ids, count))?.map_err(refused)
+    }
+
+    /// Remove the particles with these ids, which all ranks give. For `jostle.mpi`.
+    fn _remove_ids(&self, py: Python<'_>, ids: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
+        let ids = ids.as_array().to_vec();
+        self.long(py, |state| state.world.remove_of_ranks(&ids))?.map_err(refused)
+    }
+
+    /// Remove the copies of particles of other ranks. For `jostle.mpi`.
+    fn _drop_ghosts(&self, py: Python<'_>) -> PyResult<()> {
+        self.long(py, |state| state.world.drop_ghosts())
     }
 
     /// The own particles as records. For `jostle.mpi`.
@@ -70,23 +111,29 @@ impl PyWorld {
         Ok(PyBytes::new(py, &self.long(py, |state| state.world.own_records())?))
     }
 
-    /// What the solver keeps of the own particles: the impulses of sides, contacts and walls. For
-    /// `jostle.mpi`.
-    fn _own_impulses<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 3]> {
-        let all = self.long(py, |state| state.world.own_impulses())?;
+    /// What is kept of the own particles from step to step, as in `jostle.mpi.records`. For `jostle.mpi`.
+    fn _own_kept<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 5]> {
+        let all = self.long(py, |state| state.world.own_kept())?;
         Ok(all.map(|bytes| PyBytes::new(py, &bytes)))
     }
 
-    /// Take what `_own_impulses` returned, of all particles of this world. For `jostle.mpi`.
-    fn _take_impulses(
+    /// Take what `_own_kept` returned, of all particles of this world. For `jostle.mpi`.
+    fn _take_kept(
         &self,
         py: Python<'_>,
-        sides: &[u8],
+        kept: &[u8],
         resting: &[u8],
         pushes: &[u8],
+        members: &[u8],
+        touches: &[u8],
     ) -> PyResult<()> {
-        let impulses = [sides, resting, pushes];
-        self.long(py, |state| state.world.take_impulses(impulses))?.map_err(refused)
+        let all = [kept, resting, pushes, members, touches];
+        self.long(py, |state| state.world.take_kept(all))?.map_err(refused)
+    }
+
+    /// The pairs of sleeping islands that touched, each on one rank. For `jostle.mpi`.
+    fn _own_touches_asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        results::world_contacts(py, self.long(py, |state| state.world.own_touches_asleep())?)
     }
 
     /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.

@@ -125,7 +125,7 @@ impl Contact {
 
     /// The same contact with the smaller place first. The impulse of friction stays the same, because
     /// the normal changes its sign.
-    fn ascending(self) -> Self {
+    pub fn ascending(self) -> Self {
         let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
         if a < b {
             return self;

@@ -60,6 +60,21 @@ impl Halo<'_> {
         Ok(())
     }
 
+    /// A number of each ghost from its own rank, with its place.
+    pub fn labels(&self, of: impl Fn(u32) -> u64) -> Result<Vec<(u32, u64)>> {
+        let bytes =
+            |places: &Vec<u32>| places.iter().flat_map(|&place| of(place).to_le_bytes()).collect();
+        let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
+        let counts: Vec<usize> = self.ghosts.iter().map(|places| places.len() * 8).collect();
+        let all = locked(self.group).exchange_known(&to, &counts)?.concat();
+        let (numbers, _) = all.as_chunks::<8>();
+        let places = self.ghosts.iter().flatten();
+        Ok(places
+            .zip(numbers)
+            .map(|(&place, number)| (place, u64::from_le_bytes(*number)))
+            .collect())
+    }
+
     /// Whether something is so on any rank. Returns an error if a rank has failed.
     pub fn any(&self, own: bool) -> Result<bool> {
         Ok(locked(self.group).sum([u64::from(own)])? != [0])

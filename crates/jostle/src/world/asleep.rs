@@ -19,6 +19,7 @@ use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes, fill_filters};
+use crate::space::Id;
 use crate::table::Table;
 
 /// Where the parts of an island are in the columns.
@@ -27,6 +28,9 @@ pub(super) struct Island {
     pub(super) particles: Range<u32>,
     pub(super) contacts: Range<u32>,
     pub(super) wall_impulses: Range<u32>,
+    /// In a distributed world the smallest id of all its particles, some of which may be on other
+    /// ranks; otherwise 0.
+    pub(super) name: Id,
 }
 
 /// Islands with all that they need to continue when they wake.
@@ -47,6 +51,16 @@ impl Sleepers {
         self.discs.rows.len()
     }
 
+    /// Replaces the contacts by those of each island, which are sorted by islands.
+    pub(super) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) {
+        let mut end = 0;
+        for (number, island) in (0..).zip(&mut self.islands) {
+            island.contacts = run(&of_islands, end, number);
+            end = island.contacts.end;
+        }
+        self.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
+    }
+
     /// Appends islands.
     fn extend(&mut self, other: &Self) {
         let moved = |range: &Range<u32>, by: usize| range.start + by as u32..range.end + by as u32;
@@ -57,6 +71,7 @@ impl Sleepers {
             particles: moved(&island.particles, first),
             contacts: moved(&island.contacts, first_contact),
             wall_impulses: moved(&island.wall_impulses, first_impulse),
+            name: island.name,
         }));
         self.discs.append(first, &other.discs, other.len());
         self.contacts.extend_from_slice(&other.contacts);
@@ -76,12 +91,18 @@ impl Sleepers {
             let ends = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
             let [particles, contacts, wall_impulses] =
                 [0, 1, 2].map(|k| starts[k] as u32..ends[k] as u32);
-            copy.islands.push(Island { particles, contacts, wall_impulses });
+            copy.islands.push(Island { particles, contacts, wall_impulses, name: island.name });
         }
         copy.discs.gather(&self.discs, &order, Some(1));
         copy.discs.drop_defaults();
         copy
     }
+}
+
+/// The range of the values of one island, from `start` on, in a list sorted by islands.
+pub(super) fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
+    let values = all[start as usize..].iter().take_while(|of| of.0 == island);
+    start..start + values.count() as u32
 }
 
 /// The tree of the circles of some particles.
@@ -248,6 +269,17 @@ impl Asleep {
         self.islands().filter(touches).collect()
     }
 
+    /// The names of some islands.
+    pub(super) fn names(&self, islands: &[u32]) -> impl Iterator<Item = Id> {
+        islands.iter().map(|&island| self.sleepers.islands[island as usize].name)
+    }
+
+    /// The sleeping islands with some names, which are sorted; ascending.
+    pub(super) fn named(&self, names: &[Id]) -> Vec<u32> {
+        let name = |island: u32| self.sleepers.islands[island as usize].name;
+        self.islands().filter(|&island| names.binary_search(&name(island)).is_ok()).collect()
+    }
+
     /// The islands of the particles with some indices, ascending.
     pub(super) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
         let mut islands: Vec<u32> = indices.map(|at| self.island_of[at]).collect();
@@ -261,6 +293,21 @@ impl Asleep {
         self.mark(islands, true);
         self.woken.extend_from_slice(islands);
         self.sleepers.select(islands.iter().copied())
+    }
+
+    /// The rows of the islands that have been woken, sorted.
+    pub(super) fn woken_rows(&self) -> Vec<u32> {
+        let islands = self.woken.iter().map(|&island| &self.sleepers.islands[island as usize]);
+        let indices = islands.flat_map(|island| island.particles.clone());
+        let mut rows: Vec<u32> = indices.map(|at| self.sleepers.discs.rows[at as usize]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// Removes the last islands again, of which there are so many, because the step is undone.
+    pub(super) fn withdraw(&mut self, count: usize) {
+        let end = self.is_awake.len() as u32;
+        self.mark(&(end - count as u32..end).collect::<Vec<u32>>(), true);
     }
 
     /// Puts the islands that have been woken to sleep again.

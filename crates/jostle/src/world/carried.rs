@@ -1,15 +1,20 @@
-//! What the solver keeps from step to step beside the particles, for a distributed world: the impulses of
-//! resting contacts, and those of walls.
+//! What is kept from step to step beside the particles, for a distributed world: how each has moved, which sleep,
+//! and the impulses of resting contacts and of walls.
 
 use std::collections::HashMap;
 
 use super::World;
+use super::asleep::Sleepers;
+use super::discs::Persistent;
+use super::islands::SleepingContact;
+use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use crate::bytes::{Plain, damaged};
 use crate::contacts::Contact;
 use crate::container::MAX_WALLS;
 use crate::error::Result;
 use crate::space::Id;
+use crate::table::sparse_value;
 
 /// Stands for no own row.
 pub(super) const NONE: u32 = u32::MAX;
@@ -44,43 +49,58 @@ impl Resting {
     }
 }
 
-/// The impulses of the sides of the container on a particle, with its id.
+/// What is kept of a particle, with its id.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sides {
+pub(super) struct Kept {
     pub(super) id: Id,
-    /// Impulses over mass along the normals, and of friction.
-    pub(super) impulses: [[f32; MAX_WALLS]; 2],
+    /// Impulses over mass of the sides of the container along the normals, and of friction.
+    pub(super) sides: [[f32; MAX_WALLS]; 2],
+    /// How it has moved.
+    pub(super) drift: Drift,
 }
 
-impl Sides {
-    /// Bytes of the impulses.
-    pub(super) const SIZE: usize = 40;
+impl Kept {
+    /// Bytes of it.
+    pub(super) const SIZE: usize = 64;
 
-    /// Appends them.
+    /// Appends it, if it differs from that of a new particle.
     pub(super) fn put(&self, to: &mut Vec<u8>) {
+        if self.sides == [[0.0; MAX_WALLS]; 2] && self.drift == Drift::UNKNOWN {
+            return;
+        }
         let start = to.len();
         to.resize(start + Self::SIZE, 0);
         (self.id as u64).store(&mut to[start..start + 8]);
-        self.impulses.store(&mut to[start + 8..]);
+        self.sides.store(&mut to[start + 8..start + 40]);
+        [self.drift.before, self.drift.now].store(&mut to[start + 40..]);
     }
 
-    /// Reads them.
+    /// Reads it.
     pub(super) fn get(from: &[u8]) -> Self {
-        Self { id: u64::load(&from[..8]) as Id, impulses: Plain::load(&from[8..]) }
+        let [before, now] = Plain::load(&from[40..]);
+        let sides = Plain::load(&from[8..40]);
+        Self { id: u64::load(&from[..8]) as Id, sides, drift: Drift { before, now } }
     }
 }
 
-/// A push of a wall on a particle, with its id.
+/// The impulses of a wall on a particle, with its id.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Push {
     pub(super) id: Id,
     pub(super) wall: u32,
+    /// As in [`WallImpulse`].
+    pub(super) impulses: [f32; 2],
     pub(super) pushes: [f32; 2],
 }
 
 impl Push {
     /// Bytes of a push.
-    pub(super) const SIZE: usize = 20;
+    pub(super) const SIZE: usize = 28;
+
+    /// Those of a wall.
+    fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
+        Self { id, wall, impulses, pushes }
+    }
 
     /// Appends the push.
     pub(super) fn put(&self, to: &mut Vec<u8>) {
@@ -88,21 +108,29 @@ impl Push {
         to.resize(start + Self::SIZE, 0);
         (self.id as u64).store(&mut to[start..start + 8]);
         self.wall.store(&mut to[start + 8..start + 12]);
-        self.pushes.store(&mut to[start + 12..]);
+        [self.impulses, self.pushes].store(&mut to[start + 12..]);
     }
 
     /// Reads one.
     pub(super) fn get(from: &[u8]) -> Self {
         let (id, wall) = (u64::load(&from[..8]) as Id, u32::load(&from[8..12]));
-        Self { id, wall, pushes: <[f32; 2]>::load(&from[12..]) }
+        let [impulses, pushes] = Plain::load(&from[12..]);
+        Self { id, wall, impulses, pushes }
     }
 
-    /// The impulse with this push, of the particle in a row.
+    /// The same of the particle in a row.
     pub(super) fn of_row(&self, row: u32) -> WallImpulse {
-        let Self { wall, pushes, .. } = *self;
-        WallImpulse { row, wall, impulses: [0.0; 2], pushes }
+        let Self { wall, impulses, pushes, .. } = *self;
+        WallImpulse { row, wall, impulses, pushes }
     }
 }
+
+/// Bytes of the id of a sleeping particle and of the name of its island.
+pub(super) const MEMBER: usize = 16;
+
+/// What is kept of particles, as bytes: [`Kept`], [`Resting`], [`Push`], members of sleeping islands,
+/// [`SleepingContact`].
+pub(super) type Parts<'a> = [&'a [u8]; 5];
 
 impl World {
     /// Keeps the impulses of the contacts at rest of own particles, before ghosts are removed.
@@ -138,69 +166,140 @@ impl World {
         contacts.lasting().filter_map(resting).collect()
     }
 
-    /// What the solver keeps of own particles, as bytes: the impulses of sides, of contacts at rest, each on
-    /// the rank of the smaller id, and of walls.
-    pub fn own_impulses(&self) -> [Vec<u8>; 3] {
-        let mut bytes = [vec![], vec![], vec![]];
+    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of the
+    /// smaller id; the pushes of walls; which sleep; and the contacts of these.
+    pub fn own_kept(&self) -> [Vec<u8>; 5] {
+        let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
         let Some(domain) = &self.domain else { return bytes };
-        let [sides, resting, pushes] = &mut bytes;
+        let [kept, resting, pushes, members, touches] = &mut bytes;
         for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            self.put_sides(sides, domain.id(row), place);
+            kept_of(&self.persistent, domain.id(row), place).put(kept);
         }
         let all = self.resting_of_own();
         all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| of.put(resting));
         for of in self.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
             put_push(pushes, domain.id(of.row), of);
         }
+        let Sleepers { discs, islands, .. } = self.asleep.sleepers();
+        for island in self.asleep.islands().map(|number| &islands[number as usize]) {
+            for at in island.particles.clone().map(|at| at as usize) {
+                let id = domain.id(discs.rows[at]);
+                kept_of(&discs.persistent, id, at).put(kept);
+                members.extend((id as u64).to_le_bytes());
+                members.extend((island.name as u64).to_le_bytes());
+            }
+        }
+        for of in self.asleep.wall_impulses() {
+            Push::new(domain.id(of.row), of).put(pushes);
+        }
+        self.own_sleeping_contacts().for_each(|of| of.put(touches));
         bytes
     }
 
-    /// Appends the impulses of the sides on a particle, if there are any.
-    pub(super) fn put_sides(&self, to: &mut Vec<u8>, id: Id, place: usize) {
-        let pushes = self.persistent.wall_pushes[place];
-        let frictions = self.persistent.wall_frictions.get(place).copied().unwrap_or_default();
-        let impulses = [pushes, frictions];
-        if impulses != [[0.0; MAX_WALLS]; 2] {
-            Sides { id, impulses }.put(to);
-        }
+    /// The contacts of sleeping particles of which the first is an own one.
+    pub(super) fn own_sleeping_contacts(&self) -> impl Iterator<Item = &SleepingContact> {
+        let domain = self.domain.as_ref();
+        let id = |row: u32| domain.map_or(0, |domain| domain.id(row));
+        let mut ids: Vec<Id> = self.asleep.rows().map(id).collect();
+        ids.sort_unstable();
+        let all = domain.map_or(&[][..], |domain| &domain.sleeping);
+        all.iter().filter(move |of| ids.binary_search(&of.ids[0]).is_ok())
     }
 
-    /// Takes what [`World::own_impulses`] returned for the particles of this world, in any order. Returns an
+    /// Takes what [`World::own_kept`] returned for the particles of this world, in any order. Returns an
     /// error if it is of other particles or walls.
-    pub fn take_impulses(&mut self, bytes: [&[u8]; 3]) -> Result<()> {
+    pub fn take_kept(&mut self, bytes: Parts<'_>) -> Result<()> {
         let ids: Vec<Id> = match &self.domain {
             Some(domain) => domain.ids[..domain.own].to_vec(),
-            None => (0..self.rows.len() as Id).collect(),
+            None => self.ids(),
         };
         let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
-        self.take_impulses_of(&rows, bytes)
+        let [kept, resting, pushes, members, touches] = bytes;
+        let (members, _) = members.as_chunks::<MEMBER>();
+        let members: HashMap<Id, Id> = members
+            .iter()
+            .map(|of| <[u64; 2]>::load(of).map(|id| id as Id))
+            .map(|[id, island]| (id, island))
+            .collect();
+        // The contacts of sleeping particles are among `touches`.
+        let is_awake = |of: &Resting| !of.ids.iter().any(|id| members.contains_key(id));
+        let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).filter(is_awake);
+        self.take_kept_of(&rows, [kept, pushes], resting.collect())?;
+        let touches = touches.chunks_exact(SleepingContact::SIZE).map(SleepingContact::get);
+        self.restore_sleepers(&rows, &members, touches.collect())
     }
 
-    /// Adds the impulses of sides, contacts and walls on the particles with these ids, in these rows.
-    pub(super) fn take_impulses_of(
+    /// Adds what is kept of the particles with these ids, in these rows: of each, of walls, and contacts at
+    /// rest.
+    pub(super) fn take_kept_of(
         &mut self,
         rows: &HashMap<Id, u32>,
-        [sides, resting, pushes]: [&[u8]; 3],
+        [kept, pushes]: [&[u8]; 2],
+        resting: Vec<Resting>,
     ) -> Result<()> {
         let unknown = || damaged("an impulse is on no particle");
         let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
         let count = self.rows.len();
         let places = self.places().to_vec();
-        for of in sides.chunks_exact(Sides::SIZE).map(Sides::get) {
+        let Persistent { wall_pushes, wall_frictions, drifts } = &mut self.persistent;
+        for of in kept.chunks_exact(Kept::SIZE).map(Kept::get) {
             let place = places[row_of(of.id)? as usize] as usize;
-            let [pushes, frictions] = of.impulses;
-            self.persistent.wall_pushes[place] = pushes;
+            let [pushes, frictions] = of.sides;
+            wall_pushes[place] = pushes;
             if frictions != [0.0; MAX_WALLS] {
-                self.persistent.wall_frictions.resize(count, Default::default());
-                self.persistent.wall_frictions[place] = frictions;
+                wall_frictions.resize(count, Default::default());
+                wall_frictions[place] = frictions;
+            }
+            if of.drift != Drift::UNKNOWN {
+                drifts.resize(count, Drift::UNKNOWN);
+                drifts[place] = of.drift;
             }
         }
         for push in pushes.chunks_exact(Push::SIZE).map(Push::get) {
             self.wall_impulses.push(push.of_row(row_of(push.id)?));
         }
         self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
-        let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get);
-        self.take_resting(rows, resting)
+        self.take_resting(rows, resting.into_iter())
+    }
+
+    /// Puts particles to sleep that slept when they were written; `members` has the island of each.
+    fn restore_sleepers(
+        &mut self,
+        rows: &HashMap<Id, u32>,
+        members: &HashMap<Id, Id>,
+        touches: Vec<SleepingContact>,
+    ) -> Result<()> {
+        let row_of = |id: Id| rows.get(&id).copied();
+        let places = self.places();
+        let place = |(&id, &island): (&Id, &Id)| Some((island, places[row_of(id)? as usize]));
+        let mut all: Vec<(Id, u32)> = members.iter().filter_map(place).collect();
+        all.sort_unstable();
+        if all.len() < members.len() || all.iter().any(|of| !self.particles.movable[of.1 as usize])
+        {
+            return Err(damaged("no such particle sleeps"));
+        }
+        let sleeping = &mut self.memory.sleeping;
+        sleeping.members.clear();
+        sleeping.names.clear();
+        sleeping.names.resize(self.rows.len(), 0);
+        for island in all.chunk_by(|a, b| a.0 == b.0) {
+            let (name, first) = island[0];
+            sleeping.members.extend(island.iter().map(|&(_, place)| [first, place]));
+            sleeping.names[first as usize] = name;
+        }
+        sleeping.members.sort_unstable();
+        let mut new = self.take_sleepers();
+        self.take_wall_impulses(&mut new);
+        match &mut self.domain {
+            Some(domain) => domain.sleeping = touches,
+            None => new.set_contacts(contacts_of_rows(&new, &touches, row_of)?),
+        }
+        if new.islands.is_empty() {
+            return Ok(());
+        }
+        self.asleep.append(&new, self.settings.tree)?;
+        self.remove_sleepers(new);
+        Ok(())
     }
 
     /// Adds contacts at rest.
@@ -269,6 +368,35 @@ impl World {
 /// Appends the pushes of a wall on a particle, if there are any.
 pub(super) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
     if of.pushes[0] > 0.0 {
-        Push { id, wall: of.wall, pushes: of.pushes }.put(to);
+        Push { impulses: [0.0; 2], ..Push::new(id, of) }.put(to);
     }
+}
+
+/// What is kept of the particle at a place.
+pub(super) fn kept_of(persistent: &Persistent, id: Id, place: usize) -> Kept {
+    let Persistent { wall_pushes, wall_frictions, drifts } = persistent;
+    let frictions = sparse_value(wall_frictions, place);
+    Kept { id, sides: [wall_pushes[place], frictions], drift: sparse_value(drifts, place) }
+}
+
+/// The contacts of sleeping islands with rows in place of ids, and the number of the island of each.
+fn contacts_of_rows(
+    new: &Sleepers,
+    touches: &[SleepingContact],
+    row_of: impl Fn(Id) -> Option<u32>,
+) -> Result<Vec<(u32, Contact)>> {
+    let numbers: HashMap<Id, u32> = new.islands.iter().map(|of| of.name).zip(0..).collect();
+    let mut all = Vec::new();
+    for of in touches {
+        let places = of.ids.map(&row_of);
+        let ([Some(a), Some(b)], Some(&number)) = (places, numbers.get(&of.island)) else {
+            return Err(damaged("no such particle sleeps"));
+        };
+        // Pairs that only touch have no contact.
+        if of.contact.touched || of.contact.impulse > 0.0 {
+            all.push((number, Contact { places: [a, b], ..of.contact }));
+        }
+    }
+    all.sort_by_key(|&(number, _)| number);
+    Ok(all)
 }

@@ -9,8 +9,10 @@ use std::iter::repeat_n;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::asleep::Asleep;
 use super::carried::Resting;
 use super::ids::Ids;
+use super::islands::SleepingContact;
 use super::search::Lists;
 use super::{Memory, OnTouch, World};
 use crate::contacts::{ContactShape, Contacts};
@@ -25,8 +27,16 @@ use crate::particles::Particles;
 use crate::space::Id;
 use crate::table::Table;
 
-/// Steps after which particles move to the ranks of the domains in which they are.
-const REBALANCE_EVERY: u64 = 32;
+/// Steps between two times at which domains are chosen, at least.
+const FEWEST_STEPS: u64 = 16;
+
+/// Domains are chosen anew if the rank with most work has more than this times the mean, or if there
+/// are more than this times as many ghosts as after the last time.
+const MOST_IMBALANCE: f64 = 1.15;
+const MOST_GHOSTS: f64 = 1.4;
+
+/// Ghosts of a rank that are few whatever they were before.
+const FEW_GHOSTS: f64 = 32.0;
 
 /// A circle that an own particle does not leave in a step, as the other ranks know.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,8 +63,24 @@ pub(super) struct Domain {
     pub(super) ids: Vec<Id>,
     /// The number of own particles.
     pub(super) own: usize,
+    /// The id that is given next.
+    pub(super) next: Id,
     /// Particles of all ranks.
     pub(super) total: usize,
+    /// Those that are awake, and those that sleep.
+    pub(super) awake: usize,
+    pub(super) asleep: usize,
+    /// Whether some sleep and all others are static.
+    pub(super) is_still: bool,
+    /// The contacts of sleeping islands; those of islands that have been woken in a step that is not
+    /// complete, too.
+    pub(super) sleeping: Vec<SleepingContact>,
+    /// The sleeping particles of other ranks near own ones.
+    pub(super) foreign: Asleep,
+    /// The names of those of their islands that the step would touch.
+    pub(super) touched: Vec<Id>,
+    /// How far the particle at each place may get before it leaves its circle.
+    pub(super) left: Vec<f32>,
     is_elastic: bool,
     has_friction: bool,
     /// Quantiles of the coordinates of all ranks along each axis.
@@ -100,15 +126,43 @@ pub(super) struct Domain {
     pub(super) widening: f64,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
-    /// Steps after which domains are chosen anew.
-    pub(super) rebalance_every: u64,
+    /// Steps after which domains are chosen anew; None if the imbalance decides.
+    pub(super) rebalance_every: Option<u64>,
+    /// Whether they are chosen anew in the next step.
+    pub(super) is_stale: bool,
+    /// The step in which they were chosen, how often they were, and the ghosts of all ranks in the step
+    /// after that; 0 if these are not known.
+    chosen: u64,
+    rebalances: u64,
+    usual_ghosts: f64,
 }
 
 impl Domain {
     /// What the events of a sub-step share with other ranks.
     pub(super) fn halo(&self) -> Halo<'_> {
-        let Self { group, total, is_own, shared, sent_places, ghost_places, .. } = self;
-        Halo { group, total: *total, is_own, shared, sent: sent_places, ghosts: ghost_places }
+        let Self { group, awake, is_own, shared, sent_places, ghost_places, .. } = self;
+        Halo { group, total: *awake, is_own, shared, sent: sent_places, ghosts: ghost_places }
+    }
+
+    /// Whether domains are chosen in this step; the same on all ranks.
+    fn is_due(&self) -> bool {
+        self.is_stale || self.rebalance_every.is_some_and(|every| self.steps.is_multiple_of(every))
+    }
+
+    /// Finds out from the work of each rank and the ghosts of all whether to choose domains in the next step.
+    /// All ranks have the same numbers.
+    fn note_load(&mut self, work: impl Iterator<Item = f64> + Clone, ghosts: f64) {
+        if self.steps == self.chosen || self.rebalance_every.is_some() {
+            return;
+        }
+        if self.steps < self.chosen + FEWEST_STEPS {
+            self.usual_ghosts = self.usual_ghosts.max(ghosts);
+            return;
+        }
+        let (most, sum) = (work.clone().fold(0.0, f64::max), work.clone().sum::<f64>());
+        let few = FEW_GHOSTS * work.count() as f64;
+        self.is_stale |= most * self.received.len() as f64 > MOST_IMBALANCE * sum
+            || ghosts > (MOST_GHOSTS * self.usual_ghosts).max(few);
     }
 
     /// Whether a row has an own particle.
@@ -164,7 +218,7 @@ impl Domain {
 
     /// Lists the places of own and of shared particles.
     pub(super) fn list_places(&mut self, rows: &[u32]) {
-        if rows.len() == self.own && self.sent.iter().all(Vec::is_empty) {
+        if self.ids.len() == self.own && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
             self.shared.clear();
@@ -172,7 +226,7 @@ impl Domain {
             (self.sent_places, self.ghost_places) = (vec![vec![]; size], vec![vec![]; size]);
             return;
         }
-        let mut places = vec![0; rows.len()];
+        let mut places = vec![0; self.ids.len()];
         (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
         self.sent_places.resize(self.sent.len(), Vec::new());
         for (places_of, rows) in self.sent_places.iter_mut().zip(&self.sent) {
@@ -256,13 +310,17 @@ impl Domain {
         memory: &mut Memory,
     ) {
         let Memory { limits, reaches, .. } = memory;
+        let has_sleepers = self.asleep > 0;
         limits.clear();
+        self.left.clear();
         if self.sent.len() < 2 {
+            limits.extend(reaches.iter().filter(|_| has_sleepers));
             return;
         }
         for ((&row, position), &reach) in rows.iter().zip(&particles.positions).zip(&*reaches) {
             let Some(of) = self.announced.get(row as usize) else {
                 limits.push(f32::INFINITY);
+                self.left.push(f32::INFINITY);
                 continue;
             };
             let moved = if *position == of.position {
@@ -276,7 +334,8 @@ impl Domain {
             if left < reach {
                 self.far.push((row, moved + reach));
             }
-            limits.push(left);
+            self.left.push(left);
+            limits.push(if has_sleepers { left.min(reach) } else { left });
         }
     }
 }
@@ -294,6 +353,8 @@ pub struct OwnParticles {
     pub traffic: Traffic,
     /// Steps that were repeated because ghosts were missing.
     pub repeats: u64,
+    /// How often domains were chosen.
+    pub rebalances: u64,
 }
 
 impl World {
@@ -301,13 +362,22 @@ impl World {
     /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
     pub fn distribute(&mut self, communicator: Box<dyn Communicator>, ids: Vec<Id>) -> Result<()> {
         self.check_distributable()?;
+        self.wake_all();
         let mut group = Group::new(communicator);
         let total = group.sum([ids.len() as u64])?[0] as usize;
         self.domain = Some(Box::new(Domain {
             group: Mutex::new(group),
             own: ids.len(),
             ids,
+            next: total as Id,
             total,
+            awake: total,
+            asleep: 0,
+            is_still: false,
+            sleeping: Vec::new(),
+            foreign: Asleep::default(),
+            touched: Vec::new(),
+            left: Vec::new(),
             is_elastic: self.are_own_elastic(),
             has_friction: true,
             scales: Default::default(),
@@ -332,7 +402,11 @@ impl World {
             repeats: 0,
             widening: 1.0,
             work: 1.0,
-            rebalance_every: REBALANCE_EVERY,
+            rebalance_every: None,
+            is_stale: true,
+            chosen: 0,
+            rebalances: 0,
+            usual_ghosts: 0.0,
         }));
         Ok(())
     }
@@ -372,6 +446,7 @@ impl World {
             total: domain.total,
             traffic: locked(&domain.group).traffic,
             repeats: domain.repeats,
+            rebalances: domain.rebalances,
         })
     }
 
@@ -383,12 +458,22 @@ impl World {
         }
     }
 
-    /// The own particles as records, see [`read_records`].
+    /// The number of own particles that are awake.
+    pub fn own_awake(&self) -> usize {
+        self.own_and_all().0 - self.asleep.len()
+    }
+
+    /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
+    /// distributed.
     pub fn own_records(&self) -> Vec<u8> {
-        let Some(domain) = &self.domain else { return Vec::new() };
+        let Some(domain) = &self.domain else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
         for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
             put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
+        }
+        let discs = &self.asleep.sleepers().discs;
+        for at in self.asleep.indices() {
+            put_record(&mut bytes, self.name_of(domain, discs.rows[at]), &discs.particles, at);
         }
         bytes
     }
@@ -400,10 +485,14 @@ impl World {
 
     /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
     pub fn part(&self, rows: Range<usize>) -> Result<Self> {
+        self.of_records(&self.records_of(rows))
+    }
+
+    fn records_of(&self, rows: Range<usize>) -> Vec<u8> {
         let (all, mut bytes) = (self.particles(), Vec::new());
         let name = |row: usize| (row as Id, forces::kinds_of(&self.forces, row));
         rows.for_each(|row| put_record(&mut bytes, name(row), &all, row));
-        self.of_records(&bytes)
+        bytes
     }
 
     /// A world with the settings, walls, forces and time of this one, and the particles of some records.
@@ -430,16 +519,33 @@ impl World {
         }
     }
 
-    /// Chooses domains anew after so many steps, the same number on all ranks.
+    /// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
     pub fn rebalance_every(&mut self, steps: u64) {
         if let Some(domain) = &mut self.domain {
-            domain.rebalance_every = steps.max(1);
+            domain.rebalance_every = Some(steps.max(1));
         }
     }
 
-    /// The number of particles of all ranks.
+    /// Chooses domains anew in the next step.
+    pub(super) fn forget_domains(&mut self) {
+        if let Some(domain) = &mut self.domain {
+            domain.is_stale = true;
+        }
+    }
+
+    /// The number of particles of all ranks that are awake.
     pub(super) fn count_of_all(&self) -> usize {
-        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.total)
+        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.awake)
+    }
+
+    /// Whether something is so on any rank.
+    pub(super) fn any_of_all(&self, own: bool) -> Result<bool> {
+        if self.domain.is_none() { Ok(own) } else { Ok(self.sum_of_all([u64::from(own)])? != [0]) }
+    }
+
+    /// Waits for all ranks. Returns an error if one has failed.
+    pub(super) fn wait_for_all(&self) -> Result<()> {
+        self.sum_of_all([]).map(|[]: [u64; 0]| ())
     }
 
     /// The largest of each number of all ranks.
@@ -484,15 +590,16 @@ impl World {
     }
 
     /// Removes the ghosts.
-    pub(super) fn drop_ghosts(&mut self) {
+    pub fn drop_ghosts(&mut self) {
         self.keep_resting();
         let Self { domain, particles, rows, persistent, contacts, ids, .. } = self;
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
         let Some(domain) = domain else { return };
         let own = domain.own;
-        if rows.len() > own {
+        if domain.ids.len() > own {
+            let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
             let mut end = rows.len();
-            for place in 0..own {
+            for place in 0..awake {
                 if domain.owns(rows[place]) {
                     continue;
                 }
@@ -505,9 +612,9 @@ impl World {
                 persistent.move_row(end, place);
                 rows[place] = rows[end];
             }
-            particles.resize(own);
-            persistent.resize(own);
-            rows.truncate(own);
+            particles.resize(awake);
+            persistent.resize(awake);
+            rows.truncate(awake);
             domain.ids.truncate(own);
             forces::change_kinds(forces, |kinds| kinds.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
@@ -521,6 +628,7 @@ impl World {
     pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
         let Self { domain, particles, rows, persistent, ids, forces, .. } = self;
         let Some(domain) = domain else { return };
+        let first = domain.ids.len();
         for bytes in bytes {
             let (new, new_ids, new_kinds) = read_records(bytes);
             particles.extend(&new);
@@ -528,8 +636,8 @@ impl World {
             forces::add_kinds(forces, &new_kinds);
         }
         let len = domain.ids.len();
-        rows.extend(rows.len() as u32..len as u32);
-        persistent.resize(len);
+        rows.extend(first as u32..len as u32);
+        persistent.resize(rows.len());
         *ids = Ids::of_rows(len);
         if are_own {
             domain.own = len;
@@ -540,23 +648,50 @@ impl World {
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
     /// require. There must be no ghosts.
     pub(super) fn move_to_domains(&mut self) -> Result<()> {
-        let Some(domain) = &self.domain else { return Ok(()) };
-        if domain.steps.is_multiple_of(domain.rebalance_every) {
+        let is_due = self.domain.as_ref().is_some_and(|domain| domain.is_due());
+        if is_due {
             self.rebalance()?;
         }
-        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
-        let own = [u64::from(!self.are_own_elastic()), u64::from(has_friction)];
-        let [inelastic, frictions] = self.sum_of_all(own)?;
-        if let Some(domain) = &mut self.domain {
-            (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
-        }
-        if frictions > 0 {
-            self.particles.spins_mut();
-        }
-        if self.may_rest() && self.may_sleep() {
-            let rule = "islands of a distributed world do not fall asleep; pass sleeping=False";
-            return Err(Error::of("sleeping", "True", rule));
+        self.sum_up_ranks()?;
+        // All ranks have done it, or none.
+        if let Some(domain) = &mut self.domain
+            && is_due
+        {
+            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
+            domain.rebalances += 1;
         }
         Ok(())
     }
+
+    /// Finds out what the particles that are awake require on all ranks, and how many these are.
+    pub(super) fn sum_up_ranks(&mut self) -> Result<()> {
+        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let moving = (0..self.rows.len()).any(|place| !self.particles.is_static(place));
+        let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
+        let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
+        let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let load =
+            [domain.work * self.rows.len() as f64, domain.received.iter().sum::<usize>() as f64]
+                .map(f64::to_bits);
+        let all = locked(&domain.group)
+            .gather([own[0], own[1], own[2], own[3], own[4], load[0], load[1]])?;
+        let sum = |k: usize| all.iter().map(|of| of[k]).sum::<u64>();
+        let [inelastic, frictions, moving, awake, asleep] = [0, 1, 2, 3, 4].map(sum);
+        let loads = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
+        domain.note_load(loads(5), loads(6).sum());
+        (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+        (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
+        domain.is_still = asleep > 0 && moving == 0;
+        if frictions > 0 {
+            self.particles.spins_mut();
+        }
+        Ok(())
+    }
+}
+
+/// Whether a row is one of this rank, and no ghost.
+#[inline(always)]
+pub(super) fn owns(domain: &Option<Box<Domain>>, row: u32) -> bool {
+    domain.as_ref().is_none_or(|domain| domain.owns(row))
 }

@@ -145,7 +145,7 @@ impl World {
         if let Some(radii) = &changes.radii {
             radii.check(|radii| self.settings.container.check_fit(radii))?;
         }
-        self.wake_edited(rows, changes);
+        self.wake_edited(rows, changes)?;
         // Those that still sleep have not changed; their places are behind those of all others.
         let places = self.places_of(rows);
         changes.write(&mut self.particles, &places);
@@ -153,9 +153,10 @@ impl World {
     }
 
     /// Wakes what changes concern, and forgets how the changed particles moved.
-    fn wake_edited(&mut self, rows: &[u32], changes: &Changes) {
-        if self.asleep.is_empty() && self.persistent.drifts.is_empty() {
-            return;
+    fn wake_edited(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {
+        let nothing_rests = self.asleep.is_empty() && self.persistent.drifts.is_empty();
+        if nothing_rests && self.domain.is_none() {
+            return Ok(());
         }
         let (mut driven, mut changed) = (Vec::new(), Vec::new());
         for (index, (&row, place)) in rows.iter().zip(self.places_of(rows)).enumerate() {
@@ -171,8 +172,12 @@ impl World {
                 *drift = Drift::UNKNOWN;
             }
         }
+        if self.domain.is_some() {
+            return self.wake_edited_of_ranks(&driven, &changed);
+        }
         self.wake_driven(&mut driven);
         self.wake_changed(&changed);
+        Ok(())
     }
 }
 

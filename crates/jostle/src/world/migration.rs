@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::World;
-use super::carried::{NONE, put_push};
+use super::carried::{NONE, Resting, kept_of, put_push};
 use crate::decomposition::{
     Group, Scale, cuts, key, put_record, read_samples, sample, sample_places,
 };
@@ -16,7 +16,7 @@ use crate::parallel::locked;
 #[derive(Debug)]
 struct Leaving {
     records: Vec<Vec<u8>>,
-    sides: Vec<Vec<u8>>,
+    kept: Vec<Vec<u8>>,
     resting: Vec<Vec<u8>>,
     pushes: Vec<Vec<u8>>,
     /// The rank of each row that leaves.
@@ -40,18 +40,19 @@ impl World {
         let leaving = self.leaving(&keys, &cuts);
         let Some(domain) = &self.domain else { return Ok(()) };
         // After a failed exchange the other ranks make no further one.
-        let (records, sides, resting, pushes) = {
+        let (records, kept, resting, pushes) = {
             let mut group = locked(&domain.group);
             let records = group.exchange(&leaving.records)?;
-            let sides = group.exchange(&leaving.sides)?.concat();
+            let kept = group.exchange(&leaving.kept)?.concat();
             let resting = group.exchange(&leaving.resting)?.concat();
-            (records, sides, resting, group.exchange(&leaving.pushes)?.concat())
+            (records, kept, resting, group.exchange(&leaving.pushes)?.concat())
         };
         let first = self.leave(&leaving.homes);
         self.append_records(&records, true);
         let Some(domain) = &self.domain else { return Ok(()) };
         let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
-        self.take_impulses_of(&rows, [&sides, &resting, &pushes])?;
+        let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).collect();
+        self.take_kept_of(&rows, [&kept, &pushes], resting)?;
         self.renumber();
         Ok(())
     }
@@ -59,14 +60,16 @@ impl World {
     /// Gives the rows the order of the places, so that what is stored by rows is near in memory to what is
     /// stored by places.
     fn renumber(&mut self) {
-        let Self { domain, rows, wall_impulses, forces, .. } = self;
+        let Self { domain, rows, wall_impulses, forces, asleep, .. } = self;
         let Some(domain) = domain else { return };
-        let mut new = vec![0; rows.len()];
-        (0..).zip(&*rows).for_each(|(place, &row)| new[row as usize] = place);
+        let mut new = vec![0; domain.own];
+        let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
+        (0..).zip(&old).for_each(|(place, &row)| new[row as usize] = place);
         forces::change_kinds(forces, |kinds| {
-            *kinds = rows.iter().map(|&row| kinds[row as usize]).collect();
+            *kinds = old.iter().map(|&row| kinds[row as usize]).collect();
         });
-        domain.ids = rows.iter().map(|&row| domain.ids[row as usize]).collect();
+        domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
+        asleep.renumber(&new);
         for of in &mut domain.resting {
             of.rows = of.rows.map(|row| new.get(row as usize).copied().unwrap_or(NONE));
         }
@@ -81,7 +84,7 @@ impl World {
         let none = || vec![Vec::new(); cuts.len() + 1];
         let mut leaving = Leaving {
             records: none(),
-            sides: none(),
+            kept: none(),
             resting: none(),
             pushes: none(),
             homes: HashMap::new(),
@@ -96,7 +99,7 @@ impl World {
             let row = self.rows[place];
             let name = self.name_of(domain, row);
             put_record(&mut leaving.records[home], name, &self.particles, place);
-            self.put_sides(&mut leaving.sides[home], name.0, place);
+            kept_of(&self.persistent, name.0, place).put(&mut leaving.kept[home]);
             leaving.homes.insert(row, home);
         }
         for of in &domain.resting {
@@ -120,7 +123,8 @@ impl World {
     fn leave(&mut self, homes: &HashMap<u32, usize>) -> usize {
         let stays: Vec<bool> = self.rows.iter().map(|row| !homes.contains_key(row)).collect();
         let mut left = 0;
-        let shifted: Vec<u32> = (0..self.rows.len() as u32)
+        let own = self.domain.as_ref().map_or(0, |domain| domain.own);
+        let shifted: Vec<u32> = (0..own as u32)
             .map(|row| {
                 let is_gone = homes.contains_key(&row);
                 left += u32::from(!is_gone);
@@ -133,6 +137,7 @@ impl World {
             kinds.retain(|_| row.next().is_some_and(|row: usize| shifted[row] != NONE));
         });
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+        self.asleep.renumber(&shifted);
         self.wall_impulses.retain_mut(|of| {
             of.row = shifted[of.row as usize];
             of.row != NONE

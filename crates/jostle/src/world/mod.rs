@@ -17,9 +17,11 @@ mod discs;
 mod domain;
 mod drive;
 mod edits;
+mod edits_of_ranks;
 mod force_step;
 mod given;
 mod ids;
+mod islands;
 mod merge;
 mod migration;
 mod record;
@@ -37,6 +39,7 @@ mod touches;
 mod touching;
 mod undo;
 mod waking;
+mod waking_of_ranks;
 
 use std::sync::OnceLock;
 
@@ -187,6 +190,8 @@ struct Memory {
     limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
     touched: Vec<u32>,
+    /// Whether there are any, on any rank.
+    meets_sleepers: bool,
     sleeping: sleeping::Scratch,
     waking: waking::Scratch,
     grown: bounds::Grown,
@@ -283,6 +288,7 @@ impl World {
             self.walls = walls;
             self.persistent.forget_sides();
             self.wall_impulses.clear();
+            self.forget_domains();
         }
         if track_events != self.settings.track_events {
             self.record.forget_pairs();

@@ -40,6 +40,8 @@ pub(super) struct Record {
     pub(super) during: Vec<[Id; 2]>,
     /// Those that touched at the end of this record, sorted.
     pub(super) at_end: Vec<[Id; 2]>,
+    /// In a distributed world, those of them of which a particle was removed since.
+    pub(super) gone: Vec<[Id; 2]>,
     /// The length of `during` when doubles were removed.
     pub(super) distinct: usize,
     /// Whether there was a step after the end of the record.
@@ -85,11 +87,11 @@ impl World {
     /// step fails, both are as before.
     pub fn begin_record(&mut self) {
         let old = std::mem::take(&mut self.record);
-        // No particle of a distributed world is removed.
+        // In a distributed world, pairs of removed particles are apart.
         let is_whole = self.domain.is_none();
         let is_there = |pair: &[Id; 2]| !is_whole || pair.iter().all(|&id| self.contains(id));
         self.record = Record {
-            before: old.at_end.clone(),
+            before: union(&old.at_end, &old.gone),
             at_end: old.at_end.iter().copied().filter(is_there).collect(),
             is_open: old.is_open,
             knows_sleepers: old.knows_sleepers,
@@ -123,8 +125,8 @@ impl World {
     /// Of a distributed world: the pairs with own particles that touched at the end of the record before,
     /// that touched in a step of this one, and that touch at its end. Several ranks may have the same pair.
     pub fn own_touches(&self) -> [Vec<[Id; 2]>; 3] {
-        let Record { before, during, at_end, .. } = &self.record;
-        [before.clone(), during.clone(), at_end.clone()]
+        let Record { before, during, at_end, gone, .. } = &self.record;
+        [before.clone(), during.clone(), union(at_end, gone)]
     }
 
     /// Adds the pairs that touched in a step that is complete, apart from `fall_asleep`.

@@ -19,9 +19,12 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
+use super::asleep::Asleep;
 use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::domain::Announced;
-use super::{Watch, World};
+use super::step::MOST_ATTEMPTS;
+use super::waking_of_ranks::islands_of_circles;
+use super::{Stats, Watch, World};
 use crate::decomposition::{Grid, Marks, Near, RECORD, digest, digest_all, put_record};
 use crate::error::{Error, Result};
 use crate::forces;
@@ -55,8 +58,14 @@ enum Agreement {
 impl World {
     /// Makes a step of a distributed world. If it fails on any rank, it fails on all, and changes nothing. A
     /// rank that panics tells the others, too.
-    pub(super) fn step_with_other_ranks(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
-        let done = catch_unwind(AssertUnwindSafe(|| self.try_step_with_other_ranks(dt, watch)));
+    pub(super) fn step_with_other_ranks(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<()> {
+        let done =
+            catch_unwind(AssertUnwindSafe(|| self.try_step_with_other_ranks(single, dt, watch)));
         let is_cause = !matches!(done, Ok(Ok(()) | Err(Error::OtherRank { .. })));
         if is_cause && let Some(domain) = &self.domain {
             locked(&domain.group).fail();
@@ -64,29 +73,77 @@ impl World {
         done.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
-    fn try_step_with_other_ranks(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
+    fn try_step_with_other_ranks(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<()> {
         self.drop_ghosts();
-        self.check_displacements(dt)?;
-        self.walls.check_displacements(f64::from(dt))?;
+        self.check_displacements(single)?;
+        self.walls.check_displacements(f64::from(single))?;
         self.move_to_domains()?;
+        let Some(domain) = &self.domain else { return Ok(()) };
+        if domain.is_still {
+            self.stay_still();
+            return Ok(());
+        }
+        let resting = domain.resting.len();
+        let done = self.repeat_until_ranks_agree(single, dt, watch);
+        if done.is_err() {
+            self.drop_ghosts();
+            self.cancel_waking();
+            if let Some(domain) = &mut self.domain {
+                domain.resting.truncate(resting);
+            }
+        }
+        done
+    }
+
+    /// Ends a step in which nothing can move.
+    fn stay_still(&mut self) {
+        self.wall_impulses.clear();
+        self.stats = Stats::default();
+        if let Some(domain) = &mut self.domain {
+            domain.steps += 1;
+        }
+    }
+
+    /// Makes a step. If particles would meet sleeping ones of any rank, wakes these and makes it anew.
+    fn repeat_until_ranks_agree(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<()> {
         let mut widening = self.domain.as_ref().map_or(1.0, |domain| domain.widening);
         let mut further = HashMap::new();
+        let mut attempt = 0;
         loop {
-            let has_all = self.exchange_ghosts(dt, widening, &further)?;
+            let has_all = self.exchange_ghosts(single, widening, &further)?;
             self.begin();
-            let done = self.step_in_parts(dt, watch);
-            let done = done.and_then(|()| self.compare_with_other_ranks());
-            if let Ok(Agreement::Same) = done {
-                self.end_step_with_other_ranks(dt, widening);
-                return Ok(());
+            let done = self.step_in_parts(single, watch);
+            let mut done = done.and_then(|()| self.compare_with_other_ranks());
+            if matches!(done, Ok(Agreement::Same)) && !self.memory.meets_sleepers {
+                match self.end_step_with_other_ranks(single, dt, widening) {
+                    Ok(()) => return Ok(()),
+                    Err(error) => done = Err(error),
+                }
             }
             self.undo();
             self.drop_ghosts();
-            if done? == Agreement::Different && has_all {
-                let rule = "the ranks do not agree on the step; please report it";
-                return Err(Error::of("dt", dt, rule));
+            match done? {
+                Agreement::Same => {
+                    self.wake_touched_of_ranks(attempt == MOST_ATTEMPTS)?;
+                    attempt += 1;
+                    continue;
+                }
+                Agreement::Different if has_all => {
+                    let rule = "the ranks do not agree on the step; please report it";
+                    return Err(Error::of("dt", dt, rule));
+                }
+                Agreement::Different | Agreement::Further => widening *= 2.0,
             }
-            widening *= 2.0;
             let Some(domain) = &mut self.domain else { return Ok(()) };
             domain.repeats += 1;
             for (row, distance) in domain.far.drain(..) {
@@ -96,12 +153,14 @@ impl World {
         }
     }
 
-    /// Makes a step final that is the same on all ranks.
-    fn end_step_with_other_ranks(&mut self, dt: f32, widening: f64) {
-        self.apply_bath(dt);
+    /// Makes a step final that is the same on all ranks. If there is an error, it can be undone.
+    fn end_step_with_other_ranks(&mut self, single: f32, dt: f64, widening: f64) -> Result<()> {
+        self.apply_bath(single);
         self.keep_wall_pushes();
         super::touches::add_up(&mut self.wall_impulses);
         self.record_touching();
+        self.fall_asleep(dt)?;
+        self.forget_woken();
         self.close_step();
         if let Some(domain) = &mut self.domain {
             domain.steps += 1;
@@ -109,6 +168,7 @@ impl World {
             domain.widening = (widening * NARROWING).clamp(1.0, MOST_WIDENING);
             domain.has_contacts = true;
         }
+        Ok(())
     }
 
     /// Announces where own particles may be, and gets the ghosts that may be there. `further` has
@@ -120,15 +180,18 @@ impl World {
         widening: f64,
         further: &HashMap<u32, f32>,
     ) -> Result<bool> {
+        if let Some(domain) = &mut self.domain {
+            domain.foreign = Asleep::default();
+        }
         if self.is_alone() {
             self.recall_resting();
             return Ok(true);
         }
         let (margin, extent) = self.margin_and_extent(dt, widening)?;
         let arrived = {
-            let Self { domain, particles, rows, settings, forces, .. } = self;
+            let Self { domain, particles, rows, settings, forces, asleep, .. } = self;
             let Some(domain) = domain else { return Ok(true) };
-            let grid = Grid::new(&settings.container, &domain.scales, domain.total);
+            let grid = Grid::new(&settings.container, &domain.scales, domain.awake);
             domain.announced.resize(domain.own, Announced::default());
             let fall = distance_of_fall(settings.gravity, dt);
             let mut group = locked(&domain.group);
@@ -176,7 +239,13 @@ impl World {
                     domain.sent[rank as usize].push(row);
                 }
             }
-            group.exchange(&to)?
+            let arrived = group.exchange(&to)?;
+            if domain.asleep > 0 {
+                let circles = asleep.circles_near(&grid, &near, &settings.container, group.size());
+                let circles = group.exchange(&circles)?.concat();
+                domain.foreign = islands_of_circles(&circles, settings.tree)?;
+            }
+            arrived
         };
         self.append_records(&arrived, false);
         if let Some(domain) = &mut self.domain {
@@ -206,7 +275,7 @@ impl World {
         let number = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
         let [right, bottom, left, top] = [0, 1, 2, 3].map(|k| number(k).fold(f64::MIN, f64::max));
         // In the order of ranks, so that all have the same sum.
-        let radius = number(4).sum::<f64>() / domain.total.max(1) as f64;
+        let radius = number(4).sum::<f64>() / domain.awake.max(1) as f64;
         // The first step moves particles that are outside of a torus.
         let is_torus = settings.container.period().is_some();
         let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
@@ -245,11 +314,12 @@ impl World {
             domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
         }
         for &(place, distance) in &events.outside_limits {
-            if domain.owns(rows[place as usize]) {
+            let left = domain.left.get(place as usize).copied().unwrap_or(f32::INFINITY);
+            if distance > f64::from(left) {
                 domain.far.push((rows[place as usize], distance as f32));
             }
         }
-        for (place, &limit) in memory.limits.iter().enumerate() {
+        for (place, &limit) in domain.left.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (memory.motions.position(place as u32), particles.positions[place]);
             let square = (x - u) * (x - u) + (y - v) * (y - v);

@@ -10,15 +10,15 @@
 //! topple move slowly for longer, but faster and faster; a disc that turns round on a slope is slow
 //! for a while, but its velocity changes steadily.
 
-use std::ops::Range;
-
-use super::asleep::{Island, Sleepers};
-use super::{OnTouch, World};
+use super::asleep::{Island, Sleepers, run};
+use super::islands::SleepingContact;
+use super::{OnTouch, World, domain};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::Force;
 use crate::parallel;
 use crate::particles::Particles;
+use crate::space::Id;
 use crate::table::{Table, dense};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
@@ -30,6 +30,10 @@ const FAST: f64 = 0.1;
 /// Limit of the change of an island's mean velocity from one quarter to the next, as a share of
 /// [`SLOW`].
 const STEADY: f64 = 0.1;
+
+/// Unit of sums of changes: 2⁻³⁰. Sums of whole numbers are exact, so they do not depend on the order
+/// of the members and on the ranks that have them. A slow particle changes by 2 at most.
+const UNIT: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Squares of mean speeds over their limit below this are due to rounding, and may grow.
 const ROUNDING: f32 = 1e-10;
@@ -63,7 +67,7 @@ impl Default for Drift {
 }
 
 /// Stands for no island.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// What a particle rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -76,36 +80,47 @@ enum Rest {
     Supported,
 }
 
-/// What decides whether an island falls asleep.
-#[derive(Clone, Copy, Debug)]
-struct IslandMotion {
+/// What decides whether an island falls asleep. The order in which its members are added changes
+/// nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct IslandMotion {
     /// The largest squares of the mean speeds of its members over their limits: in the previous
     /// quarter and in this one.
-    squares: [f32; 2],
+    pub(super) squares: [f32; 2],
     /// Whether a member rests on a wall or on a static particle.
-    is_supported: bool,
+    pub(super) is_supported: bool,
     /// Whether each member rests on something.
-    all_rest: bool,
-    /// Sum over its members of the change of the mean velocity over its limit.
-    change: [f64; 3],
+    pub(super) all_rest: bool,
+    /// Sum over its members of the change of the mean velocity over its limit, in units of
+    /// [`UNIT`].
+    pub(super) change: [i64; 3],
     /// The number of its members.
-    count: u32,
+    pub(super) count: u32,
 }
 
 impl IslandMotion {
+    /// Adds other members.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.squares = [0, 1].map(|k| self.squares[k].max(other.squares[k]));
+        self.is_supported |= other.is_supported;
+        self.all_rest &= other.all_rest;
+        self.change = [0, 1, 2].map(|k| self.change[k].wrapping_add(other.change[k]));
+        self.count += other.count;
+    }
+
     /// Whether the island may fall asleep.
-    fn is_at_rest(&self) -> bool {
+    pub(super) fn is_at_rest(&self) -> bool {
         let [before, now] = self.squares;
         let is_slow = before <= 1.0 && now <= 1.0 && now <= before.max(ROUNDING);
-        let most = STEADY * f64::from(self.count);
-        let is_steady = self.change.iter().all(|change| change.abs() <= most);
+        let most = STEADY * f64::from(self.count) / UNIT;
+        let is_steady = self.change.iter().all(|&change| (change as f64).abs() <= most);
         self.is_supported && self.all_rest && is_slow && is_steady
     }
 }
 
 impl Default for IslandMotion {
     fn default() -> Self {
-        Self { squares: [0.0; 2], is_supported: false, all_rest: true, change: [0.0; 3], count: 0 }
+        Self { squares: [0.0; 2], is_supported: false, all_rest: true, change: [0; 3], count: 0 }
     }
 }
 
@@ -116,16 +131,20 @@ pub(super) struct Scratch {
     /// The squares of the mean speeds of each particle over their limits: in the previous quarter
     /// and in this one.
     squares: Vec<[f32; 2]>,
-    /// The change of the mean velocity of each particle over its limit.
-    changes: Vec<[f64; 3]>,
+    /// The change of the mean velocity of each particle over its limit, in units of [`UNIT`].
+    changes: Vec<[i64; 3]>,
+    /// The first member of the island of each particle.
+    pub(super) first: Vec<u32>,
     /// The motion of each island at the place of its first member.
-    of_islands: Vec<IslandMotion>,
+    pub(super) of_islands: Vec<IslandMotion>,
+    /// In a distributed world, the name of each island at that place.
+    pub(super) names: Vec<Id>,
     /// What each particle rests on.
     rests: Vec<Rest>,
     /// The number of the sleeping island of each place.
-    island_of: Vec<u32>,
+    pub(super) island_of: Vec<u32>,
     /// The first member of the island and the place, of all that fall asleep.
-    members: Vec<[u32; 2]>,
+    pub(super) members: Vec<[u32; 2]>,
 }
 
 impl World {
@@ -153,16 +172,41 @@ impl World {
             return Ok(());
         }
         self.end_quarter();
-        if self.list_sleepers() {
-            let sleepers = self.take_sleepers();
-            self.asleep.append(&sleepers, self.settings.tree)?;
-            self.record.knows_sleepers = false;
-            let island_of = &self.memory.sleeping.island_of;
-            let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
-            self.drop_wall_impulses(sleepers.discs.rows);
-            self.keep(&keep);
+        if self.list_sleepers()? {
+            let mut sleepers = self.take_sleepers();
+            self.take_contacts(&mut sleepers);
+            self.take_wall_impulses(&mut sleepers);
+            self.put_to_sleep(sleepers)?;
         }
         Ok(())
+    }
+
+    /// Moves islands to the sleeping ones. If there is an error on any rank, nothing changes.
+    pub(super) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
+        let count = sleepers.islands.len();
+        let done =
+            if count > 0 { self.asleep.append(&sleepers, self.settings.tree) } else { Ok(()) };
+        let is_appended = done.is_ok();
+        let done = done.and_then(|()| self.keep_pairs_of_sleepers());
+        let done = done.and_then(|()| self.wait_for_all());
+        if done.is_err() {
+            if is_appended {
+                self.asleep.withdraw(count);
+            }
+            self.drop_contacts_of_woken();
+            return done;
+        }
+        self.record.knows_sleepers = false;
+        self.remove_sleepers(sleepers);
+        Ok(())
+    }
+
+    /// Removes particles that sleep now from those that are awake.
+    pub(super) fn remove_sleepers(&mut self, sleepers: Sleepers) {
+        let island_of = &self.memory.sleeping.island_of;
+        let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
+        self.drop_wall_impulses(sleepers.discs.rows);
+        self.keep(&keep);
     }
 
     /// The acceleration of gravity.
@@ -222,61 +266,89 @@ impl World {
             let relative = |v: f32| if v == 0.0 { 0.0 } else { f64::from(v) / limit };
             let both = [&*before, &*now].map(|drift| drift.map(relative));
             squares.push(both.map(|[x, y, turn]| (x * x + y * y).max(turn * turn) as f32));
-            changes.push([0, 1, 2].map(|k| both[1][k] - both[0][k]));
+            let change = |k: usize| (both[1][k] - both[0][k]).clamp(-2.0, 2.0) / UNIT;
+            changes.push([0, 1, 2].map(|k| change(k).round() as i64));
             (*before, *now) = (*now, [0.0; 3]);
         }
     }
 
-    /// Lists the members of the islands that fall asleep; returns whether there are any.
-    fn list_sleepers(&mut self) -> bool {
-        let movable = &self.particles.movable;
+    /// Lists the members of the islands that fall asleep; returns false if there are none
+    /// on any rank.
+    fn list_sleepers(&mut self) -> Result<bool> {
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
-        let sleeping = &mut self.memory.sleeping;
+        let Self { particles, domain, rows, memory, .. } = self;
+        let sleeping = &mut memory.sleeping;
         sleeping.members.clear();
-        let mut all = sleeping.squares.iter().zip(movable);
-        if !all.any(|(&squares, &movable)| movable && is_slow(squares)) {
-            return false;
+        let mut all = sleeping.squares.iter().enumerate();
+        let may_sleep = all.any(|(place, &squares)| {
+            is_slow(squares) && particles.movable[place] && domain::owns(domain, rows[place])
+        });
+        if self.sum_of_all([u64::from(may_sleep)])? == [0] {
+            return Ok(false);
         }
         self.find_islands();
-        let particles = &self.particles;
-        let Scratch { groups, squares, changes, rests, of_islands, members, .. } =
-            &mut self.memory.sleeping;
-        of_islands.clear();
-        of_islands.resize(squares.len(), IslandMotion::default());
-        let members_of_islands = || (0..squares.len()).filter(|&at| !particles.is_static(at));
-        for place in members_of_islands() {
-            let island = &mut of_islands[groups.root(place as u32) as usize];
-            let [before, now] = squares[place];
-            island.squares = [island.squares[0].max(before), island.squares[1].max(now)];
-            island.is_supported |= rests[place] == Rest::Supported;
-            island.all_rest &= rests[place] != Rest::Free;
-            island.change = [0, 1, 2].map(|k| island.change[k] + changes[place][k]);
-            island.count += 1;
-        }
-        for place in members_of_islands() {
-            let first = groups.root(place as u32);
-            if of_islands[first as usize].is_at_rest() {
-                members.push([first, place as u32]);
+        self.sum_islands();
+        self.join_islands_of_ranks()?;
+        let Self { particles, domain, rows, memory, .. } = self;
+        let Scratch { first, of_islands, members, .. } = &mut memory.sleeping;
+        for (place, &first) in (0..).zip(&*first) {
+            let is_at_rest = of_islands[first as usize].is_at_rest();
+            if is_at_rest
+                && is_member(particles, place)
+                && domain::owns(domain, rows[place as usize])
+            {
+                members.push([first, place]);
             }
         }
         members.sort_unstable();
-        !members.is_empty()
+        Ok(self.domain.is_some() || !self.memory.sleeping.members.is_empty())
+    }
+
+    /// Sums up how the members of each island have moved. Ghosts count on their own ranks; but
+    /// kinematic ones keep the island awake on each rank.
+    fn sum_islands(&mut self) {
+        let Self { particles, domain, rows, memory, .. } = self;
+        let Scratch { groups, squares, changes, rests, of_islands, first, .. } =
+            &mut memory.sleeping;
+        of_islands.clear();
+        of_islands.resize(squares.len(), IslandMotion::default());
+        first.clear();
+        first.extend((0..squares.len() as u32).map(|place| groups.root(place)));
+        for (place, &first) in first.iter().enumerate() {
+            if !is_member(particles, place as u32) {
+                continue;
+            }
+            let island = &mut of_islands[first as usize];
+            if domain::owns(domain, rows[place]) {
+                island.join(&IslandMotion {
+                    squares: squares[place],
+                    is_supported: rests[place] == Rest::Supported,
+                    all_rest: rests[place] != Rest::Free,
+                    change: changes[place],
+                    count: 1,
+                });
+            } else {
+                island.all_rest &= particles.movable[place];
+            }
+        }
     }
 
     /// Finds which particles belong together, because they touched in the step or their bounds
     /// overlapped, and what each rests on. Static particles belong to no island; kinematic ones keep
     /// theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, persistent, wall_impulses, rows, memory, .. } = self;
+        let Self { particles, contacts, persistent, wall_impulses, rows, memory, domain, .. } =
+            self;
         let super::Memory { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } = memory;
         let movable = &particles.movable;
         groups.reset(movable.len());
-        let is_member = |place: u32| !particles.is_static(place as usize);
         let touching = contacts.touching().map(|contact| contact.places);
         let near = pairs.iter().chain(&*sensed).flat_map(|(_, pairs)| pairs);
-        for [a, b] in near.copied().chain(touching) {
-            if is_member(a) && is_member(b) {
-                groups.join(a, b);
+        for pair in near.copied().chain(touching) {
+            // Pairs of two ghosts are known to their own ranks.
+            let is_known = pair.iter().any(|&place| domain::owns(domain, rows[place as usize]));
+            if is_known && pair.iter().all(|&place| is_member(particles, place)) {
+                groups.join(pair[0], pair[1]);
             }
         }
         rests.clear();
@@ -301,10 +373,11 @@ impl World {
         }
     }
 
-    /// The islands that fall asleep, at rest. They are still among the others, too.
-    fn take_sleepers(&mut self) -> Sleepers {
-        let Self { particles, rows, persistent, contacts, memory, .. } = &mut *self;
-        let Scratch { members, island_of, .. } = &mut memory.sleeping;
+    /// The islands that fall asleep, at rest, without their contacts. They are still among the others,
+    /// too.
+    pub(super) fn take_sleepers(&mut self) -> Sleepers {
+        let Self { particles, rows, persistent, memory, .. } = &mut *self;
+        let Scratch { members, island_of, names, .. } = &mut memory.sleeping;
         let mut new = Sleepers::default();
         let order: Vec<u32> = members.iter().map(|&[_, place]| place).collect();
         let discs = &mut new.discs;
@@ -315,7 +388,6 @@ impl World {
         dense::gather(&mut discs.rows, rows, &order, Some(1));
         discs.persistent.gather(persistent, &order, Some(1));
         discs.persistent.drifts.clear();
-        let places = || order.iter().map(|&place| place as usize);
         island_of.clear();
         island_of.resize(rows.len(), NONE);
         let mut start = 0;
@@ -323,43 +395,63 @@ impl World {
             members.iter().for_each(|&[_, place]| island_of[place as usize] = island);
             let particles = start..start + members.len() as u32;
             start = particles.end;
-            new.islands.push(Island { particles, ..Island::default() });
+            let name = names.get(members[0][0] as usize).copied().unwrap_or_default();
+            new.islands.push(Island { particles, name, ..Island::default() });
         }
-        let island = |place: u32| island_of[place as usize];
+        new
+    }
+
+    /// Adds the contacts of islands that fall asleep. Those of a distributed world are kept with ids.
+    fn take_contacts(&mut self, new: &mut Sleepers) {
+        let Self { contacts, rows, memory, .. } = self;
+        let island_of = &memory.sleeping.island_of;
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.
-            let island = contact.places.map(island).into_iter().min().filter(|&of| of != NONE);
-            let places = contact.places.map(|place| rows[place as usize]);
-            island.map(|island| (island, crate::contacts::Contact { places, ..*contact }))
+            let islands = contact.places.map(|place| island_of[place as usize]);
+            let island = islands.into_iter().min().filter(|&of| of != NONE);
+            island.map(|island| (island, *contact))
         });
         let mut of_islands: Vec<_> = lasting.collect();
         of_islands.sort_by_key(|&(island, _)| island);
-        let mut of_rows: Vec<[u32; 2]> =
-            places().map(|place| [rows[place], island_of[place]]).collect();
-        of_rows.sort_unstable();
-        let mut impulses: Vec<_> = self
-            .wall_impulses
-            .iter()
-            .filter_map(|of| {
-                let found = of_rows.binary_search_by_key(&of.row, |&[row, _]| row);
-                found.ok().map(|at| (of_rows[at][1], *of))
-            })
-            .collect();
-        impulses.sort_by_key(|&(island, _)| island);
-        let (mut contacts, mut wall_impulses) = (0, 0);
-        for (number, island) in (0..).zip(&mut new.islands) {
-            island.contacts = run(&of_islands, contacts, number);
-            island.wall_impulses = run(&impulses, wall_impulses, number);
-            (contacts, wall_impulses) = (island.contacts.end, island.wall_impulses.end);
+        if let Some(domain) = &mut self.domain {
+            let kept = of_islands.iter().map(|(island, contact)| {
+                let ids = contact.places.map(|place| domain.ids[rows[place as usize] as usize]);
+                SleepingContact::new(new.islands[*island as usize].name, ids, contact)
+            });
+            let kept: Vec<SleepingContact> = kept.collect();
+            domain.sleeping.extend(kept);
+            return;
         }
-        new.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
+        for (_, contact) in &mut of_islands {
+            contact.places = contact.places.map(|place| rows[place as usize]);
+        }
+        new.set_contacts(of_islands);
+    }
+
+    /// Adds the impulses of walls on islands that fall asleep.
+    pub(super) fn take_wall_impulses(&self, new: &mut Sleepers) {
+        let mut of_rows: Vec<[u32; 2]> = Vec::with_capacity(new.discs.rows.len());
+        for (island, of) in (0..).zip(&new.islands) {
+            let range = of.particles.start as usize..of.particles.end as usize;
+            of_rows.extend(new.discs.rows[range].iter().map(|&row| [row, island]));
+        }
+        of_rows.sort_unstable();
+        let impulses = self.wall_impulses.iter().filter_map(|of| {
+            let found = of_rows.binary_search_by_key(&of.row, |&[row, _]| row);
+            found.ok().map(|at| (of_rows[at][1], *of))
+        });
+        let mut impulses: Vec<_> = impulses.collect();
+        impulses.sort_by_key(|&(island, _)| island);
+        let mut end = 0;
+        for (number, island) in (0..).zip(&mut new.islands) {
+            island.wall_impulses = run(&impulses, end, number);
+            end = island.wall_impulses.end;
+        }
         new.wall_impulses = impulses.into_iter().map(|(_, of)| of).collect();
-        new
     }
 }
 
-/// The range of the values of one island, from `start` on, in a list sorted by islands.
-fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
-    let values = all[start as usize..].iter().take_while(|of| of.0 == island);
-    start..start + values.count() as u32
+/// Whether a particle may be a member of an island. Static particles belong to none.
+fn is_member(particles: &Particles, place: u32) -> bool {
+    !particles.is_static(place as usize)
 }

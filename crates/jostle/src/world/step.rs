@@ -19,7 +19,7 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 const SPARE: f32 = 0.3;
 
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
-const MOST_ATTEMPTS: usize = 4;
+pub(super) const MOST_ATTEMPTS: usize = 4;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
 const WORTH_SHARING: usize = 5000;
@@ -73,7 +73,7 @@ impl World {
 
     /// Makes a step, if it changes anything.
     fn step_awake(&mut self, single: f32, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
-        if !self.is_still() {
+        if self.domain.is_some() || !self.is_still() {
             return self.step_driven(single, dt, watch);
         }
         interrupt::check()?;
@@ -99,11 +99,10 @@ impl World {
     /// Makes a step. If particles would meet sleeping ones, wakes these and makes it anew.
     fn step_until_complete(&mut self, single: f32, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
         if self.domain.is_some() {
-            return self.step_with_other_ranks(single, watch);
+            return self.step_with_other_ranks(single, dt, watch);
         }
         self.check_displacements(single)?;
         self.walls.check_displacements(f64::from(single))?;
-        let awake = self.rows.len();
         for attempt in 0.. {
             self.begin();
             let mut done = self.step_in_parts(single, watch);
@@ -122,7 +121,7 @@ impl World {
             }
             self.undo();
             if done.is_err() {
-                self.cancel_waking(awake);
+                self.cancel_waking();
                 return done;
             }
             if attempt == MOST_ATTEMPTS {
@@ -137,6 +136,7 @@ impl World {
 
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.memory.exhausted.clear();
+        self.memory.meets_sleepers = false;
         self.stats = Stats::default();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
@@ -149,7 +149,7 @@ impl World {
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
                 self.step_once(part, substeps, watch)?;
-                if !self.memory.touched.is_empty() {
+                if self.memory.meets_sleepers {
                     return Ok(());
                 }
             }

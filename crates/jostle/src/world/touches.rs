@@ -68,6 +68,21 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
     all.retain(|of| of.impulses[0] > 0.0);
 }
 
+/// What callers see of the contact of two particles with these ids.
+fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
+    let sign = if i < j { 1.0 } else { -1.0 };
+    let normal = contact.normal.map(|v| v * sign);
+    // If the two are exchanged, normal and impulse change their signs, and the sums do not.
+    let [normal_impulse, friction_impulse] = contact.totals;
+    Touch {
+        pair: [i.min(j), i.max(j)],
+        normal,
+        depth: -contact.gap,
+        normal_impulse,
+        friction_impulse,
+    }
+}
+
 impl World {
     /// Collects what touched in a part of a step, and with which impulses, from the results of the
     /// sub-steps.
@@ -165,18 +180,18 @@ impl World {
         if self.settings.on_touch != OnTouch::Bounce {
             return self.overlaps();
         }
-        let touch = |contact: &Contact, [i, j]: [u32; 2]| {
-            let sign = if i < j { 1.0 } else { -1.0 };
-            let normal = contact.normal.map(|v| v * sign);
-            // If the two are exchanged, normal and impulse change their signs, and the sums do not.
-            let [normal_impulse, friction_impulse] = contact.totals;
-            let pair = [i.min(j), i.max(j)].map(|row| self.ids.of(row));
-            Touch { pair, normal, depth: -contact.gap, normal_impulse, friction_impulse }
-        };
-        let row = |place: u32| self.rows[place as usize];
-        let awake = self.contacts.touching().map(|of| touch(of, of.places.map(row)));
+        let id = |row: u32| self.ids.of(row);
+        let of_place = |place: u32| id(self.rows[place as usize]);
+        let awake = self.contacts.touching().map(|of| touch_of(of, of.places.map(of_place)));
         let asleep = self.asleep.contacts().filter(|contact| contact.touched);
-        Ok(awake.chain(asleep.map(|of| touch(of, of.places))).collect())
+        Ok(awake.chain(asleep.map(|of| touch_of(of, of.places.map(id)))).collect())
+    }
+
+    /// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
+    /// with the ids among the particles of all ranks. Each is on one rank.
+    pub fn own_touches_asleep(&self) -> Vec<Touch> {
+        let touched = self.own_sleeping_contacts().filter(|of| of.contact.touched);
+        touched.map(|of| touch_of(&of.contact, of.ids)).collect()
     }
 
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as

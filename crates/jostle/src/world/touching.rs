@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::World;
 use super::bounds::rounding;
+use super::islands::SleepingContact;
 use super::search::{self, ListScratch, Lists};
 use crate::container::{ROUNDING, size};
 use crate::error::Result;
@@ -40,7 +41,11 @@ impl World {
         let asleep = asleep.map(|contact| contact.places);
         let rows = rows.into_iter().chain(pressed).chain(asleep);
         let mut all: Vec<[Id; 2]> = rows.filter_map(|rows| self.known_pair(rows)).collect();
-        if self.record.knows_sleepers && !self.asleep.is_empty() {
+        if let Some(domain) = &self.domain {
+            let touch = |of: &&SleepingContact| of.is_near || of.contact.impulse > 0.0;
+            let asleep = domain.sleeping.iter().filter(touch).map(|of| of.ids);
+            all.extend(asleep.map(|[a, b]| [a.min(b), a.max(b)]));
+        } else if self.record.knows_sleepers && !self.asleep.is_empty() {
             let asleep = self.asleep();
             let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);
             let known = self.record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
@@ -53,14 +58,15 @@ impl World {
 
     /// The pairs of rows with a small gap. Sleeping ones are left out if their pairs are known.
     fn find_touching(&self, scratch: &mut Scratch) -> Result<Vec<[u32; 2]>> {
-        if self.asleep.is_empty() || self.record.knows_sleepers {
+        let is_whole = self.domain.is_none();
+        if self.asleep.is_empty() || self.record.knows_sleepers || !is_whole {
             let pairs = self.find_touching_of(&self.particles, scratch)?;
             return Ok(pairs.map(|pair| pair.map(|place| self.rows[place as usize])).collect());
         }
         Ok(self.find_touching_of(&self.particles(), scratch)?.collect())
     }
 
-    fn find_touching_of<'a>(
+    pub(super) fn find_touching_of<'a>(
         &self,
         all: &'a Particles,
         scratch: &'a mut Scratch,

@@ -8,15 +8,17 @@
 
 use std::cmp::Ordering;
 
-use super::World;
 use super::bounds::rounding;
 use super::discs::Discs;
+use super::domain::{self, Domain};
+use super::{World, WorldSettings};
 use crate::contacts::Contact;
 use crate::error::Result;
 use crate::forces;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
+use crate::space::Id;
 use crate::table::Table;
 
 /// Scratch.
@@ -40,26 +42,52 @@ impl World {
             && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
-    /// Whether the bounds of moving particles overlap sleeping ones; lists the islands of these.
+    /// Whether any particle sleeps, on any rank.
+    fn any_sleeps(&self) -> bool {
+        !self.asleep.is_empty() || self.domain.as_ref().is_some_and(|domain| domain.asleep > 0)
+    }
+
+    /// Whether the bounds of moving particles overlap sleeping ones on any rank; lists the islands of these.
     pub(super) fn is_near_sleepers(&mut self) -> Result<bool> {
-        if self.asleep.is_empty() {
+        if !self.any_sleeps() {
             return Ok(false);
         }
-        let Self { asleep, particles, memory, settings, .. } = self;
-        let moves = |place: u32| !particles.is_static(place as usize);
+        let Self { asleep, domain, particles, rows, memory, settings, .. } = self;
+        let moves = |place: u32| {
+            !particles.is_static(place as usize) && domain::owns(domain, rows[place as usize])
+        };
         let scratch = (&mut memory.waking.join, &mut memory.touched);
         asleep.touched(&memory.tree, moves, settings, scratch)?;
-        Ok(!memory.touched.is_empty())
+        let found = islands_of_others(domain, &memory.tree, moves, settings, &mut memory.waking)?;
+        self.note_touched(found)
     }
 
     /// The same at the end of a part of a step, with circles around the particles that have left
     /// their bounds, in the order of time or by position correction.
     pub(super) fn has_left_bounds_to_sleepers(&mut self) -> Result<bool> {
-        if self.asleep.is_empty() {
+        if !self.any_sleeps() {
             return Ok(false);
         }
-        let Self { asleep, particles, memory, settings, .. } = self;
+        if !self.find_circles_outside_limits()? {
+            return self.note_touched(Vec::new());
+        }
+        let Self { asleep, domain, memory, settings, .. } = self;
+        let mut tree = std::mem::take(&mut memory.waking.tree);
+        let scratch = (&mut memory.waking.join, &mut memory.touched);
+        let done = asleep.touched(&tree, |_| true, settings, scratch);
+        let found = done.and_then(|()| {
+            islands_of_others(domain, &tree, |_| true, settings, &mut memory.waking)
+        });
+        std::mem::swap(&mut memory.waking.tree, &mut tree);
+        self.note_touched(found?)
+    }
+
+    /// Builds the tree of circles around the particles of this rank that have left their bounds; returns
+    /// whether there are any.
+    fn find_circles_outside_limits(&mut self) -> Result<bool> {
+        let Self { particles, memory, settings, domain, rows, .. } = self;
         let outside_limits = &mut memory.events.outside_limits;
+        outside_limits.retain(|&(place, _)| domain::owns(domain, rows[place as usize]));
         for (place, &limit) in memory.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (memory.motions.position(place as u32), particles.positions[place]);
@@ -71,7 +99,7 @@ impl World {
         if outside_limits.is_empty() {
             return Ok(false);
         }
-        let super::waking::Scratch { join, shapes, tree, .. } = &mut memory.waking;
+        let Scratch { shapes, tree, .. } = &mut memory.waking;
         let place = |&(place, _): &(u32, f64)| place as usize;
         shapes.centers.clear();
         shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[place(of)]));
@@ -85,8 +113,19 @@ impl World {
         let filters = filters.iter().map(|of| particles.filter(place(of)));
         fill_filters(filters, &mut shapes.filters);
         tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
-        asleep.touched(tree, |_| true, settings, (join, &mut memory.touched))?;
-        Ok(!memory.touched.is_empty())
+        Ok(true)
+    }
+
+    /// Notes the islands that the step would touch: those in `memory.touched`, and `others` by their names.
+    /// Returns whether there are any on any rank.
+    fn note_touched(&mut self, others: Vec<Id>) -> Result<bool> {
+        let mut any = !self.memory.touched.is_empty();
+        if let Some(domain) = &mut self.domain {
+            domain.touched = others;
+            any |= !domain.touched.is_empty();
+        }
+        self.memory.meets_sleepers = self.any_of_all(any)?;
+        Ok(self.memory.meets_sleepers)
     }
 
     /// Wakes islands.
@@ -95,6 +134,7 @@ impl World {
             return;
         }
         let total = self.len();
+        self.recall_contacts_of_woken(islands);
         let woken = self.asleep.wake(islands);
         let first = self.rows.len();
         let Discs { particles, rows, persistent } = &woken.discs;
@@ -152,7 +192,7 @@ impl World {
     }
 
     /// Wakes islands between two steps.
-    fn wake_to_stay(&mut self, islands: &[u32]) {
+    pub(super) fn wake_to_stay(&mut self, islands: &[u32]) {
         self.wake(islands);
         self.forget_woken();
     }
@@ -160,6 +200,7 @@ impl World {
     /// Makes waking final.
     pub(super) fn forget_woken(&mut self) {
         self.asleep.forget_woken();
+        self.drop_contacts_of_woken();
         self.forget_places();
     }
 
@@ -169,17 +210,31 @@ impl World {
         self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
     }
 
-    /// Puts the islands to sleep again that were woken for a step that failed; `awake` is the
-    /// number of particles that were awake before.
-    pub(super) fn cancel_waking(&mut self, awake: usize) {
-        if self.rows.len() == awake {
+    /// Puts the islands to sleep again that were woken for a step that failed.
+    pub(super) fn cancel_waking(&mut self) {
+        let woken = self.asleep.woken_rows();
+        if woken.is_empty() {
             return;
         }
-        let rows = self.rows[awake..].to_vec();
-        self.drop_wall_impulses(rows);
-        let keep: Vec<bool> = (0..self.rows.len()).map(|place| place < awake).collect();
+        let is_asleep = |row: &u32| woken.binary_search(row).is_ok();
+        let keep: Vec<bool> = self.rows.iter().map(|row| !is_asleep(row)).collect();
+        self.drop_wall_impulses(woken);
         self.keep(&keep);
         self.asleep.cancel_waking();
         self.forget_places();
     }
+}
+
+/// The names of the islands of other ranks of which a particle overlaps one of the circles in a tree.
+fn islands_of_others(
+    domain: &Option<Box<Domain>>,
+    circles: &Quadtree<f32>,
+    counts: impl Fn(u32) -> bool,
+    settings: &WorldSettings,
+    scratch: &mut Scratch,
+) -> Result<Vec<Id>> {
+    let Some(domain) = domain else { return Ok(Vec::new()) };
+    let mut touched = Vec::new();
+    domain.foreign.touched(circles, counts, settings, (&mut scratch.join, &mut touched))?;
+    Ok(domain.foreign.names(&touched).collect())
 }

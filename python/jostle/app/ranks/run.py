@@ -17,27 +17,26 @@ from rich.table import Table
 
 import jostle.mpi
 from jostle import interrupt
+from jostle._core import create_scene_part
 from jostle.app.draw.camera import Size
 from jostle.app.draw.text import SMALL, TITLE, plural, scientific
 from jostle.app.headless import DEFAULT_SECONDS, EDGE, FRAME_RATE, SPACE, Row, sheet_of
 from jostle.app.ranks.composite import Composite
 from jostle.app.ranks.report import report
 from jostle.app.ranks.stages import StageTimes
+from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.world_simulation import TIME_STEP, WORLD_SETTINGS
+from jostle.app.simulate.simulation import Rect
+from jostle.app.simulate.start import start
+from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
 from jostle.app.storage.encoder import Encoder
 from jostle.app.storage.paths import free_name
 from jostle.mpi.exchange import together
 from jostle.mpi.interrupts import held
+from jostle.mpi.scenes import part_of
 
 PATIENCE = 20.0  # seconds from the error of one rank until all have ended
 DEFAULT_STEPS = round(DEFAULT_SECONDS / TIME_STEP)
-
-#: Settings that a run over ranks has not, and their values in runs without them.
-_WITHOUT = {
-    "world_size": 1.0, "container": None, "particles": (), "friction": None, "walls": (),
-    "wall_friction": None, "matrix": None,
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -60,9 +59,6 @@ def refusal(settings: Settings) -> str | None:
     """Return why a run over ranks cannot have the settings, or None."""
     if settings.by_article:
         return "method is the article's, which runs on one rank only"
-    for name, usual in _WITHOUT.items():
-        if getattr(settings, name) != usual:
-            return f"{name} is set, which a run on several ranks does not support"
     return None
 
 
@@ -74,9 +70,9 @@ def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
     """
     # All ranks handle signals at the same place, so that none waits for another.
     with interrupt.raised(), held() as run_handlers:
-        world = _world(comm, plan)
+        world, view = _world(comm, plan)
         files = _Files(plan.out, _name_of(comm, plan, world), plan.settings.scene)
-        film = _Film(comm, plan, world, files)
+        film = _Film(comm, plan, world, files, view)
         try:
             with film:
                 film.steps(world, console, run_handlers)
@@ -119,20 +115,34 @@ def _name_of(comm: MPI.Intracomm, plan: Plan, world: jostle.mpi.World) -> str:
     return str(comm.bcast(name))
 
 
-def _world(comm: MPI.Intracomm, plan: Plan) -> jostle.mpi.World:
-    settings = plan.settings
+def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
+    """Return the world and the part of the plane that is drawn."""
+    settings, threads = plan.settings, plan.settings.threads or 1
     if plan.resume is not None:
-        return jostle.mpi.World.load(comm, plan.resume, threads=settings.threads or 1)
-    given: dict[str, Any] = {
-        name: value
-        for name in (*WORLD_SETTINGS, "container_restitution")
-        if name != "threads" and (value := getattr(settings, name)) is not None
-    }
-    # Islands of a distributed world do not fall asleep.
-    given.setdefault("sleeping", False)
-    return jostle.mpi.create_scene(
-        comm, settings.scene, settings.n, settings.seed, threads=settings.threads or 1, **given
-    )
+        world = jostle.mpi.World.load(comm, plan.resume, threads=threads)
+        view = jostle.scenes.view(settings.scene, settings.n or world.total)
+        if settings.world_size != 1.0 or settings.container is not None:
+            view = bounds(world.container) or view
+        return world, view
+    view = jostle.scenes.view(settings.scene, settings.n)
+
+    def part(rank: int, size: int) -> Any:
+        nonlocal view
+        if settings.particles:  # their positions depend on all others
+            whole: Any = start(settings)
+            core, view = part_of(whole.world, rank, size), whole.view
+        else:
+            simulation = WorldSimulation(
+                settings,
+                view,
+                lambda: create_scene_part(settings.scene, settings.n, settings.seed, rank, size),
+            )
+            simulation.add_own_walls(settings.walls)
+            core, view = simulation.world, simulation.view
+        core.threads = threads
+        return core
+
+    return jostle.mpi.World.of_parts(comm, part), view
 
 
 @dataclass(frozen=True)
@@ -174,10 +184,14 @@ class _Film:
     """The video of a run; only rank 0 has an encoder and a progress bar."""
 
     def __init__(
-        self, comm: MPI.Intracomm, plan: Plan, world: jostle.mpi.World, files: _Files
+        self,
+        comm: MPI.Intracomm,
+        plan: Plan,
+        world: jostle.mpi.World,
+        files: _Files,
+        view: Rect,
     ) -> None:
         self._comm, self._plan, self._files = comm, plan, files
-        view = jostle.scenes.view(plan.settings.scene, plan.settings.n or world.total)
         self._composite = Composite(comm, plan.size, view, left=SPACE)
         self._stack = contextlib.ExitStack()
         self._recorder: Encoder | None = None

@@ -6,19 +6,23 @@ use super::super::World;
 use crate::bytes::{Reader, checksum, damaged};
 use crate::decomposition::{RECORD, read_records};
 use crate::error::{Error, Result};
-use crate::world::carried::{Push, Resting, Sides};
+use crate::space::Id;
+use crate::world::carried::{Kept, MEMBER, Push, Resting};
+use crate::world::islands::SleepingContact;
 
 /// The first bytes.
 const MAGIC: [u8; 16] = *b"jostle ranks\x1a\n\0\0";
 
 /// Version of the format of the other bytes.
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// Ids of a chunk.
 const CHUNK: u64 = 1 << 14;
 
-/// Bytes of the rows of a chunk: particles, impulses of sides, contacts at rest, pushes of walls.
-const SIZES: [usize; 4] = [RECORD, Sides::SIZE, Resting::SIZE, Push::SIZE];
+/// Bytes of the rows of a chunk: particles, what is kept of them, contacts at rest, pushes of walls, members
+/// of sleeping islands, and their contacts.
+const SIZES: [usize; 6] =
+    [RECORD, Kept::SIZE, Resting::SIZE, Push::SIZE, MEMBER, SleepingContact::SIZE];
 
 /// Whether bytes begin like such a file.
 pub(super) fn are_parts(bytes: &[u8]) -> bool {
@@ -33,30 +37,37 @@ pub(super) fn restore(bytes: &[u8]) -> Result<World> {
         let rule = format!("this version of jostle reads format {VERSION} of ranks");
         return Err(Error::of("data", format!("a file in format {version} of ranks"), &rule));
     }
-    let (total, settings): (u64, usize) = (from.get()?, from.get_count()?);
+    let (total, next): (u64, u64) = (from.get()?, from.get()?);
+    let settings = from.get_count()?;
     let settings = World::restore_whole(&from.get_all::<u8>(settings)?)?;
-    let table: Vec<[u64; 2]> = from.get_all(total.div_ceil(CHUNK) as usize)?;
-    let mut parts = [vec![], vec![], vec![], vec![]];
+    let table: Vec<[u64; 2]> = from.get_all(next.div_ceil(CHUNK) as usize)?;
+    let mut parts = [const { Vec::new() }; SIZES.len()];
     for [size, sum] in table {
         let chunk: Vec<u8> = from.get_all(size as usize)?;
         if checksum(&chunk) != sum {
             return Err(damaged("its checksum is wrong"));
         }
         let mut chunk = Reader::without_head(&chunk);
-        let counts: [u64; 4] = chunk.get()?;
+        let counts: [u64; SIZES.len()] = chunk.get()?;
         for ((part, count), size) in parts.iter_mut().zip(counts).zip(SIZES) {
             part.extend(chunk.get_all::<u8>((count as usize).saturating_mul(size))?);
         }
         chunk.close()?;
     }
     from.close()?;
-    let [records, sides, resting, pushes] = &parts;
-    if !read_records(records).1.into_iter().eq(0..total as i64) {
-        return Err(damaged("its particles are not in the order of ids"));
+    let [records, kept, resting, pushes, members, touches] = &parts;
+    let ids = read_records(records).1;
+    if ids.len() as u64 != total {
+        return Err(damaged("the number of its particles is wrong"));
     }
     let valid = |error: Error| damaged(&error.to_string());
     let mut world = settings.of_records(records).map_err(valid)?;
-    world.take_impulses([sides, resting, pushes])?;
+    world.set_ids(&ids, next as Id).map_err(valid)?;
+    world.take_kept([kept, resting, pushes, members, touches])?;
     world.check_wall_impulses()?;
+    world.check_sleeping()?;
+    if !world.asleep.is_empty() && !world.may_sleep() {
+        return Err(damaged("nothing can sleep in it"));
+    }
     Ok(world)
 }

@@ -61,7 +61,7 @@ impl World {
 
 pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
     to.put_count(all.islands.len());
-    for Island { particles, contacts, wall_impulses } in &all.islands {
+    for Island { particles, contacts, wall_impulses, .. } in &all.islands {
         to.put([particles, contacts, wall_impulses].map(|range| range.len() as u32));
     }
     let Discs { particles, rows, persistent } = &all.discs;
@@ -93,7 +93,7 @@ pub(super) fn get_sleepers(
             return Err(damaged("an island is empty"));
         }
         let [particles, contacts, wall_impulses] = [0, 1, 2].map(|k| starts[k]..ends[k]);
-        islands.push(Island { particles, contacts, wall_impulses });
+        islands.push(Island { particles, contacts, wall_impulses, ..Island::default() });
     }
     let total = len.saturating_add(awake);
     let mut all = Sleepers { islands, ..Sleepers::default() };

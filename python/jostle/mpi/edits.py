@@ -1,0 +1,91 @@
+"""Particles that are added, removed or changed in a distributed world, as the core takes them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import ArrayLike, NDArray
+
+from .exchange import first_id, joined, raise_together, together
+
+#: A radius that fits into every container.
+_SMALL = 1e-9
+
+
+def rows_of(column: ArrayLike) -> ArrayLike:
+    """A column of pairs, also if it is empty."""
+    return np.zeros((0, 2)) if np.size(column) == 0 else column
+
+
+def add(comm: MPI.Intracomm, core: Any, *columns: ArrayLike, **named: Any) -> NDArray[np.int64]:
+    """Add this rank's new particles to the core; returns their ids."""
+    with together(comm):
+        # Checked and completed by a world without other particles.
+        new: Any = core._of_records(b"")
+        new.add(*columns, **named)
+    ids: NDArray[np.int64] = (
+        core._own_ids()[1] + first_id(comm, len(new)) + np.arange(len(new), dtype=np.int64)
+    )
+    core._add_records(new._own_records(), ids, int(comm.allreduce(len(new))))
+    return ids
+
+
+def remove(comm: MPI.Intracomm, core: Any, ids: ArrayLike) -> None:
+    """Remove the particles with the ids that any rank gives."""
+    with together(comm):
+        own = _read_ids(ids)
+    everything = joined(comm, own)
+    _check(comm, core, everything)
+    core._remove_ids(everything)
+
+
+def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> None:
+    """Change columns of the particles with the ids that any rank gives."""
+    given = sorted(name for name, column in columns.items() if column is not None)
+    with together(comm):
+        own = _read_ids(ids)
+        # Checked and completed by a world with as many particles.
+        trial: Any = core._of_records(b"")
+        zeros = np.zeros((len(own), 2))
+        trial.add(zeros, zeros, _SMALL, masses=1.0)
+        trial.set(np.arange(len(own)), **columns)
+        new = trial.read(np.arange(len(own)))
+    if len(set(comm.allgather(tuple(given)))) > 1:
+        raise ValueError(f"the columns are not the same on all ranks: here they are {given}")
+    values = {name: np.asarray(getattr(new, name)) for name in given}
+    kinds = [(name, value.dtype, value.shape[1:]) for name, value in values.items()]
+    rows = np.zeros(len(own), np.dtype([("id", np.int64), *kinds]))
+    rows["id"] = own
+    for name, value in values.items():
+        rows[name] = value
+    rows = joined(comm, rows)
+    _check(comm, core, rows["id"])
+    ids_here = core._own_ids()[0]
+    rows = rows[np.isin(rows["id"], ids_here)]
+    order = np.argsort(ids_here)
+    places = order[np.searchsorted(ids_here[order], rows["id"])]
+    core.set(places, **{name: rows[name] for name in given})
+
+
+def _read_ids(ids: ArrayLike) -> NDArray[np.int64]:
+    found = np.atleast_1d(np.asarray(ids))
+    if found.size == 0:
+        return np.zeros(0, np.int64)
+    if found.ndim != 1 or found.dtype.kind not in "iu":
+        raise TypeError(f"ids must be integers, one or in one row; got {ids!r}")
+    return found.astype(np.int64)
+
+
+def _check(comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64]) -> None:
+    """Raise on all ranks if ids of all ranks together are not those of particles, each once."""
+    found = np.isin(ids, core._own_ids()[0])
+    comm.Allreduce(MPI.IN_PLACE, found, op=MPI.LOR)
+    different, counts = np.unique(ids, return_counts=True)
+    error = None
+    if not found.all():
+        error = ValueError(f"ids contain {ids[~found][0]}; no particle has this id")
+    elif (counts > 1).any():
+        error = ValueError(f"ids contain {different[counts > 1][0]} twice")
+    raise_together(comm, error)
