@@ -12,7 +12,7 @@ use crate::contacts::Contacts;
 use crate::container::{Container, size};
 use crate::decomposition::Halo;
 use crate::error::Result;
-use crate::motion::{Motions, Vectors, exact};
+use crate::motion::{Motions, Scalars, Vectors, exact};
 use crate::pairs::Path;
 use crate::parallel;
 use crate::particles::Particles;
@@ -84,8 +84,12 @@ pub struct Correction {
     /// The state before the correction.
     positions: Vectors,
     residuals: Vectors,
-    /// Squares of displacements that walls certainly allow; empty if unknown.
-    free_squares: Vec<f32>,
+    /// Squares of displacements that walls certainly allow, one more for lanes without a pair.
+    free_squares: Scalars,
+    /// Whether these are known.
+    knows_free: bool,
+    /// Whether many particles were moved in the last sub-step.
+    moved_many: bool,
     /// The contacts of the step.
     blocks: Vec<Block>,
 }
@@ -166,15 +170,18 @@ impl Correction {
             halo.any(false)?;
         }
         self.measure(contacts, motions, particles.len(), threads);
-        self.free_squares.clear();
+        self.knows_free = false;
         for iteration in 0..ITERATIONS {
+            if self.moved_many && !self.knows_free {
+                self.find_free(motions, radii, (container, walls), threads);
+            }
             let moved = self.separate(contacts, inside, (colours, halo), threads)?;
             let any = match halo {
                 None => moved > 0,
                 Some(halo) => halo.any(moved > 0)?,
             };
-            if iteration == 0 && moved >= particles.len() / WORTH_LISTING {
-                self.find_free(motions, radii, (container, walls), threads);
+            if iteration == 0 {
+                self.moved_many = moved >= particles.len() / WORTH_LISTING;
             }
             match (any, iteration) {
                 (false, 0) => return Ok(()),
@@ -231,16 +238,16 @@ impl Correction {
         (container, walls): (&Container, Around<'_>),
         threads: Option<usize>,
     ) {
-        self.free_squares.resize(radii.len(), 0.0);
-        parallel::for_chunks(threads, &mut self.free_squares, |first, squares| {
-            for (square, place) in squares.iter_mut().zip(first..) {
-                let (position, radius) = (motions.position(place as u32), radii[place]);
-                let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
-                    && container.is_far(position.map(f64::from), f64::from(radius), {
-                        [f64::from(radius); 2]
-                    });
-                *square = if is_free { FREE * radius * radius } else { 0.0 };
-            }
+        self.free_squares.resize(radii.len() + 1);
+        self.knows_free = true;
+        let squares = &self.free_squares;
+        parallel::for_rows(threads, radii.len(), |place| {
+            let (position, radius) = (motions.position(place as u32), radii[place]);
+            let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
+                && container.is_far(position.map(f64::from), f64::from(radius), {
+                    [f64::from(radius); 2]
+                });
+            squares.set(place as u32, if is_free { FREE * radius * radius } else { 0.0 });
         });
     }
 
@@ -253,12 +260,8 @@ impl Correction {
         threads: Option<usize>,
     ) -> Result<usize> {
         let count = AtomicUsize::new(0);
-        let (displacements, inside) = (&self.displacements, |place: u32, by: [f32; 2]| {
-            let free = self.free_squares.get(place as usize);
-            let is_free = free.is_some_and(|free| by[0] * by[0] + by[1] * by[1] < *free);
-            if is_free { by } else { inside(place, by) }
-        });
-        let inside = &inside;
+        let (displacements, inside) = (&self.displacements, &inside);
+        let free_squares = self.knows_free.then_some(&self.free_squares);
         // After each colour ghosts get the displacements that their own ranks have computed.
         let refresh = || match halo {
             None => Ok(()),
@@ -271,18 +274,14 @@ impl Correction {
                 refresh()?;
                 continue;
             };
-            let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
+            let blocks = &self.blocks[colour.all()];
             let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
             let threads = if is_serial { Some(1) } else { threads };
             let size = if is_serial { blocks.len() } else { BLOCKS_OF_A_THREAD };
-            parallel::for_each(
-                threads,
-                of.chunks(size).zip(blocks.chunks(size)),
-                |(of, blocks)| {
-                    let moved = Separate { of, blocks, displacements, inside }.run();
-                    count.fetch_add(moved, Ordering::Relaxed);
-                },
-            );
+            parallel::for_each(threads, blocks.chunks(size), |blocks| {
+                let moved = Separate { blocks, displacements, free_squares, inside }.run();
+                count.fetch_add(moved, Ordering::Relaxed);
+            });
             refresh()?;
         }
         Ok(count.into_inner())

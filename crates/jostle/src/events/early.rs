@@ -64,6 +64,14 @@ impl Start {
         let Self { position, velocity, radius, falls, .. } = *self;
         Now { position, velocity, radius, falls, sizes: length(position) }
     }
+
+    /// Whether it is calm in a window of `span` seconds. Two such discs approach by less than
+    /// [`DEFERRED`] of the sum of their radii, so nothing happens to them, also if they overlap.
+    #[inline(always)]
+    pub fn is_calm(&self, span: f32) -> bool {
+        let farthest = DEFERRED as f32 * self.radius * (1.0 - MARGIN);
+        (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
+    }
 }
 
 impl Now {
@@ -172,8 +180,39 @@ impl Window<'_> {
         walls.may_touch(index, &path, error, left).map(|may| may | is_near_side)
     }
 
-    /// Lists the discs of a range that may hit a wall along their first segments, and some others.
-    pub fn list_near_walls<'n>(&self, range: Range<u32>, near: &'n mut Vec<u32>) -> &'n [u32] {
+    /// False only if a disc certainly stays within a distance from its position at the beginning of the
+    /// step, without events.
+    #[inline(always)]
+    pub fn may_leave(&self, index: u32, reach: f32) -> bool {
+        let Start { position, velocity, falls, .. } = self.starts[index as usize];
+        let anchor = self.flight.particles.positions[index as usize];
+        let end = self.end as f32;
+        let fall = if falls { length(self.flight.gravity.map(|g| g as f32)) * end * end } else { 0.0 };
+        let far = length([0, 1].map(|k| position[k] - anchor[k])) + length(velocity) * end + fall;
+        let rounding = ROUNDING * (length(position) + length(anchor));
+        // Also true where numbers overflow.
+        !(far * (1.0 + MARGIN) + rounding <= reach)
+    }
+
+    /// Lists the discs of a range that are not calm.
+    pub fn list_restless(&self, range: Range<u32>, restless: &mut Vec<u32>) {
+        restless.clear();
+        restless.resize(range.len(), 0);
+        let mut count = 0;
+        for index in range {
+            // Without a branch, which would often be predicted wrongly.
+            restless[count] = index;
+            count += usize::from(!self.starts[index as usize].is_calm);
+        }
+        restless.truncate(count);
+    }
+
+    /// Lists those of some discs that may hit a wall along their first segments, and some others.
+    pub fn list_near_walls<'n>(
+        &self,
+        discs: impl ExactSizeIterator<Item = u32>,
+        near: &'n mut Vec<u32>,
+    ) -> &'n [u32] {
         let Flight { container, walls, gravity, .. } = self.flight;
         let (has_sides, has_walls) = (container.has_walls(), !walls.is_empty());
         near.clear();
@@ -182,9 +221,9 @@ impl Window<'_> {
         }
         let end = self.end as f32;
         let fall = 0.5 * end * dot(gravity.map(|g| g as f32), gravity.map(|g| g as f32)).sqrt();
-        near.resize(range.len(), 0);
+        near.resize(discs.len(), 0);
         let mut count = 0;
-        for index in range {
+        for index in discs {
             let Start { position, velocity, radius, .. } = self.starts[index as usize];
             let far = (dot(velocity, velocity).sqrt() + fall) * end * (1.0 + MARGIN);
             let margin = |k: usize| far + radius + MARGIN * (position[k].abs() + radius);
