@@ -11,7 +11,7 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
 pub use blocks::{Block, Blocks};
-use colouring::{Colouring, Edge, priority};
+use colouring::{Colouring, Edge, prioritize};
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -338,7 +338,9 @@ impl Contacts {
                 (edges.split_off_mut(..pairs.len()), kinds.split_off_mut(..pairs.len()));
             let (own, of) = (own.unwrap_or_default(), of.unwrap_or_default());
             parallel::for_chunks_of_two(threads, own, of, |first, edges, kinds| {
-                for ((edge, kind), &places) in edges.iter_mut().zip(kinds).zip(&pairs[first..]) {
+                let pairs = &pairs[first..][..edges.len()];
+                prioritize(particles, pairs, *image, edges);
+                for (kind, &places) in kinds.iter_mut().zip(pairs) {
                     let [a, b] = places.map(|place| place as usize);
                     *kind = if !(movable[a] || movable[b]) {
                         UNSOLVED
@@ -349,7 +351,6 @@ impl Contacts {
                     } else {
                         FAR_KIND as u8
                     };
-                    *edge = Edge { places, priority: priority(particles, places, *image) };
                 }
             });
         }
@@ -445,12 +446,12 @@ impl Contacts {
         sort(spare);
         list.clear();
         if self.is_sorted {
-            merge(lasting, spare.iter().copied(), list);
+            merge(lasting, spare, list);
         } else {
             unsorted.clear();
             unsorted.extend(lasting);
             sort(unsorted);
-            merge(unsorted.iter().copied(), spare.iter().copied(), list);
+            merge(unsorted.iter().copied(), spare, list);
         }
         self.blocks.clear();
         self.remember(places);
@@ -523,25 +524,28 @@ fn sort(list: &mut [Contact]) {
 
 /// Appends two sorted lists to a third. Of the same contact in both, that of the first list is kept,
 /// with the sums of the impulses of both.
-fn merge(
-    first: impl Iterator<Item = Contact>,
-    second: impl Iterator<Item = Contact>,
-    to: &mut Vec<Contact>,
-) {
-    let (mut first, mut second) = (first.peekable(), second.peekable());
-    loop {
-        let next = match (first.peek(), second.peek()) {
-            (Some(a), Some(b)) if b.key() < a.key() => second.next(),
-            (Some(_), _) => first.next(),
-            (None, _) => second.next(),
-        };
-        let Some(next) = next else { return };
-        match to.last_mut() {
-            Some(last) if last.key() == next.key() => {
-                last.touched |= next.touched;
-                last.count(next.totals);
-            }
-            _ => to.push(next),
+fn merge(first: impl Iterator<Item = Contact>, mut second: &[Contact], to: &mut Vec<Contact>) {
+    for next in first {
+        // Few contacts are in the second list.
+        while let Some((earlier, rest)) = second.split_first()
+            && earlier.key() < next.key()
+        {
+            append(*earlier, to);
+            second = rest;
         }
+        append(next, to);
+    }
+    second.iter().for_each(|next| append(*next, to));
+}
+
+/// Appends a contact to a sorted list, or its impulses to the last contact if that is the same.
+#[inline(always)]
+fn append(next: Contact, to: &mut Vec<Contact>) {
+    match to.last_mut() {
+        Some(last) if last.key() == next.key() => {
+            last.touched |= next.touched;
+            last.count(next.totals);
+        }
+        _ => to.push(next),
     }
 }

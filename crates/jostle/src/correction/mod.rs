@@ -7,14 +7,15 @@ mod pairs;
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use crate::contacts::Contacts;
 use crate::container::{Container, size};
 use crate::decomposition::Halo;
 use crate::error::Result;
-use crate::motion::{Motions, Vectors, exact};
+use crate::motion::{Motions, Scalars, Vectors, exact};
 use crate::pairs::Path;
-use crate::parallel;
+use crate::parallel::{self, Member, locked};
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
 use crate::walls::Around;
@@ -52,6 +53,9 @@ const WORTH_LISTING: usize = 16;
 /// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 64;
 
+/// Blocks of a colour that a thread moves apart at a time, at least.
+const BLOCKS: usize = 16;
+
 /// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
 const WIDE: f64 = 1e-5;
 
@@ -84,8 +88,10 @@ pub struct Correction {
     /// The state before the correction.
     positions: Vectors,
     residuals: Vectors,
-    /// Squares of displacements that walls certainly allow; empty if unknown.
-    free_squares: Vec<f32>,
+    /// Scratch: squares of displacements that walls certainly allow, one more for lanes without a pair.
+    free_squares: Scalars,
+    /// Whether many particles were moved in the last sub-step.
+    moved_many: bool,
     /// The contacts of the step.
     blocks: Vec<Block>,
 }
@@ -166,21 +172,11 @@ impl Correction {
             halo.any(false)?;
         }
         self.measure(contacts, motions, particles.len(), threads);
-        self.free_squares.clear();
-        for iteration in 0..ITERATIONS {
-            let moved = self.separate(contacts, inside, (colours, halo), threads)?;
-            let any = match halo {
-                None => moved > 0,
-                Some(halo) => halo.any(moved > 0)?,
-            };
-            if iteration == 0 && moved >= particles.len() / WORTH_LISTING {
-                self.find_free(motions, radii, (container, walls), threads);
-            }
-            match (any, iteration) {
-                (false, 0) => return Ok(()),
-                (false, _) => break,
-                _ => {}
-            }
+        self.free_squares.resize(particles.len() + 1);
+        let (shared, places) = ((colours, halo), particles.len());
+        let free = |place: usize| free_square(place, motions, radii, (container, walls));
+        if !self.separate_all(contacts, (inside, free, places), shared, threads)? {
+            return Ok(());
         }
         let displacements = &self.displacements;
         parallel::for_rows(threads, particles.len(), |place| {
@@ -223,70 +219,116 @@ impl Correction {
         });
     }
 
-    /// Finds the particles that are at least their radius away from all walls. Nearly all are.
-    fn find_free(
+    /// Moves all overlapping pairs apart, in iterations. Returns whether there were any.
+    fn separate_all(
         &mut self,
-        motions: &Motions,
-        radii: &[f32],
-        (container, walls): (&Container, Around<'_>),
-        threads: Option<usize>,
-    ) {
-        self.free_squares.resize(radii.len(), 0.0);
-        parallel::for_chunks(threads, &mut self.free_squares, |first, squares| {
-            for (square, place) in squares.iter_mut().zip(first..) {
-                let (position, radius) = (motions.position(place as u32), radii[place]);
-                let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
-                    && container.is_far(position.map(f64::from), f64::from(radius), {
-                        [f64::from(radius); 2]
-                    });
-                *square = if is_free { FREE * radius * radius } else { 0.0 };
-            }
-        });
-    }
-
-    /// Moves all overlapping pairs apart, colour after colour. Returns how many there are.
-    fn separate(
-        &self,
         contacts: &Contacts,
-        inside: impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
+        (inside, free, places): (
+            impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
+            impl Fn(usize) -> f32 + Sync + Send,
+            usize,
+        ),
         (colours, halo): (usize, Option<Halo<'_>>),
         threads: Option<usize>,
-    ) -> Result<usize> {
-        let count = AtomicUsize::new(0);
-        let (displacements, inside) = (&self.displacements, |place: u32, by: [f32; 2]| {
-            let free = self.free_squares.get(place as usize);
-            let is_free = free.is_some_and(|free| by[0] * by[0] + by[1] * by[1] < *free);
-            if is_free { by } else { inside(place, by) }
-        });
-        let inside = &inside;
-        // After each colour ghosts get the displacements that their own ranks have computed.
-        let refresh = || match halo {
-            None => Ok(()),
-            Some(halo) => {
-                halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))
+    ) -> Result<bool> {
+        let many = places / WORTH_LISTING;
+        let moved: [AtomicUsize; ITERATIONS] = Default::default();
+        let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
+        let Self { displacements, free_squares, blocks, moved_many, .. } = &*self;
+        let stages = Stages { contacts, blocks, displacements, inside: &inside, colours, halo };
+        let failed = Mutex::new(Ok(()));
+        let run = |member: &Member<'_>| -> Result<()> {
+            let mut knows_free = false;
+            for (iteration, count) in moved.iter().enumerate() {
+                let is_worth = if iteration == 0 { *moved_many } else { count_of(0) >= many };
+                if is_worth && !knows_free {
+                    for place in member.share(places) {
+                        free_squares.set(place as u32, free(place));
+                    }
+                    member.wait();
+                    knows_free = true;
+                }
+                stages.separate(knows_free.then_some(free_squares), count, member)?;
+                let any = count_of(iteration) > 0;
+                if !halo.map_or(Ok(any), |halo| halo.any(any))? {
+                    break;
+                }
             }
+            Ok(())
         };
-        for number in 0..colours {
-            let Some(colour) = contacts.blocks.colours.get(number) else {
-                refresh()?;
-                continue;
-            };
-            let (of, blocks) = (&contacts.blocks.list[colour.all()], &self.blocks[colour.all()]);
-            let is_serial = colour.is_serial || blocks.len() <= BLOCKS_OF_A_THREAD;
-            let threads = if is_serial { Some(1) } else { threads };
-            let size = if is_serial { blocks.len() } else { BLOCKS_OF_A_THREAD };
-            parallel::for_each(
-                threads,
-                of.chunks(size).zip(blocks.chunks(size)),
-                |(of, blocks)| {
-                    let moved = Separate { of, blocks, displacements, inside }.run();
-                    count.fetch_add(moved, Ordering::Relaxed);
-                },
-            );
-            refresh()?;
-        }
-        Ok(count.into_inner())
+        // Other ranks are waited for after each colour, by one thread.
+        let threads = if halo.is_some() { Some(1) } else { threads };
+        let lengths = contacts.blocks.colours.iter().map(|colour| colour.all().len());
+        let most = lengths.max().unwrap_or(0).div_ceil(BLOCKS);
+        parallel::together(threads, most.max(1), |member| {
+            if let Err(error) = run(member) {
+                *locked(&failed) = Err(error);
+            }
+        });
+        failed.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+        self.moved_many = count_of(0) >= many;
+        Ok(count_of(0) > 0 || halo.is_some())
     }
+}
+
+/// What the iterations have in common.
+struct Stages<'a, I> {
+    contacts: &'a Contacts,
+    blocks: &'a [Block],
+    displacements: &'a Vectors,
+    /// The displacement of a particle that the walls allow.
+    inside: &'a I,
+    colours: usize,
+    halo: Option<Halo<'a>>,
+}
+
+impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
+    /// Moves overlapping pairs apart once, colour after colour, and counts them. All threads call it
+    /// and wait for each other after each colour.
+    fn separate(
+        &self,
+        free_squares: Option<&Scalars>,
+        count: &AtomicUsize,
+        member: &Member<'_>,
+    ) -> Result<()> {
+        let Self { contacts, displacements, inside, .. } = *self;
+        for number in 0..self.colours {
+            // Another rank may have more colours.
+            if let Some(colour) = contacts.blocks.colours.get(number) {
+                let blocks = &self.blocks[colour.all()];
+                let parts = member.share(blocks.len().div_ceil(BLOCKS));
+                let own = match colour.is_serial {
+                    true if member.is_first() => 0..blocks.len(),
+                    true => 0..0,
+                    false => parts.start * BLOCKS..blocks.len().min(parts.end * BLOCKS),
+                };
+                let blocks = &blocks[own];
+                let moved = Separate { blocks, displacements, free_squares, inside }.run();
+                count.fetch_add(moved, Ordering::Relaxed);
+            }
+            member.wait();
+            // Ghosts get the displacements that their own ranks have computed.
+            if let Some(halo) = self.halo {
+                halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The square of a displacement that walls certainly allow: nearly that of the radius, if the particle
+/// is farther away from all walls. Nearly all are.
+#[inline(always)]
+fn free_square(
+    place: usize,
+    motions: &Motions,
+    radii: &[f32],
+    (container, walls): (&Container, Around<'_>),
+) -> f32 {
+    let (position, radius) = (motions.position(place as u32), radii[place]);
+    let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
+        && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));
+    if is_free { FREE * radius * radius } else { 0.0 }
 }
 
 thread_local! {

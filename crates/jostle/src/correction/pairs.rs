@@ -2,29 +2,29 @@
 
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
 use crate::contacts;
-use crate::motion::Vectors;
-use crate::simd::{LANES, Number, Simd, Work, for_each_lane};
+use crate::motion::{Scalars, Vectors};
+use crate::simd::{LANES, Number, PairPlaces, Simd, Work, for_each_lane};
 
-/// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity.
+/// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Few columns,
+/// because many iterations read them from the cache; what is computed from them is not stored.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))] // Each column in a cache line of its own.
+#[repr(C, align(64))] // Each column in a cache line of its own.
 pub struct Block {
     /// Offsets from the first to the second, before the correction.
     offset: [[f32; LANES]; 2],
-    /// The squares of the distances below which the two are moved apart; 0 if they are not near.
-    least_squares: [f32; LANES],
-    /// The same in this step if they are near.
-    near_squares: [f32; LANES],
-    /// Distances to which they are moved.
-    targets: [f32; LANES],
-    /// The longest displacements in one iteration.
-    most: [f32; LANES],
-    /// The shares of each in the displacement.
-    shares: [[f32; LANES]; 2],
+    /// Sums of the radii.
+    reaches: [f32; LANES],
+    /// The smaller diameters.
+    diameters: [f32; LANES],
+    places: PairPlaces,
+    /// A bit for each pair whose first, and whose second does not move.
+    fixed: [u32; 2],
     /// A bit for each pair that is near.
     near: u32,
     /// A bit for each pair that has overlapped in the step.
     overlapped: u32,
+    /// Whether any pair touches across the boundary of a torus.
+    has_images: bool,
 }
 
 impl Block {
@@ -33,29 +33,22 @@ impl Block {
         let zeros = [0.0; LANES];
         let mut block = Self {
             offset: [zeros; 2],
-            least_squares: zeros,
-            near_squares: zeros,
-            targets: zeros,
-            most: zeros,
-            shares: [zeros; 2],
+            reaches: of.reaches,
+            diameters: zeros,
+            places: of.places,
+            fixed: [0; 2],
             near: 0,
             overlapped: 0,
+            has_images: of.images != [zeros; 2],
         };
         of.each_lane(|lane| {
             let [p, q] = [0, 1].map(|k| radii[of.places.of(k)[lane] as usize]);
             // Points have no size: that of the other particle counts.
             let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
-            let diameter = 2.0 * smaller;
-            let least = of.reaches[lane] - (SLOP + TOLERANCE) * diameter;
-            block.near_squares[lane] = least * least;
-            block.targets[lane] = of.reaches[lane] - SLOP * diameter;
-            block.most[lane] = MOST * diameter;
-            let inverse_masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
-            [block.shares[0][lane], block.shares[1][lane]] = match inverse_masses {
-                [0.0, _] => [0.0, 1.0],
-                [_, 0.0] => [1.0, 0.0],
-                _ => [0.5, 0.5],
-            };
+            block.diameters[lane] = 2.0 * smaller;
+            for k in [0, 1] {
+                block.fixed[k] |= u32::from(of.inverse_masses[k][lane] == 0.0) << lane;
+            }
         });
         block
     }
@@ -74,20 +67,21 @@ impl Block {
         positions: &Vectors,
         residuals: &Vectors,
     ) {
-        let [ax, ay] = simd.gather(positions.words(), &of.places, 0);
-        let [bx, by] = simd.gather(positions.words(), &of.places, 1);
-        let [cx, cy] = simd.gather(residuals.words(), &of.places, 0);
-        let [dx, dy] = simd.gather(residuals.words(), &of.places, 1);
-        let x = simd.add(simd.sub(bx, ax), simd.load(&of.images[0]));
-        let y = simd.add(simd.sub(by, ay), simd.load(&of.images[1]));
+        let [ax, ay] = simd.gather(positions.words(), &self.places, 0);
+        let [bx, by] = simd.gather(positions.words(), &self.places, 1);
+        let [cx, cy] = simd.gather(residuals.words(), &self.places, 0);
+        let [dx, dy] = simd.gather(residuals.words(), &self.places, 1);
+        let [mut x, mut y] = [simd.sub(bx, ax), simd.sub(by, ay)];
+        if self.has_images {
+            x = simd.add(x, simd.load(&of.images[0]));
+            y = simd.add(y, simd.load(&of.images[1]));
+        }
         let [x, y] = [simd.add(x, simd.sub(dx, cx)), simd.add(y, simd.sub(dy, cy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let reach = simd.load(&of.reaches);
+        let reach = simd.load(&self.reaches);
         self.overlapped |= simd.less(square, simd.mul(reach, reach));
         let far = simd.mul(simd.splat(1.0 + NEAR), reach);
         self.near = simd.less(square, simd.mul(far, far));
-        let least = simd.choose(self.near, simd.load(&self.near_squares), simd.splat(0.0));
-        simd.store(least, &mut self.least_squares);
         simd.store(x, &mut self.offset[0]);
         simd.store(y, &mut self.offset[1]);
     }
@@ -97,52 +91,74 @@ impl Block {
     fn separate<S: Simd<f32>>(
         &self,
         simd: S,
-        of: &contacts::Block,
         displacements: &Vectors,
+        free_squares: Option<&Scalars>,
         inside: &impl Fn(u32, [f32; 2]) -> [f32; 2],
     ) -> u32 {
-        let [ax, ay] = simd.gather(displacements.words(), &of.places, 0);
-        let [bx, by] = simd.gather(displacements.words(), &of.places, 1);
+        let places = &self.places;
+        let [ax, ay] = simd.gather(displacements.words(), places, 0);
+        let [bx, by] = simd.gather(displacements.words(), places, 1);
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let overlapping = simd.less(square, simd.load(&self.least_squares));
+        let (reach, diameter) = (simd.load(&self.reaches), simd.load(&self.diameters));
+        let least = simd.sub(reach, simd.mul(simd.splat(SLOP + TOLERANCE), diameter));
+        let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {
             return 0;
         }
         let length = simd.sqrt(square);
-        let apart = simd.less(simd.splat(0.0), length);
-        let mut normal = [[0.0; LANES]; 2];
-        simd.store(simd.div(x, length), &mut normal[0]);
-        simd.store(simd.div(y, length), &mut normal[1]);
-        for_each_lane(overlapping & !apart, |lane| {
-            let [a, b] = [of.places.of(0)[lane % LANES], of.places.of(1)[lane % LANES]];
-            let direction = DIRECTIONS[a.abs_diff(b) as usize % DIRECTIONS.len()];
-            [normal[0][lane % LANES], normal[1][lane % LANES]] = direction;
+        let coincident = overlapping & !simd.less(simd.splat(0.0), length);
+        let [mut nx, mut ny] = [simd.div(x, length), simd.div(y, length)];
+        if coincident != 0 {
+            let mut normal = [[0.0; LANES]; 2];
+            simd.store(nx, &mut normal[0]);
+            simd.store(ny, &mut normal[1]);
+            for_each_lane(coincident, |lane| {
+                let [a, b] = [places.of(0)[lane % LANES], places.of(1)[lane % LANES]];
+                let direction = DIRECTIONS[a.abs_diff(b) as usize % DIRECTIONS.len()];
+                [normal[0][lane % LANES], normal[1][lane % LANES]] = direction;
+            });
+            [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
+        }
+        let target = simd.sub(reach, simd.mul(simd.splat(SLOP), diameter));
+        let zero = simd.splat(0.0);
+        let softened = simd.mul(simd.splat(SOFTNESS), simd.max(simd.sub(target, length), zero));
+        let most = simd.mul(simd.splat(MOST), diameter);
+        // The shares of each in the displacement.
+        let [a, b] = [[0, 1], [1, 0]].map(|[own, other]| {
+            let (one, half) = (simd.splat(1.0), simd.splat(0.5));
+            let share = simd.choose(self.fixed[other], one, half);
+            let share = simd.choose(self.fixed[own], zero, share);
+            simd.min(simd.mul(softened, share), most)
         });
-        let [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
-        let excess = simd.sub(simd.load(&self.targets), length);
-        let softened = simd.mul(simd.splat(SOFTNESS), simd.max(excess, simd.splat(0.0)));
-        let most = simd.load(&self.most);
-        let a = simd.min(simd.mul(softened, simd.load(&self.shares[0])), most);
-        let b = simd.min(simd.mul(softened, simd.load(&self.shares[1])), most);
-        let mut lengths = [[0.0; LANES]; 2];
-        simd.store(a, &mut lengths[0]);
-        simd.store(b, &mut lengths[1]);
-        let mut new = [[[0.0; LANES]; 2]; 2];
-        simd.store(simd.sub(ax, simd.mul(a, nx)), &mut new[0][0]);
-        simd.store(simd.sub(ay, simd.mul(a, ny)), &mut new[0][1]);
-        simd.store(simd.add(bx, simd.mul(b, nx)), &mut new[1][0]);
-        simd.store(simd.add(by, simd.mul(b, ny)), &mut new[1][1]);
-        for_each_lane(overlapping, |lane| {
-            let lane = lane % LANES;
-            for k in [0, 1] {
-                if lengths[k][lane] != 0.0 {
-                    let place = of.places.of(k)[lane];
-                    displacements.set(place, inside(place, [new[k][0][lane], new[k][1][lane]]));
-                }
+        let ends = [
+            ([ax, ay], [simd.sub(ax, simd.mul(a, nx)), simd.sub(ay, simd.mul(a, ny))], a),
+            ([bx, by], [simd.add(bx, simd.mul(b, nx)), simd.add(by, simd.mul(b, ny))], b),
+        ];
+        for (k, (old, new, length)) in ends.into_iter().enumerate() {
+            let moved = overlapping & simd.less(zero, length);
+            let mut free = 0;
+            if let Some(squares) = free_squares {
+                let [allowed, _] = simd.gather(squares.words(), places, k);
+                let square = simd.add(simd.mul(new[0], new[0]), simd.mul(new[1], new[1]));
+                free = moved & simd.less(square, allowed);
+                // The others keep theirs: of one colour, no other lane moves the same particle.
+                let all = [0, 1].map(|axis| simd.choose(free, new[axis], old[axis]));
+                simd.scatter(all, displacements.words(), places, k);
             }
-        });
+            if moved & !free == 0 {
+                continue;
+            }
+            let mut columns = [[0.0; LANES]; 2];
+            simd.store(new[0], &mut columns[0]);
+            simd.store(new[1], &mut columns[1]);
+            for_each_lane(moved & !free, |lane| {
+                let lane = lane % LANES;
+                let place = places.of(k)[lane];
+                displacements.set(place, inside(place, [columns[0][lane], columns[1][lane]]));
+            });
+        }
         overlapping
     }
 }
@@ -176,10 +192,11 @@ impl Work<f32> for Measure<'_> {
 
 /// An iteration over pairs of one colour.
 pub struct Separate<'a, I> {
-    pub of: &'a [contacts::Block],
     pub blocks: &'a [Block],
     /// The displacements of all particles by the correction.
     pub displacements: &'a Vectors,
+    /// Squares of displacements that walls certainly allow, if these are known.
+    pub free_squares: Option<&'a Scalars>,
     /// The displacement of a particle that the walls allow.
     pub inside: &'a I,
 }
@@ -197,9 +214,10 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2]> Work<f32> for Separate<'_, I> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) -> usize {
         let mut count = 0;
-        for (block, of) in self.blocks.iter().zip(self.of) {
+        for block in self.blocks {
             if block.near != 0 {
-                let moved = block.separate(simd, of, self.displacements, self.inside);
+                let Self { displacements, free_squares, inside, .. } = self;
+                let moved = block.separate(simd, displacements, free_squares, inside);
                 count += moved.count_ones() as usize;
             }
         }

@@ -101,10 +101,21 @@ impl Block {
         cache::load(&arguments.reaches[range]);
     }
 
-    /// Finds the impacts on walls along the first segments.
-    /// `near` is scratch.
-    pub(super) fn find_first_wall_impacts(&mut self, window: &Window<'_>, near: &mut Vec<u32>) {
-        let near = window.list_near_walls(self.range.clone(), near).iter();
+    /// Finds the impacts on walls along the first segments; `restless` are the discs of the block that
+    /// are not calm. `near` is scratch.
+    pub(super) fn find_first_wall_impacts(
+        &mut self,
+        window: &Window<'_>,
+        restless: &[u32],
+        near: &mut Vec<u32>,
+    ) {
+        // Calm discs hit no side of the container, but walls may move.
+        let near = if window.flight.walls.is_empty() {
+            window.list_near_walls(restless.iter().copied(), near)
+        } else {
+            window.list_near_walls(self.range.clone(), near)
+        };
+        let near = near.iter();
         let events = near.map(|&index| window.wall_event(index, &window.segment(index), 0));
         self.first.extend(events.flatten());
     }

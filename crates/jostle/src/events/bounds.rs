@@ -76,7 +76,9 @@ pub(super) fn find_outside_at_start(
     outside: &mut Vec<Outside>,
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
-    let moving = (0..).zip(window.starts).filter(|(_, start)| moves(start));
+    let may_leave = |index: u32| window.may_leave(index, reaches[index as usize]);
+    let moving = (0..).zip(window.starts);
+    let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
         let segment = window.segment(index);
         let distance = window.longest_square(index, &segment).sqrt();

@@ -64,6 +64,26 @@ impl Start {
         let Self { position, velocity, radius, falls, .. } = *self;
         Now { position, velocity, radius, falls, sizes: length(position) }
     }
+
+    /// Whether it is calm in a window of `span` seconds. Two such discs approach by less than
+    /// [`DEFERRED`] of the sum of their radii, so nothing happens to them, also if they overlap.
+    #[inline(always)]
+    pub fn is_calm(&self, span: f32) -> bool {
+        let farthest = DEFERRED as f32 * self.radius * (1.0 - MARGIN);
+        (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
+    }
+
+    /// False only if it certainly stays within `reach` of `anchor` for `span` seconds, without events.
+    #[inline(always)]
+    fn may_leave(&self, anchor: [f32; 2], gravity: [f32; 2], span: f32, reach: f32) -> bool {
+        let Self { position, velocity, falls, .. } = *self;
+        let fall = if falls { length(gravity) * span * span } else { 0.0 };
+        let far = length([0, 1].map(|k| position[k] - anchor[k])) + length(velocity) * span + fall;
+        let rounding = ROUNDING * (length(position) + length(anchor));
+        let stays = far * (1.0 + MARGIN) + rounding <= reach;
+        // Also true where numbers overflow.
+        !stays
+    }
 }
 
 impl Now {
@@ -172,8 +192,33 @@ impl Window<'_> {
         walls.may_touch(index, &path, error, left).map(|may| may | is_near_side)
     }
 
-    /// Lists the discs of a range that may hit a wall along their first segments, and some others.
-    pub fn list_near_walls<'n>(&self, range: Range<u32>, near: &'n mut Vec<u32>) -> &'n [u32] {
+    /// False only if a disc certainly stays in its bounds along its first segment.
+    #[inline(always)]
+    pub fn may_leave(&self, index: u32, reach: f32) -> bool {
+        let anchor = self.flight.particles.positions[index as usize];
+        let gravity = self.flight.gravity.map(|g| g as f32);
+        self.starts[index as usize].may_leave(anchor, gravity, self.end as f32, reach)
+    }
+
+    /// Lists the discs of a range that are not calm.
+    pub fn list_restless(&self, range: Range<u32>, restless: &mut Vec<u32>) {
+        restless.clear();
+        restless.resize(range.len(), 0);
+        let mut count = 0;
+        for index in range {
+            // Without a branch, which would often be predicted wrongly.
+            restless[count] = index;
+            count += usize::from(!self.starts[index as usize].is_calm);
+        }
+        restless.truncate(count);
+    }
+
+    /// Lists those of some discs that may hit a wall along their first segments, and some others.
+    pub fn list_near_walls<'n>(
+        &self,
+        discs: impl ExactSizeIterator<Item = u32>,
+        near: &'n mut Vec<u32>,
+    ) -> &'n [u32] {
         let Flight { container, walls, gravity, .. } = self.flight;
         let (has_sides, has_walls) = (container.has_walls(), !walls.is_empty());
         near.clear();
@@ -182,9 +227,9 @@ impl Window<'_> {
         }
         let end = self.end as f32;
         let fall = 0.5 * end * dot(gravity.map(|g| g as f32), gravity.map(|g| g as f32)).sqrt();
-        near.resize(range.len(), 0);
+        near.resize(discs.len(), 0);
         let mut count = 0;
-        for index in range {
+        for index in discs {
             let Start { position, velocity, radius, .. } = self.starts[index as usize];
             let far = (dot(velocity, velocity).sqrt() + fall) * end * (1.0 + MARGIN);
             let margin = |k: usize| far + radius + MARGIN * (position[k].abs() + radius);
@@ -232,7 +277,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::trajectory::Relative;
+    use crate::trajectory::{Limits, Relative};
 
     /// A vector of any direction and of a length between powers of ten.
     fn vector(exponents: std::ops::Range<f64>) -> impl Strategy<Value = [f64; 2]> {
@@ -276,6 +321,69 @@ mod tests {
                 prop_assert!(own.may_meet(&other, image, span as f32));
                 prop_assert!(other.may_meet(&own, image.map(|v| -v), span as f32));
             }
+        }
+    }
+
+    /// A supported disc as it begins a window.
+    fn resting(position: [f64; 2], velocity: [f64; 2]) -> Start {
+        Start {
+            position: position.map(|v| v as f32),
+            velocity: velocity.map(|v| v as f32),
+            radius: 1.0,
+            is_movable: true,
+            is_supported: true,
+            ..Start::default()
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(5_000))]
+
+        /// Whether they overlap or not, by the exact test with the limits of supported discs.
+        #[test]
+        fn nothing_happens_to_two_calm_discs(
+            offset in vector(-1.0..0.4),
+            velocities in [vector(-3.0..-1.5), vector(-3.0..-1.5)],
+        ) {
+            let starts = [([0.0; 2], velocities[0]), (offset, velocities[1])];
+            if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_calm(1.0)) {
+                let segments = starts.map(|(position, velocity)| {
+                    Segment { time: 0.0, position, velocity, falls: false }
+                });
+                let relative = Relative::of(&segments[0], &segments[1], [0.0; 2], [0.0; 2]);
+                let tolerance = 2.0 * DEFERRED;
+                let limits = Limits {
+                    until: 1.0,
+                    end: 1.0,
+                    rounding: 1e-7,
+                    tolerance,
+                    deep_tolerance: tolerance,
+                    bounces: 0.5,
+                };
+                prop_assert!(relative.impact(2.0, &limits).is_none());
+            }
+        }
+
+        #[test]
+        fn a_disc_that_leaves_its_bounds_is_never_left_out(
+            anchor in vector(-1.0..5.0),
+            [from, velocity, gravity] in [vector(-3.0..0.0), vector(-3.0..0.0), vector(-3.0..0.0)],
+            (share, falls) in (0.0f32..1.2, any::<bool>()),
+        ) {
+            let disc = resting([0, 1].map(|k| anchor[k] + from[k]), velocity);
+            let (disc, anchor) = (Start { falls, ..disc }, anchor.map(|v| v as f32));
+            let pull = if falls { gravity } else { [0.0; 2] };
+            let distance = (0..=64).map(|k| f64::from(k) / 64.0).map(|time| {
+                let at = |k: usize| {
+                    f64::from(disc.position[k]) - f64::from(anchor[k])
+                        + (velocity[k] + 0.5 * pull[k] * time) * time
+                };
+                at(0).hypot(at(1))
+            });
+            let farthest = distance.fold(0.0, f64::max) as f32;
+            let gravity = gravity.map(|g| g as f32);
+            prop_assert!(disc.may_leave(anchor, gravity, 1.0, farthest * share.min(0.999)));
+            prop_assert!(!disc.may_leave(anchor, gravity, 1.0, 100.0));
         }
     }
 

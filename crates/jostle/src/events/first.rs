@@ -4,12 +4,15 @@
 //! in float32 leaves out most of them.
 
 use super::flight::Window;
-use super::neighbors::{Neighbors, opposite};
+use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::Event;
 use super::{Block, Events};
 
 /// Candidate pairs that are tested at a time.
 const PAIRS: usize = 4096;
+
+/// If at most one of so many discs of a block is not calm, only the neighbours of these are tested.
+const FEW: usize = 4;
 
 impl Events {
     /// Finds the first impacts of the neighbours that were found after discs have left their bounds
@@ -32,16 +35,59 @@ impl Events {
 
 impl Block {
     /// Finds the impacts along the first segments of pairs of which a disc of this block is the first.
-    /// `near` is scratch.
+    /// `restless` are the discs of the block that are not calm. `near` is scratch.
     pub(super) fn find_first_impacts(
         &mut self,
         window: &Window<'_>,
         neighbors: &Neighbors,
+        restless: &[u32],
         near: &mut Vec<[u32; 2]>,
     ) {
         if !window.flight.pairs {
             return;
         }
+        if restless.len() <= self.range.len() / FEW {
+            self.find_first_impacts_of(window, neighbors, restless);
+        } else {
+            self.find_first_impacts_inside(window, neighbors, near);
+        }
+        for &(pair, code) in &neighbors.block(self.number).across {
+            let image = neighbors.image_of(code).map(|v| v as f32);
+            if may_meet(window, pair, image) {
+                self.test(window, neighbors, pair, code);
+            }
+        }
+    }
+
+    /// Those of discs of this block with others of it that are the only ones that are not calm.
+    fn find_first_impacts_of(
+        &mut self,
+        window: &Window<'_>,
+        neighbors: &Neighbors,
+        restless: &[u32],
+    ) {
+        for &own in restless {
+            for &Neighbor { index, image: code } in neighbors.at_start(own) {
+                // Both of two have the pair in their lists.
+                let is_tested = index < own && !window.starts[index as usize].is_calm;
+                let image = neighbors.image_of(code).map(|v| v as f32);
+                if self.range.contains(&index)
+                    && !is_tested
+                    && may_meet(window, [own, index], image)
+                {
+                    self.test(window, neighbors, [own, index], code);
+                }
+            }
+        }
+    }
+
+    /// Those of all pairs of discs of this block.
+    fn find_first_impacts_inside(
+        &mut self,
+        window: &Window<'_>,
+        neighbors: &Neighbors,
+        near: &mut Vec<[u32; 2]>,
+    ) {
         let all = neighbors.block(self.number);
         for (list, range) in &all.inside {
             let (image, pairs) = &window.flight.candidates[*list as usize];
@@ -51,12 +97,6 @@ impl Block {
                 for &pair in &near[..count] {
                     self.test(window, neighbors, pair, code);
                 }
-            }
-        }
-        for &(pair, code) in &all.across {
-            let image = neighbors.image_of(code).map(|v| v as f32);
-            if may_meet(window, pair, image) {
-                self.test(window, neighbors, pair, code);
             }
         }
     }
@@ -103,7 +143,9 @@ fn find_near(
 #[inline(always)]
 fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
     let [own, other] = pair.map(|index| &window.starts[index as usize]);
-    (own.is_movable | other.is_movable) & window.may_meet(own, other, image)
+    (own.is_movable | other.is_movable)
+        & !(own.is_calm & other.is_calm)
+        & window.may_meet(own, other, image)
 }
 
 /// Whether the impacts of two discs are those of the second with the first: a movable disc comes

@@ -106,6 +106,8 @@ pub struct Resting {
     positions: Vectors,
     /// The speeds that gravity and forces give to the particles in the sub-step, and 0.
     speeds: Vectors,
+    /// That speed if it is the same for all that move.
+    speed_of_all: Option<f32>,
     /// The contacts of the step.
     blocks: Vec<Block>,
     limits: Vec<Limits>,
@@ -116,6 +118,9 @@ pub struct Resting {
     walls: Vec<Walls>,
     /// Those of a part of the particles each.
     parts: Vec<WallPart>,
+    /// The particles at walls in the last sub-step, and whether it was one of this step.
+    pushed: Vec<u32>,
+    knows_pushed: bool,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
     uneven_walls: usize,
 }
@@ -280,7 +285,8 @@ impl Surfaces {
 impl Resting {
     /// Begins a step with the impulses of the step before.
     pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles, has_friction: bool) {
-        let Self { blocks, limits, frictions, .. } = self;
+        let Self { blocks, limits, frictions, knows_pushed, .. } = self;
+        *knows_pushed = false;
         let all = &contacts.blocks.list;
         blocks.clear();
         blocks.extend(all.iter().map(Block::new));
@@ -349,24 +355,37 @@ impl Resting {
         let Self { velocities, changes, positions, speeds, .. } = self;
         let (velocities, changes) = (&*velocities, &*changes);
         let (positions, speeds) = (&*positions, &*speeds);
+        let change_of = |kick: &Kick| {
+            let change = [0, 1].map(|k| scene.change(kick, k));
+            let speed = (change[0] * change[0] + change[1] * change[1]).sqrt() as f32;
+            (change.map(|v| v as f32), speed)
+        };
+        // Without forces all particles have the same.
+        let without_kick = change_of(&Kick::default());
+        let any_kick = AtomicBool::new(false);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
+            let mut any = false;
             for (kick, place) in kicks.iter_mut().zip(first..) {
                 velocities.set(place as u32, scene.velocity(place));
                 positions.set(place as u32, scene.motions.position(place as u32));
                 let mut change = [0.0; 2];
                 if scene.moving[place] {
-                    change = [0, 1].map(|k| scene.change(kick, k));
-                    kick.speed = (change[0] * change[0] + change[1] * change[1]).sqrt() as f32;
+                    let has_kick = kick.before != [0.0; 2] || kick.after != [0.0; 2];
+                    any |= has_kick;
+                    (change, kick.speed) = if has_kick { change_of(kick) } else { without_kick };
                 }
-                changes.set(place as u32, change.map(|v| v as f32));
+                changes.set(place as u32, change);
                 speeds.set(place as u32, [kick.speed, 0.0]);
             }
+            any_kick.fetch_or(any, Ordering::Relaxed);
         });
+        self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick.1);
     }
 
     /// Finds the contacts of two particles that rest.
     fn find_starts(&mut self, scene: &Support<'_>, contacts: &Contacts) {
         let Self { blocks, limits, frictions, positions, velocities, speeds, is_fast, .. } = self;
+        let speed_of_all = self.speed_of_all;
         let (positions, velocities, speeds) = (&*positions, &*velocities, &*speeds);
         let duration = scene.flow.duration as f32;
         let all_of = &contacts.blocks.list;
@@ -380,8 +399,17 @@ impl Resting {
         let parts = blocks.zip(limits.chunks_mut(size)).zip(all_of.chunks(size));
         let any = AtomicBool::new(false);
         parallel::for_each(threads, parts, |(((blocks, frictions), limits), of)| {
-            let starts =
-                Starts { of, limits, blocks, frictions, positions, velocities, speeds, duration };
+            let starts = Starts {
+                of,
+                limits,
+                blocks,
+                frictions,
+                positions,
+                velocities,
+                speeds,
+                speed_of_all,
+                duration,
+            };
             any.fetch_or(starts.run(), Ordering::Relaxed);
         });
         *is_fast = any.into_inner();
@@ -424,8 +452,20 @@ impl Resting {
             }
             list(false);
         }
-        normal.fill([0.0; MAX_WALLS]);
-        friction.fill([0.0; MAX_WALLS]);
+        // Those of a particle are set in the sub-step before, if it is not the first of the step.
+        if std::mem::replace(&mut self.knows_pushed, true) {
+            for &place in &self.pushed {
+                normal[place as usize] = [0.0; MAX_WALLS];
+                if let Some(of) = friction.get_mut(place as usize) {
+                    *of = [0.0; MAX_WALLS];
+                }
+            }
+        } else {
+            normal.fill([0.0; MAX_WALLS]);
+            friction.fill([0.0; MAX_WALLS]);
+        }
+        self.pushed.clear();
+        self.pushed.extend(self.walls.iter().map(|of| of.place));
     }
 
     /// Gives all of its change of velocity to each particle that resting contacts support before

@@ -71,6 +71,8 @@ pub struct Starts<'a> {
     pub velocities: &'a Vectors,
     /// The speeds that gravity and forces give to them in the sub-step, and 0.
     pub speeds: &'a Vectors,
+    /// That speed if it is the same for all that move.
+    pub speed_of_all: Option<f32>,
     /// Seconds of the sub-step.
     pub duration: f32,
 }
@@ -98,6 +100,7 @@ impl Work<f32> for Starts<'_> {
                 positions: self.positions,
                 velocities: self.velocities,
                 speeds: self.speeds,
+                speed_of_all: self.speed_of_all,
                 duration: self.duration,
             };
             is_fast |= start(simd, block, limits, of, &all);
@@ -117,6 +120,7 @@ struct All<'a> {
     positions: &'a Vectors,
     velocities: &'a Vectors,
     speeds: &'a Vectors,
+    speed_of_all: Option<f32>,
     duration: f32,
 }
 
@@ -144,8 +148,13 @@ fn start<S: Simd<f32>>(
 
     let [u, v] = difference(simd, all.velocities, &of.places);
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
-    let [a, _] = simd.gather(all.speeds.words(), &of.places, 0);
-    let [b, _] = simd.gather(all.speeds.words(), &of.places, 1);
+    let [a, b] = [0, 1].map(|k| match all.speed_of_all {
+        Some(speed) => {
+            let moves = simd.less(zero, simd.load(&of.inverse_masses[k]));
+            simd.choose(moves, simd.splat(speed), zero)
+        }
+        None => simd.gather(all.speeds.words(), &of.places, k)[0],
+    });
     let most = simd.max(a, b);
     let approach = simd.mul(simd.load(&limits.rest_speeds[0]), most);
     let separation = simd.mul(simd.load(&limits.rest_speeds[1]), most);
