@@ -267,6 +267,17 @@ def test_sleeping() -> None:
         ours.step(1 / 30, 12)
         check_asleep("obstacles", ours, still)
     assert still.asleep.any()
+    # A kinematic disc moves to sleeping ones, and wakes them.
+    coming = sleepers(8, falling=1, movable=np.arange(33) < 32)
+    coming.set(32, positions=(3.0, 150.0), velocities=(0.0, -60.0))
+    ours = scattered(coming, evenly)
+    counts = []
+    for _ in range(8):
+        coming.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("a kinematic disc", ours, coming)
+        counts.append(int(coming.asleep.sum()))
+    assert np.diff(counts).min() < 0, counts
 
 
 def test_calls_of_sleepers() -> None:

@@ -215,8 +215,9 @@ impl World {
                 let rounding = f64::from(rounding(of.position, &settings.container));
                 let range = grid.range(center, radius * 1.000_01 + rounding);
                 cells.push(range);
-                // Nothing changes the motion of others, but they may touch.
-                if particles.movable[place] || settings.track_events {
+                // Nothing changes the motion of others, but they may touch, and wake sleeping ones.
+                let wakes = domain.asleep > 0 && !particles.is_static(place);
+                if particles.movable[place] || settings.track_events || wakes {
                     grid.each_cell(range, |cell| marks.set(cell));
                 }
             }
