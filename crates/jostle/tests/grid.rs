@@ -75,7 +75,8 @@ fn bands_of_many_circles_agree_on_all_threads() {
         let tree = Some(Method::Quadtree);
         let mut expected = pairs::find(&shapes, tree, Some(1), DEFAULT_MAX_PAIRS).unwrap();
         expected.sort().unwrap();
-        assert!(found == expected.pairs && found.len() > 100_000);
+        assert!(found == expected.pairs);
+        assert!(found.len() > 50_000, "{}", found.len());
         assert!(find(&shapes, 8) == (false, found));
     }
 }
