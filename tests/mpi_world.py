@@ -395,6 +395,8 @@ def check_refused_edits() -> None:
         refuse(call, message)
     if COMM.size > 1:
         refuse(lambda: setattr(ours, "drag", COMM.rank * 0.5), "drag is not the same")
+        refuse(lambda: ours.step(0.1 + COMM.rank), "dt is not the same")
+        refuse(lambda: ours.step(0.1, 1 + COMM.rank), "steps is not the same")
         columns = {"radii": 1.0} if last else {"masses": 1.0}
         refuse(lambda: ours.set([], **columns), "the columns are not the same")
     assert ours.state_hash() == before and np.array_equal(ours.ids, ids)
@@ -866,6 +868,8 @@ def test_errors() -> None:
         ("on_touch", lambda: scattered(gas(50, on_touch="merge"), evenly)),
         ("forces[0]", lambda: scattered(gas(50, forces=[jostle.Gravitation(1.0)]), evenly)),
         ("dt", lambda: world.step(-1.0)),
+        ("steps is -1", lambda: world.step(0.1, -1)),
+        ("steps", lambda: world.step(0.1, True)),
         ("gravity", lambda: jostle.mpi.World(COMM, [], [], [], gravity=(COMM.rank, 0))),
         ("walls", lambda: jostle.mpi.World(COMM, [], [], [], walls=walls)),
     ]

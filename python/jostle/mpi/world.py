@@ -184,13 +184,17 @@ class World:
 
     def _check_settings(self, core: Any, names: tuple[str, ...]) -> None:
         """Refuse settings that differ between ranks."""
-        values = [getattr(core, name) for name in names]
-        digests = [hashlib.sha256(_bytes_of(value)).digest() for value in values]
+        self._check_same(**{name: getattr(core, name) for name in names})
+
+    def _check_same(self, **values: object) -> None:
+        """Refuse values that differ between ranks."""
+        digests = [hashlib.sha256(_bytes_of(value)).digest() for value in values.values()]
         own = np.frombuffer(b"".join(digests), np.uint8).reshape(len(values), -1)
         everything = from_all(self._comm, own)
         differ = (everything != everything[0]).any(axis=(0, 2))
-        for at in np.flatnonzero(differ):
-            raise ValueError(f"{names[at]} is not the same on all ranks: here it is {values[at]!r}")
+        for at, (name, value) in enumerate(values.items()):
+            if differ[at]:
+                raise ValueError(f"{name} is not the same on all ranks: here it is {value!r}")
 
     @collective
     def _assign(self, name: str, value: object) -> None:
@@ -216,8 +220,8 @@ class World:
         Raises
         ------
         ValueError
-            If the step is refused, as by `jostle.World.step`. Then the world is as before this
-            step, on all ranks.
+            If the step is refused, as by `jostle.World.step`, or if `dt` or `steps` is not the same
+            on all ranks. Then the world is as before this step, on all ranks.
         RankError
             If another rank cannot do the step, or if a signal handler raises there.
 
@@ -227,6 +231,9 @@ class World:
         rank, no rank makes a further step.
         """
         with held() as run_handlers:
+            with together(self._comm):
+                dt, steps = self._core._arguments_of_step(dt, steps)
+            self._check_same(dt=dt, steps=steps)
             with together(self._comm):
                 self._core._begin_steps(dt)
             for _ in range(steps):
@@ -608,7 +615,8 @@ class World:
         -------
         jostle.World or None
             On `root` a world of all particles in the order of ids, which continues with the same
-            bits; None on other ranks.
+            bits; None on other ranks. It has no contacts, events and collisions before its first
+            step.
 
         Raises
         ------

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use super::PyWorld;
-use crate::arrays::{column, table};
+use crate::arrays::{column, count, number, table};
 use crate::communicator::PyCommunicator;
 use crate::error::refused;
 use crate::interrupt::detached;
@@ -45,6 +45,18 @@ impl PyWorld {
             PyResult::Ok(state.step(dt, 1))
         })??;
         done.map(|_| ()).map_err(refused)
+    }
+
+    /// The arguments of `step`, which are refused as there. For `jostle.mpi`.
+    fn _arguments_of_step(
+        &self,
+        py: Python<'_>,
+        dt: &Bound<'_, PyAny>,
+        steps: &Bound<'_, PyAny>,
+    ) -> PyResult<(f64, usize)> {
+        let (dt, steps) = (number("dt", dt)?, count("steps", steps, 0)?);
+        self.long(py, |state| state.world.step(dt, 0))?.map_err(refused)?;
+        Ok((dt, steps))
     }
 
     /// Begin a call of `step` of a distributed world. For `jostle.mpi`.

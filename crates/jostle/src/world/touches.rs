@@ -199,6 +199,10 @@ impl World {
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
         let (places, container) = (self.places(), &self.settings.container);
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
+            // One that is only kept for warm starting, in a world of particles of other ones.
+            if impulses[0] <= 0.0 {
+                return None;
+            }
             let place = places[row as usize] as usize;
             let (all, place) = self.disc_at(place);
             let position = exact(all.positions[place], all.residuals[place]);
