@@ -164,7 +164,6 @@ fn an_interrupted_step_is_undone_wherever_it_stops() {
             assert_eq!(state(&world), before, "{name} stopped at check {checks}");
             assert!(checks < 10_000);
         }
-        world.begin_record();
         other.step(1.0 / 60.0, 1).unwrap();
         let steps = &mut |world: &mut World| world.step(1.0 / 60.0, 5).unwrap();
         steps(&mut world);

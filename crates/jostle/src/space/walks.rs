@@ -147,10 +147,10 @@ impl<T: Scalar> Call<'_, T> {
         let parts = parallel::map(threads, islands.len().div_ceil(ISLANDS_PER_TASK), |part| {
             let mut pulse = Pulse::of(&stop);
             let mut walks = Vec::new();
-            let mut memory = Memory::default();
+            let mut scratch = Scratch::default();
             let first = part * ISLANDS_PER_TASK;
             for island in first..islands.len().min(first + ISLANDS_PER_TASK) {
-                self.walk_island(islands.rows(island), (&mut memory, &mut pulse), &mut walks)?;
+                self.walk_island(islands.rows(island), (&mut scratch, &mut pulse), &mut walks)?;
             }
             Ok(walks)
         });
@@ -235,10 +235,10 @@ impl<T: Scalar> Call<'_, T> {
     fn walk_island(
         &self,
         rows: &[u32],
-        (memory, pulse): (&mut Memory<T>, &mut Pulse),
+        (scratch, pulse): (&mut Scratch<T>, &mut Pulse),
         walks: &mut Vec<Walk<T>>,
     ) -> Result<()> {
-        let Memory { near, stack, crowd, order, waiting } = memory;
+        let Scratch { near, stack, crowd, order, waiting } = scratch;
         crowd.fill(rows.iter().map(|&row| self.body(row as usize)))?;
         self.order(rows, order, waiting)?;
         for &index in &order[..] {
@@ -353,7 +353,7 @@ fn meets<T: Scalar>(region: &Bounds<T>, shape: &Shape<T>) -> bool {
 }
 
 /// Memory of a task.
-struct Memory<T> {
+struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
     crowd: Crowd<T>,
@@ -361,7 +361,7 @@ struct Memory<T> {
     waiting: Vec<u32>,
 }
 
-impl<T> Default for Memory<T> {
+impl<T> Default for Scratch<T> {
     fn default() -> Self {
         let (near, stack, crowd) = (Vec::new(), Vec::new(), Crowd::default());
         Self { near, stack, crowd, order: Vec::new(), waiting: Vec::new() }

@@ -62,7 +62,7 @@ impl World {
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::Memory { reaches, forces, usual_speed, shapes, .. } = &mut self.memory;
+        let super::StepScratch { reaches, forces, usual_speed, shapes, .. } = &mut self.scratch;
         let (particles, settings) = (&self.particles, &self.settings);
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
@@ -109,7 +109,7 @@ impl World {
                 is_cut.store(true, Ordering::Relaxed);
             }
         });
-        self.memory.bounded = !is_cut.into_inner();
+        self.scratch.bounded = !is_cut.into_inner();
     }
 
     /// The speed that bounds allow for.
@@ -127,7 +127,7 @@ impl World {
         let count = self.count_of_all();
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
-        let displacement = f64::from(self.memory.usual_speed) * dt + 0.5 * fall * dt * dt;
+        let displacement = f64::from(self.scratch.usual_speed) * dt + 0.5 * fall * dt * dt;
         let radius = self.mean(radii, |&radius| radius)?;
         let area = match self.settings.container.area() {
             Some(area) => area,

@@ -278,7 +278,7 @@ impl World {
         {
             return Err(damaged("no such particle sleeps"));
         }
-        let sleeping = &mut self.memory.sleeping;
+        let sleeping = &mut self.scratch.sleeping;
         sleeping.members.clear();
         sleeping.names.clear();
         sleeping.names.resize(self.rows.len(), 0);

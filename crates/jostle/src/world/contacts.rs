@@ -2,7 +2,7 @@
 //! solved in the sub-steps.
 
 use super::search::Lists;
-use super::{Memory, OnTouch, World, merge};
+use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -20,19 +20,19 @@ impl World {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, memory, contacts, domain, rows, .. } = self;
-        let Memory { tree, pairs, moving, events, .. } = memory;
+        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
+        let StepScratch { tree, pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
-            let Memory { overlaps, overlap_parts, .. } = memory;
+            let StepScratch { overlaps, overlap_parts, .. } = scratch;
             find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
         }
-        let lists = if may_rest { pairs } else { &memory.overlaps };
+        let lists = if may_rest { pairs } else { &scratch.overlaps };
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
-        memory.contact_shape = contacts.shape();
+        scratch.contact_shape = contacts.shape();
         if let Some(domain) = domain {
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            memory.contact_shape = domain.shape_of_all(memory.contact_shape)?;
+            scratch.contact_shape = domain.shape_of_all(scratch.contact_shape)?;
             domain.add_pair_digests(of_pairs);
         }
         Ok(())
@@ -41,7 +41,9 @@ impl World {
     /// Moves the pairs that do not push each other to lists of their own: those with sensors, and all
     /// if particles merge.
     fn take_pairs_that_pass(&mut self) {
-        let Self { particles, memory: Memory { pairs, sensed, candidate_merges, .. }, .. } = self;
+        let Self {
+            particles, scratch: StepScratch { pairs, sensed, candidate_merges, .. }, ..
+        } = self;
         if !particles.sensors.is_empty() {
             let is_sensor = |place: u32| particles.is_sensor(place as usize);
             take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
@@ -56,7 +58,7 @@ impl World {
     /// Finds which particles move in this part of the step: those that are movable and have not had too
     /// many events.
     fn find_moving(&mut self) {
-        let Memory { moving, exhausted, .. } = &mut self.memory;
+        let StepScratch { moving, exhausted, .. } = &mut self.scratch;
         moving.clone_from(&self.particles.movable);
         if !exhausted.is_empty() {
             let places = self.rows.iter().zip(moving.iter_mut());

@@ -14,7 +14,7 @@ use super::carried::Resting;
 use super::ids::Ids;
 use super::islands::SleepingContact;
 use super::search::Lists;
-use super::{Memory, OnTouch, World};
+use super::{OnTouch, StepScratch, World};
 use crate::contacts::{ContactShape, Contacts};
 use crate::container::Container;
 use crate::decomposition::{
@@ -307,9 +307,9 @@ impl Domain {
         particles: &Particles,
         rows: &[u32],
         container: &Container,
-        memory: &mut Memory,
+        scratch: &mut StepScratch,
     ) {
-        let Memory { limits, reaches, .. } = memory;
+        let StepScratch { limits, reaches, .. } = scratch;
         let has_sleepers = self.asleep > 0;
         limits.clear();
         self.left.clear();

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::sleeping::Drift;
-use super::{Memory, World};
+use super::{StepScratch, World};
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
@@ -65,7 +65,7 @@ impl World {
             left += u32::from(!gone);
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        let Memory { wall_pushes, exhausted, .. } = &mut self.memory;
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
         renumber(wall_pushes, |of| &mut of.row, (gone, &shifted));
         renumber(exhausted, |row| row, (gone, &shifted));

@@ -56,34 +56,34 @@ impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn apply_forces(&mut self, dt: f32) -> Result<()> {
-        let substeps = self.memory.substeps;
+        let substeps = self.scratch.substeps;
         let settings = &self.settings;
-        let memory = &mut self.memory.forces;
-        memory.accelerations.clear();
-        memory.reaches.clear();
+        let scratch = &mut self.scratch.forces;
+        scratch.accelerations.clear();
+        scratch.reaches.clear();
         if self.forces.is_empty() && self.given.is_empty() {
             return Ok(());
         }
-        find_places(&self.forces, &self.rows, &mut memory.places);
+        find_places(&self.forces, &self.rows, &mut scratch.places);
         let h = dt / substeps as f32;
         let particles = &self.particles;
         if !self.given.is_empty() || forces::pull(&self.forces) {
             let all = particles.positions.iter().zip(&particles.velocities);
-            memory.halfway.clear();
+            scratch.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
-            memory.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
-            memory.velocities.clone_from(&particles.velocities);
+            scratch.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
+            scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;
         }
-        let (memory, settings) = (&mut self.memory.forces, &self.settings);
+        let (scratch, settings) = (&mut self.scratch.forces, &self.settings);
         let particles = &self.particles;
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
-            let ForceScratch { places, groups, reaches, .. } = memory;
+            let ForceScratch { places, groups, reaches, .. } = scratch;
             let bodies = bodies(particles, &particles.positions, (&self.rows, places), settings);
             forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
         }
-        let ForceScratch { accelerations, reaches, .. } = &self.memory.forces;
+        let ForceScratch { accelerations, reaches, .. } = &self.scratch.forces;
         let particles = &self.particles;
         let displacement =
             |place: usize| force_displacement(accelerations.get(place), reaches.get(place), dt);
@@ -100,9 +100,9 @@ impl World {
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.extent_of_halfway()?;
-        let Self { particles, rows, settings, memory, .. } = self;
+        let Self { particles, rows, settings, scratch, .. } = self;
         let ForceScratch { all: scratch, places, halfway, velocities, accelerations, .. } =
-            &mut memory.forces;
+            &mut scratch.forces;
         let bodies = bodies(particles, halfway, (rows, places), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         forces::accelerate(&self.forces, &bodies, scratch, accelerations);
@@ -135,7 +135,7 @@ impl World {
         let (particles, settings) = (&self.particles, &self.settings);
         for force in &mut self.forces {
             if let Force::Springs(springs) = force {
-                let places = &self.memory.forces.places;
+                let places = &self.scratch.forces.places;
                 let rows = &self.rows;
                 let bodies = bodies(particles, &particles.positions, (rows, places), settings);
                 springs.break_stretched(&bodies);

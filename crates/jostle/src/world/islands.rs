@@ -139,9 +139,9 @@ impl World {
     /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
     /// moved.
     pub(super) fn join_islands_of_ranks(&mut self) -> Result<()> {
-        let Self { domain, rows, memory, .. } = self;
+        let Self { domain, rows, scratch, .. } = self;
         let Some(domain) = domain else { return Ok(()) };
-        let Scratch { first, of_islands, names, .. } = &mut memory.sleeping;
+        let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
         names.clear();
         names.resize(rows.len(), NO_NAME);
         for (&first, &row) in first.iter().zip(&*rows).filter(|(_, row)| domain.owns(**row)) {
@@ -171,13 +171,13 @@ impl World {
         if self.domain.is_none() || !self.settings.track_events {
             return Ok(());
         }
-        let mut scratch = std::mem::take(&mut self.memory.touching);
+        let mut scratch = std::mem::take(&mut self.scratch.touching);
         let pairs = self.find_touching_of(&self.particles, &mut scratch).map(Iterator::collect);
-        self.memory.touching = scratch;
+        self.scratch.touching = scratch;
         let pairs: Vec<[u32; 2]> = pairs?;
-        let Self { domain, particles, rows, memory, .. } = self;
+        let Self { domain, particles, rows, scratch, .. } = self;
         let Some(domain) = domain else { return Ok(()) };
-        let Scratch { island_of, first, names, .. } = &memory.sleeping;
+        let Scratch { island_of, first, names, .. } = &scratch.sleeping;
         for pair in pairs {
             let sleeps = |&place: &u32| island_of[place as usize] != NONE;
             let Some(place) = pair.into_iter().find(sleeps) else { continue };

@@ -5,7 +5,7 @@
 //! touching particles merges into one. If merged particles overlap others, these merge too, in
 //! a limited number of iterations.
 
-use super::{Memory, World};
+use super::{StepScratch, World};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::forces;
@@ -87,10 +87,10 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
 impl World {
     /// Merges the particles that touched, and those that merged particles then overlap.
     pub(super) fn merge(&mut self) {
-        let candidates = std::mem::take(&mut self.memory.candidate_merges);
+        let candidates = std::mem::take(&mut self.scratch.candidate_merges);
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
         let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.places).collect();
-        self.memory.candidate_merges = candidates;
+        self.scratch.candidate_merges = candidates;
         for _ in 0..ROUNDS {
             self.record_pairs(&touching);
             if touching.is_empty() || !self.merge_touching(&touching) {
@@ -180,7 +180,7 @@ impl World {
         let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
         let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
         let merged = merged.collect();
-        self.memory.before.ids.get_or_insert_with(|| self.ids.clone());
+        self.scratch.before.ids.get_or_insert_with(|| self.ids.clone());
         self.inherit(heirs);
         let shifted = self.take_out(&gone);
         forces::follow(&mut self.forces, |row| {
@@ -197,7 +197,7 @@ impl World {
             has_merged[row] = true;
             has_merged[heir as usize] = true;
         }
-        let Memory { wall_pushes, exhausted, .. } = &mut self.memory;
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
         wall_pushes.retain(|of| !has_merged[of.row as usize]);
         self.wall_impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
         exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);

@@ -171,12 +171,12 @@ pub struct World {
     record: Record,
     /// The distribution over ranks, if the world is distributed.
     domain: Option<Box<Domain>>,
-    memory: Memory,
+    scratch: StepScratch,
 }
 
 /// Scratch of a step.
 #[derive(Debug, Default)]
-struct Memory {
+struct StepScratch {
     /// A multiple of the mean speed, for the bounds.
     usual_speed: f32,
     /// Whether all particles stay in their bounds if they have no events.

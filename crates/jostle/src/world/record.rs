@@ -97,7 +97,7 @@ impl World {
             knows_sleepers: old.knows_sleepers,
             ..Record::default()
         };
-        self.memory.record_before = Some((old, self.renumbered.take()));
+        self.scratch.record_before = Some((old, self.renumbered.take()));
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
@@ -162,7 +162,7 @@ impl World {
 
     /// Makes what a step has recorded final.
     pub(super) fn close_step(&mut self) {
-        let Collisions { pairs, walls } = self.memory.collisions;
+        let Collisions { pairs, walls } = self.scratch.collisions;
         let all = &mut self.record.collisions;
         all.pairs = all.pairs.saturating_add(pairs);
         all.walls = all.walls.saturating_add(walls);

@@ -11,17 +11,17 @@ impl World {
     /// order for [`World::undo`].
     pub(super) fn reorder(&mut self) {
         let threads = self.threads();
-        let memory = &mut self.memory;
-        let order = memory.tree.rows();
-        let before = &mut memory.before;
-        let spare = if before.is_reordered { &mut memory.spare } else { &mut before.discs };
+        let scratch = &mut self.scratch;
+        let order = scratch.tree.rows();
+        let before = &mut scratch.before;
+        let spare = if before.is_reordered { &mut scratch.spare } else { &mut before.discs };
         let Discs { particles, rows, persistent } = spare;
         particles.gather(&self.particles, order, threads);
         std::mem::swap(particles, &mut self.particles);
         gather(rows, &mut self.rows, order, threads);
         persistent.gather(&self.persistent, order, threads);
         std::mem::swap(persistent, &mut self.persistent);
-        gather(&mut memory.old_reaches, &mut memory.reaches, order, threads);
+        gather(&mut scratch.old_reaches, &mut scratch.reaches, order, threads);
         self.forget_places();
         self.set_contacts_aside();
         self.reorder_forces(threads);
@@ -30,21 +30,21 @@ impl World {
     /// Keeps the contacts of the previous step for [`World::undo`], or lists those of the previous part of
     /// the step, with their new places.
     fn set_contacts_aside(&mut self) {
-        let memory = &mut self.memory;
-        memory.touched_before.clear();
-        if !memory.before.is_reordered {
-            self.contacts.exchange(&mut memory.before.contacts);
-            memory.before.is_reordered = true;
+        let scratch = &mut self.scratch;
+        scratch.touched_before.clear();
+        if !scratch.before.is_reordered {
+            self.contacts.exchange(&mut scratch.before.contacts);
+            scratch.before.is_reordered = true;
             return;
         }
-        let (order, indices) = (memory.tree.rows(), &mut memory.indices);
+        let (order, indices) = (scratch.tree.rows(), &mut scratch.indices);
         indices.resize(order.len(), 0);
         (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
         let moved = self
             .contacts
             .touching()
             .map(|contact| (contact.places.map(|place| indices[place as usize]), contact.totals));
-        memory.touched_before.extend(moved);
+        scratch.touched_before.extend(moved);
     }
 
     /// Reorders the accelerations, and prepares the springs for the new places.
@@ -52,7 +52,7 @@ impl World {
         if self.forces.is_empty() && self.given.is_empty() {
             return;
         }
-        let (order, forces) = (self.memory.tree.rows(), &mut self.memory.forces);
+        let (order, forces) = (self.scratch.tree.rows(), &mut self.scratch.forces);
         if !forces.accelerations.is_empty() {
             gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
         }

@@ -27,12 +27,12 @@ pub(super) fn list(
     tree: &Quadtree<f32>,
     settings: &WorldSettings,
     is_sorted: bool,
-    memory: &mut ListScratch,
+    scratch: &mut ListScratch,
     lists: &mut Lists,
 ) -> Result<u64> {
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
-    let ListScratch { join, sorting } = memory;
+    let ListScratch { join, sorting } = scratch;
     let images = iter::once([0.0; 2]).chain(settings.container.images());
     let (mut count, mut tests) = (0, 0);
     for image in images {

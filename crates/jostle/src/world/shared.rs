@@ -124,7 +124,7 @@ impl World {
             self.begin();
             let done = self.step_in_parts(single, watch);
             let mut done = done.and_then(|()| self.compare_with_other_ranks());
-            if matches!(done, Ok(Agreement::Same)) && !self.memory.meets_sleepers {
+            if matches!(done, Ok(Agreement::Same)) && !self.scratch.meets_sleepers {
                 match self.end_step_with_other_ranks(single, dt, widening) {
                     Ok(()) => return Ok(()),
                     Err(error) => done = Err(error),
@@ -263,7 +263,7 @@ impl World {
 
     /// The margin around each particle, and the longer side of the AABB of all positions.
     fn margin_and_extent(&mut self, dt: f32, widening: f64) -> Result<(f64, f64)> {
-        let Self { domain, particles, rows, settings, memory, .. } = self;
+        let Self { domain, particles, rows, settings, scratch, .. } = self;
         let Some(domain) = domain else { return Ok((0.0, 0.0)) };
         let places = particles.positions.iter().map(|&at| settings.container.wrap(at));
         let own = domain.own_of(places, rows).fold([f64::MIN; 4], |most, [x, y]| {
@@ -282,7 +282,7 @@ impl World {
         let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
         domain.extent = (!is_torus).then_some(area);
         let extent = (right + left).max(bottom + top).max(0.0);
-        let usual = f64::from(memory.usual_speed) * f64::from(dt);
+        let usual = f64::from(scratch.usual_speed) * f64::from(dt);
         let of_forces = 0.5 * f64::from(forces::largest_cutoff(&self.forces));
         let margin = (MARGIN * radius + usual) * widening + of_forces;
         Ok((if widening < ALL { margin } else { margin.max(extent) }, extent))
@@ -298,18 +298,18 @@ impl World {
     /// Adds what happened to shared particles in a part of the step to their hashes, and finds those that
     /// got further than announced.
     pub(super) fn digest_shared(&mut self) {
-        let Self { domain, memory, rows, particles, .. } = self;
+        let Self { domain, scratch, rows, particles, .. } = self;
         let Some(domain) = domain else { return };
-        let events = &memory.events;
+        let events = &scratch.events;
         for (at, &place) in domain.shared.iter().enumerate() {
             let row = rows[place as usize] as usize;
-            let motion = memory.motions.get(place);
+            let motion = scratch.motions.get(place);
             let [x, y] = exact(motion.position, motion.residual);
             let [u, v] = motion.velocity.map(f64::from);
             let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
             hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
-            if !memory.spins.is_empty() {
-                hash = digest_all(hash, [f64::from(memory.spins.velocity(place))]);
+            if !scratch.spins.is_empty() {
+                hash = digest_all(hash, [f64::from(scratch.spins.velocity(place))]);
             }
             domain.digests[row] = hash;
             domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
@@ -322,7 +322,7 @@ impl World {
         }
         for (place, &limit) in domain.left.iter().enumerate() {
             let ([x, y], [u, v]) =
-                (memory.motions.position(place as u32), particles.positions[place]);
+                (scratch.motions.position(place as u32), particles.positions[place]);
             let square = (x - u) * (x - u) + (y - v) * (y - v);
             if square > limit * limit {
                 domain.far.push((rows[place], square.sqrt()));
@@ -338,7 +338,7 @@ impl World {
             return Ok(());
         }
         domain.halo().any(false)?;
-        let motions = &self.memory.motions;
+        let motions = &self.scratch.motions;
         domain.halo().refresh(
             |place| {
                 let of = motions.get(place);
@@ -351,7 +351,7 @@ impl World {
                 motions.set(place, Motion { position, residual, velocity, displacement });
             },
         )?;
-        let spins = &self.memory.spins;
+        let spins = &self.scratch.spins;
         if !domain.has_friction() {
             return Ok(());
         }
@@ -364,13 +364,13 @@ impl World {
     /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
     /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
     pub(super) fn share_accelerations(&mut self) -> Result<()> {
-        let Self { domain, rows, memory, settings, forces, .. } = self;
+        let Self { domain, rows, scratch, settings, forces, .. } = self;
         let Some(domain) = domain else { return Ok(()) };
         if locked(&domain.group).size() < 2 || !forces::pull(forces) {
             return Ok(());
         }
         domain.list_places(rows);
-        let force = &mut memory.forces;
+        let force = &mut scratch.forces;
         let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
         domain.halo().any(false)?;
         domain.halo().refresh(
@@ -393,7 +393,7 @@ impl World {
     /// The AABB of some positions of all ranks; None if the world is not distributed.
     pub(super) fn extent_of_halfway(&self) -> Result<Option<[[f32; 2]; 2]>> {
         let Some(domain) = &self.domain else { return Ok(None) };
-        let all = domain.own_of(self.memory.forces.halfway.iter(), &self.rows);
+        let all = domain.own_of(self.scratch.forces.halfway.iter(), &self.rows);
         let own = all.fold([f32::MIN; 4], |most, &[x, y]| {
             [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
         });

@@ -203,7 +203,7 @@ impl World {
 
     /// Removes particles that sleep now from those that are awake.
     pub(super) fn remove_sleepers(&mut self, sleepers: Sleepers) {
-        let island_of = &self.memory.sleeping.island_of;
+        let island_of = &self.scratch.sleeping.island_of;
         let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
         self.drop_wall_impulses(sleepers.discs.rows);
         self.keep(&keep);
@@ -237,9 +237,9 @@ impl World {
                 }
             }
         });
-        if !self.memory.exhausted.is_empty() {
+        if !self.scratch.exhausted.is_empty() {
             for (drift, row) in drifts.iter_mut().zip(&*rows) {
-                if self.memory.exhausted.binary_search(row).is_ok() {
+                if self.scratch.exhausted.binary_search(row).is_ok() {
                     *drift = Drift::UNKNOWN;
                 }
             }
@@ -256,8 +256,8 @@ impl World {
     /// Computes the mean speeds of the quarter that ends, and begins the next one.
     fn end_quarter(&mut self) {
         let gravity = self.gravity();
-        let Self { particles, persistent, memory, .. } = self;
-        let Scratch { squares, changes, .. } = &mut memory.sleeping;
+        let Self { particles, persistent, scratch, .. } = self;
+        let Scratch { squares, changes, .. } = &mut scratch.sleeping;
         squares.clear();
         changes.clear();
         for (Drift { before, now }, &radius) in persistent.drifts.iter_mut().zip(&particles.radii) {
@@ -276,8 +276,8 @@ impl World {
     /// on any rank.
     fn list_sleepers(&mut self) -> Result<bool> {
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
-        let Self { particles, domain, rows, memory, .. } = self;
-        let sleeping = &mut memory.sleeping;
+        let Self { particles, domain, rows, scratch, .. } = self;
+        let sleeping = &mut scratch.sleeping;
         sleeping.members.clear();
         let mut all = sleeping.squares.iter().enumerate();
         let may_sleep = all.any(|(place, &squares)| {
@@ -289,8 +289,8 @@ impl World {
         self.find_islands();
         self.sum_islands();
         self.join_islands_of_ranks()?;
-        let Self { particles, domain, rows, memory, .. } = self;
-        let Scratch { first, of_islands, members, .. } = &mut memory.sleeping;
+        let Self { particles, domain, rows, scratch, .. } = self;
+        let Scratch { first, of_islands, members, .. } = &mut scratch.sleeping;
         for (place, &first) in (0..).zip(&*first) {
             let is_at_rest = of_islands[first as usize].is_at_rest();
             if is_at_rest
@@ -301,15 +301,15 @@ impl World {
             }
         }
         members.sort_unstable();
-        Ok(self.domain.is_some() || !self.memory.sleeping.members.is_empty())
+        Ok(self.domain.is_some() || !self.scratch.sleeping.members.is_empty())
     }
 
     /// Sums up how the members of each island have moved. Ghosts count on their own ranks; but
     /// kinematic ones keep the island awake on each rank.
     fn sum_islands(&mut self) {
-        let Self { particles, domain, rows, memory, .. } = self;
+        let Self { particles, domain, rows, scratch, .. } = self;
         let Scratch { groups, squares, changes, rests, of_islands, first, .. } =
-            &mut memory.sleeping;
+            &mut scratch.sleeping;
         of_islands.clear();
         of_islands.resize(squares.len(), IslandMotion::default());
         first.clear();
@@ -337,9 +337,10 @@ impl World {
     /// overlapped, and what each rests on. Static particles belong to no island; kinematic ones keep
     /// theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, persistent, wall_impulses, rows, memory, domain, .. } =
+        let Self { particles, contacts, persistent, wall_impulses, rows, scratch, domain, .. } =
             self;
-        let super::Memory { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } = memory;
+        let super::StepScratch { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } =
+            scratch;
         let movable = &particles.movable;
         groups.reset(movable.len());
         let touching = contacts.touching().map(|contact| contact.places);
@@ -376,8 +377,8 @@ impl World {
     /// The islands that fall asleep, at rest, without their contacts. They are still among the others,
     /// too.
     pub(super) fn take_sleepers(&mut self) -> Sleepers {
-        let Self { particles, rows, persistent, memory, .. } = &mut *self;
-        let Scratch { members, island_of, names, .. } = &mut memory.sleeping;
+        let Self { particles, rows, persistent, scratch, .. } = &mut *self;
+        let Scratch { members, island_of, names, .. } = &mut scratch.sleeping;
         let mut new = Sleepers::default();
         let order: Vec<u32> = members.iter().map(|&[_, place]| place).collect();
         let discs = &mut new.discs;
@@ -403,8 +404,8 @@ impl World {
 
     /// Adds the contacts of islands that fall asleep. Those of a distributed world are kept with ids.
     fn take_contacts(&mut self, new: &mut Sleepers) {
-        let Self { contacts, rows, memory, .. } = self;
-        let island_of = &memory.sleeping.island_of;
+        let Self { contacts, rows, scratch, .. } = self;
+        let island_of = &scratch.sleeping.island_of;
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.
             let islands = contact.places.map(|place| island_of[place as usize]);

@@ -1,7 +1,7 @@
 //! A step: from positions and velocities to those `dt` seconds later.
 
 use super::bounds::largest;
-use super::{Memory, OnTouch, Stage, Stats, Watch, World, search, touches};
+use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MOST_TOURS;
 use crate::error::{Error, Result};
 use crate::forces;
@@ -46,7 +46,7 @@ impl World {
         let _awake = parallel::keep_awake(self.settings.tree.threads, work, self.worth_waking());
         for _ in 0..steps {
             let done = self.step_awake(single, dt, watch);
-            let record_before = self.memory.record_before.take();
+            let record_before = self.scratch.record_before.take();
             if done.is_err() {
                 if let Some((record, renumbered)) = record_before {
                     self.record = record;
@@ -61,7 +61,7 @@ impl World {
 
     /// The threads to use: one if there is little work. For much work they are woken.
     pub(super) fn threads(&self) -> Option<usize> {
-        let work = self.rows.len() * self.memory.substeps.max(1);
+        let work = self.rows.len() * self.scratch.substeps.max(1);
         let waking = self.worth_waking();
         parallel::threads_for(self.settings.tree.threads, work, WORTH_SHARING, waking)
     }
@@ -106,7 +106,7 @@ impl World {
         for attempt in 0.. {
             self.begin();
             let mut done = self.step_in_parts(single, watch);
-            let mut touched = std::mem::take(&mut self.memory.touched);
+            let mut touched = std::mem::take(&mut self.scratch.touched);
             if done.is_ok() && touched.is_empty() {
                 self.apply_bath(single);
                 self.keep_wall_pushes();
@@ -129,27 +129,27 @@ impl World {
             }
             self.wake(&touched);
             touched.clear();
-            self.memory.touched = touched;
+            self.scratch.touched = touched;
         }
         Ok(())
     }
 
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
-        self.memory.exhausted.clear();
-        self.memory.meets_sleepers = false;
+        self.scratch.exhausted.clear();
+        self.scratch.meets_sleepers = false;
         self.stats = Stats::default();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
         let mut left = dt;
         loop {
-            self.memory.usual_speed = self.usual_speed()?;
+            self.scratch.usual_speed = self.usual_speed()?;
             let parts = self.parts(left)?;
             let substeps = (self.substeps() as f32 * (left / dt)).ceil() as usize;
             let substeps = substeps.max(1).div_ceil(parts);
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
                 self.step_once(part, substeps, watch)?;
-                if self.memory.meets_sleepers {
+                if self.scratch.meets_sleepers {
                     return Ok(());
                 }
             }
@@ -218,7 +218,7 @@ impl World {
         watch: &mut Watch<'_>,
     ) -> Result<()> {
         interrupt::check()?;
-        self.memory.substeps = substeps;
+        self.scratch.substeps = substeps;
         self.apply_forces(dt)?;
         if !self.forces.is_empty() || !self.given.is_empty() {
             watch(Stage::Forces);
@@ -258,7 +258,7 @@ impl World {
     /// Finds the walls that may come near each particle in `dt` seconds.
     fn find_near_walls(&mut self, dt: f32) -> Result<()> {
         self.walls.begin_step(self.settings.tree, f64::from(dt))?;
-        let Memory { near_walls, tree, reaches, usual_speed, .. } = &mut self.memory;
+        let StepScratch { near_walls, tree, reaches, usual_speed, .. } = &mut self.scratch;
         let bounds = (&reaches[..], SPARE * *usual_speed * dt);
         near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
@@ -266,7 +266,7 @@ impl World {
     /// Builds the tree of the bounds.
     fn build_tree(&mut self) -> Result<()> {
         let extent = self.extent_of_all()?;
-        let Self { particles, forces, rows, memory, .. } = self;
+        let Self { particles, forces, rows, scratch, .. } = self;
         let domain = self.domain.as_deref();
         let tie = |a: usize, b: usize| {
             let order = particles.compare(a, b);
@@ -276,16 +276,16 @@ impl World {
                 Some(domain) => order.then_with(|| domain.compare(rows[a], rows[b])),
             }
         };
-        memory.tree.set_extent(extent);
-        memory.tree.set_nested();
-        memory.tree.rebuild(&memory.shapes, self.settings.tree, &tie)
+        scratch.tree.set_extent(extent);
+        scratch.tree.set_nested();
+        scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)
     }
 
     /// Finds the pairs of places whose bounds overlap; none if particles pass through each other.
     fn find_candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;
-        let Memory { tree, listing, pairs, sensed, .. } = &mut self.memory;
+        let StepScratch { tree, listing, pairs, sensed, .. } = &mut self.scratch;
         sensed.clear();
         let tests = match self.settings.on_touch {
             OnTouch::Ignore => {

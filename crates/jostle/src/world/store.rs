@@ -16,26 +16,26 @@ impl World {
     /// Loads positions and velocities of all particles for the sub-steps.
     pub(super) fn load_motions(&mut self) {
         let threads = self.threads();
-        let Self { particles, memory, .. } = self;
-        memory.motions.resize(particles.len());
-        let motions = &memory.motions;
+        let Self { particles, scratch, .. } = self;
+        scratch.motions.resize(particles.len());
+        let motions = &scratch.motions;
         parallel::for_rows(threads, particles.len(), |place| {
             let (position, velocity) = (particles.positions[place], particles.velocities[place]);
             let residual = particles.residuals[place];
             motions.set(place as u32, Motion { position, residual, velocity, ..Motion::default() });
         });
-        memory.spins.fill(&particles.spins);
+        scratch.spins.fill(&particles.spins);
     }
 
     /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
     pub(super) fn store_motions(&mut self) -> Result<()> {
-        let (threads, settings, memory) = (self.threads(), &self.settings, &self.memory);
+        let (threads, settings, scratch) = (self.threads(), &self.settings, &self.scratch);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
             let place = contact.places[0] as usize;
             return Err(self.not_finite("contact_impulses", place, "inf"));
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
-        let (motions, wall_pushes) = (&memory.motions, &self.persistent.wall_pushes);
+        let (motions, wall_pushes) = (&scratch.motions, &self.persistent.wall_pushes);
         let any = AtomicBool::new(false);
         let chunks = || (0..).step_by(STORED);
         let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
@@ -58,7 +58,7 @@ impl World {
         });
         parallel::for_chunks(threads, spins, |first, spins| {
             for (spin, place) in spins.iter_mut().zip(first as u32..) {
-                let (velocity, angle) = (memory.spins.velocity(place), memory.spins.angle(place));
+                let (velocity, angle) = (scratch.spins.velocity(place), scratch.spins.angle(place));
                 if !velocity.is_finite() {
                     any.store(true, Ordering::Relaxed);
                 }
@@ -71,8 +71,8 @@ impl World {
 
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
-        let motion = |place: usize| self.memory.motions.get(place as u32);
-        let spins = &self.memory.spins;
+        let motion = |place: usize| self.scratch.motions.get(place as u32);
+        let spins = &self.scratch.spins;
         let spin = |place: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
         };

@@ -6,7 +6,7 @@ use super::discs::Persistent;
 use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
-use super::{Memory, OnTouch, Stage, Watch, World};
+use super::{OnTouch, Stage, StepScratch, Watch, World};
 use crate::error::Result;
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
@@ -107,34 +107,34 @@ impl World {
     fn begin_substeps(&mut self, dt: f32) -> Substeps {
         let (threads, may_rest, is_elastic) = (self.threads(), self.may_rest(), self.is_elastic());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
-        let Self { particles, persistent, contacts, memory, settings, domain, rows, .. } = self;
+        let Self { particles, persistent, contacts, scratch, settings, domain, rows, .. } = self;
         let has_friction = match &domain {
             None => particles.spins.iter().any(|spin| spin.friction > 0.0),
             Some(domain) => domain.has_friction(),
         };
-        memory.limits.clear();
+        scratch.limits.clear();
         if !self.asleep.is_empty() {
-            memory.limits.extend_from_slice(&memory.reaches);
+            scratch.limits.extend_from_slice(&scratch.reaches);
         }
         if let Some(domain) = domain {
-            domain.fill_limits(particles, rows, &settings.container, memory);
+            domain.fill_limits(particles, rows, &settings.container, scratch);
         }
-        memory.grown.clear();
-        memory.events.begin_step();
-        memory.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
-        memory.wall_impulses.clear();
+        scratch.grown.clear();
+        scratch.events.begin_step();
+        scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
+        scratch.wall_impulses.clear();
         let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
         persistent.wall_frictions.resize(with_friction, Default::default());
         if may_rest {
-            memory.resting.begin_step(contacts, particles, has_friction);
+            scratch.resting.begin_step(contacts, particles, has_friction);
         } else {
             persistent.wall_pushes.fill(Default::default());
-            memory.wall_pushes.clear();
+            scratch.wall_pushes.clear();
         }
-        memory.correction.begin_step(contacts, particles);
-        let seconds = f64::from(dt) / memory.substeps as f64;
+        scratch.correction.begin_step(contacts, particles);
+        let seconds = f64::from(dt) / scratch.substeps as f64;
         Substeps {
-            count: memory.substeps,
+            count: scratch.substeps,
             seconds,
             flow: Flow::new(seconds, settings.gravity, settings.drag),
             is_elastic,
@@ -142,7 +142,7 @@ impl World {
             has_friction,
             has_accelerations,
             has_kicks: may_rest || is_pulled,
-            is_bounded: memory.bounded && !may_rest && springs(&self.forces).next().is_none(),
+            is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
             threads,
         }
     }
@@ -156,13 +156,13 @@ impl World {
         watch: &mut Watch<'_>,
     ) -> Result<()> {
         if substep > 0 && of.has_accelerations {
-            let Memory { forces, motions, .. } = &mut self.memory;
+            let StepScratch { forces, motions, .. } = &mut self.scratch;
             forces.find_halfway(motions, &self.settings.container, of.seconds as f32);
             self.accelerate(of.seconds as f32)?;
             watch(Stage::Forces);
         }
-        let Self { particles, memory, .. } = self;
-        let Memory { forces, motions, kicks, .. } = memory;
+        let Self { particles, scratch, .. } = self;
+        let StepScratch { forces, motions, kicks, .. } = scratch;
         kicks.clear();
         if !of.has_kicks {
             return Ok(());
@@ -178,29 +178,29 @@ impl World {
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
     fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, domain, .. } = self;
-        let Memory { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = memory;
+        let Self { particles, settings, scratch, domain, .. } = self;
+        let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
         let clock = of.clock(substep);
         let scene = Support {
             particles,
-            moving: &memory.moving,
-            motions: &memory.motions,
-            spins: &memory.spins,
+            moving: &scratch.moving,
+            motions: &scratch.motions,
+            spins: &scratch.spins,
             has_friction: of.has_friction,
             flow: &of.flow,
             container: settings.container,
-            walls: around(&self.walls, &memory.near_walls, particles, clock),
+            walls: around(&self.walls, &scratch.near_walls, particles, clock),
             rows: &self.rows,
             pushes: wall_pushes,
             restitution: settings.restitution,
             halo: domain.as_ref().map(|domain| domain.halo()),
-            shape: memory.contact_shape,
+            shape: scratch.contact_shape,
             threads: of.threads,
         };
         let Persistent { wall_pushes: normal, wall_frictions: friction, .. } = &mut self.persistent;
         new.clear();
         let pushes = WallPushes { normal, friction, walls: new, impulses: wall_impulses };
-        memory.resting.support(&scene, &self.contacts, pushes, kicks)?;
+        scratch.resting.support(&scene, &self.contacts, pushes, kicks)?;
         new.sort_unstable_by_key(|of| (of.row, of.wall));
         std::mem::swap(new, wall_pushes);
         Ok(())
@@ -208,46 +208,46 @@ impl World {
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, domain, .. } = self;
-        let Memory { tree, reaches, grown, .. } = memory;
+        let Self { particles, settings, scratch, domain, .. } = self;
+        let StepScratch { tree, reaches, grown, .. } = scratch;
         let mut bounds = StepBounds::new(tree, particles, reaches, grown, settings.container);
         let flight = Flight {
             particles,
-            movable: &memory.moving,
-            motions: &memory.motions,
-            spins: &memory.spins,
+            movable: &scratch.moving,
+            motions: &scratch.motions,
+            spins: &scratch.spins,
             has_friction: of.has_friction,
             gravity: of.flow.gravity,
             end: of.flow.duration,
             flow: of.flow,
-            kicks: &memory.kicks,
+            kicks: &scratch.kicks,
             is_first: true,
             halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
-            walls: around(&self.walls, &memory.near_walls, particles, of.clock(substep)),
+            walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
             restitution: settings.restitution,
             is_elastic: of.is_elastic,
             thermostat: forces::thermostat(&self.forces),
-            hot: &memory.hot_walls,
+            hot: &scratch.hot_walls,
             pairs: settings.on_touch == OnTouch::Bounce,
-            candidates: &memory.pairs,
-            sensed: &memory.sensed,
+            candidates: &scratch.pairs,
+            sensed: &scratch.sensed,
             senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
-            limits: &memory.limits,
+            limits: &scratch.limits,
             threads: of.threads,
         };
-        memory.events.simulate(&flight, &mut bounds)
+        scratch.events.simulate(&flight, &mut bounds)
     }
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
     fn correct_positions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, memory, domain, .. } = self;
-        let Memory { motions, near_walls, correction, candidate_merges, .. } = memory;
+        let Self { particles, settings, scratch, domain, .. } = self;
+        let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let places = (&settings.container, walls);
         let halo = domain.as_ref().map(|domain| domain.halo());
-        let shared = (memory.contact_shape.colours, halo);
+        let shared = (scratch.contact_shape.colours, halo);
         correction.run(&self.contacts, motions, particles, places, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
         Ok(())
@@ -256,9 +256,9 @@ impl World {
     /// Stores the impulses in the contacts.
     fn end_substeps(&mut self, of: &Substeps) {
         if of.may_rest {
-            self.memory.resting.end_step(&mut self.contacts);
+            self.scratch.resting.end_step(&mut self.contacts);
         }
-        self.memory.correction.end_step(&mut self.contacts);
+        self.scratch.correction.end_step(&mut self.contacts);
     }
 }
 

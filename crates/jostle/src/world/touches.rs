@@ -88,13 +88,13 @@ impl World {
     /// sub-steps.
     pub(super) fn collect_touches(&mut self) {
         self.list_exhausted();
-        let bounced = &mut self.memory.events.bounced;
+        let bounced = &mut self.scratch.events.bounced;
         if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
             bounced.sort_unstable_by(Bounce::order);
         }
         self.count_collisions();
         self.collect_wall_impulses();
-        let mut sensed = std::mem::take(&mut self.memory.events.sensed);
+        let mut sensed = std::mem::take(&mut self.scratch.events.sensed);
         sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
         sensed.sort_unstable();
         sensed.dedup();
@@ -103,13 +103,13 @@ impl World {
         } else {
             self.record_pairs(&sensed);
         }
-        self.memory.events.sensed = sensed;
+        self.scratch.events.sensed = sensed;
     }
 
     /// Lists the rows that had too many events.
     fn list_exhausted(&mut self) {
-        let exhausted = &mut self.memory.exhausted;
-        let new = self.memory.events.exhausted.iter().map(|&place| self.rows[place as usize]);
+        let exhausted = &mut self.scratch.exhausted;
+        let new = self.scratch.events.exhausted.iter().map(|&place| self.rows[place as usize]);
         exhausted.extend(new);
         exhausted.sort_unstable();
         self.stats.unresolved = exhausted.len() as u64;
@@ -119,8 +119,8 @@ impl World {
         let (domain, rows) = (&self.domain, &self.rows);
         // A pair of particles belongs to the rank of the first.
         let is_own = |place: u32| domain.as_ref().is_none_or(|of| of.owns(rows[place as usize]));
-        let Collisions { pairs, walls } = &mut self.memory.collisions;
-        let bounced = self.memory.events.bounced.iter();
+        let Collisions { pairs, walls } = &mut self.scratch.collisions;
+        let bounced = self.scratch.events.bounced.iter();
         for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
             *(if of.pair[1] == WALL { &mut *walls } else { &mut *pairs }) += 1;
         }
@@ -128,10 +128,10 @@ impl World {
 
     /// Lists the impulses of walls: of bounces in the order of time, and of resting contacts.
     fn collect_wall_impulses(&mut self) {
-        let memory = &mut self.memory;
-        let bounced = memory.events.bounced.iter().filter(|of| of.pair[1] == WALL);
+        let scratch = &mut self.scratch;
+        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
         let bounced = bounced.map(|of| (of.pair[0], of.code, of.impulses));
-        let all = bounced.chain(memory.wall_impulses.drain(..));
+        let all = bounced.chain(scratch.wall_impulses.drain(..));
         self.wall_impulses.extend(all.map(|(place, wall, impulses)| WallImpulse {
             row: self.rows[place as usize],
             wall,
@@ -144,12 +144,12 @@ impl World {
     /// in earlier parts and those that passed through each other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
         let threads = self.threads();
-        let Self { settings, memory, particles, contacts, .. } = self;
-        let motions = &memory.motions;
-        let bounced = memory.events.bounced.iter().filter(|of| of.pair[1] != WALL);
+        let Self { settings, scratch, particles, contacts, .. } = self;
+        let motions = &scratch.motions;
+        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
         let bounced = bounced.map(|of| (of.pair, of.impulses));
         let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
-        let touched = bounced.chain(sensed).chain(memory.touched_before.iter().copied());
+        let touched = bounced.chain(sensed).chain(scratch.touched_before.iter().copied());
         let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let image = settings.container.nearest_image(|| {
@@ -164,7 +164,7 @@ impl World {
 
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
     pub(super) fn keep_wall_pushes(&mut self) {
-        let pushes = self.memory.wall_pushes.iter();
+        let pushes = self.scratch.wall_pushes.iter();
         self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| WallImpulse {
             row,
             wall,

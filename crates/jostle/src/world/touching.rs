@@ -31,9 +31,9 @@ impl World {
     /// The pairs of ids that touch now, sorted: those with a small gap, and those that resting
     /// contacts press together.
     pub(super) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
-        let mut scratch = std::mem::take(&mut self.memory.touching);
+        let mut scratch = std::mem::take(&mut self.scratch.touching);
         let found = self.find_touching(&mut scratch);
-        self.memory.touching = scratch;
+        self.scratch.touching = scratch;
         let rows = found?;
         let pressed = self.contacts.lasting().filter(|contact| contact.impulse > 0.0);
         let pressed = pressed.map(|contact| contact.places.map(|place| self.rows[place as usize]));

@@ -37,7 +37,7 @@ pub(super) struct Before {
 impl World {
     /// Begins a step.
     pub(super) fn begin(&mut self) {
-        let before = &mut self.memory.before;
+        let before = &mut self.scratch.before;
         before.is_reordered = false;
         before.forces.clone_from(&self.forces);
         before.given.clone_from(&self.given);
@@ -50,11 +50,11 @@ impl World {
         let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
         let pushes =
             pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
-        self.memory.wall_pushes.clear();
-        self.memory.wall_pushes.extend(pushes);
+        self.scratch.wall_pushes.clear();
+        self.scratch.wall_pushes.extend(pushes);
         before.stats = self.stats;
         before.recorded = self.record.during.len();
-        self.memory.collisions = Collisions::default();
+        self.scratch.collisions = Collisions::default();
         before.ids = None;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
@@ -71,7 +71,7 @@ impl World {
 
     /// Restores the state at the beginning of the step.
     pub(super) fn undo(&mut self) {
-        let before = &mut self.memory.before;
+        let before = &mut self.scratch.before;
         if before.is_reordered {
             let Discs { particles, rows, persistent } = &mut before.discs;
             std::mem::swap(&mut self.particles, particles);

@@ -52,13 +52,13 @@ impl World {
         if !self.any_sleeps() {
             return Ok(false);
         }
-        let Self { asleep, domain, particles, rows, memory, settings, .. } = self;
+        let Self { asleep, domain, particles, rows, scratch, settings, .. } = self;
         let moves = |place: u32| {
             !particles.is_static(place as usize) && domain::owns(domain, rows[place as usize])
         };
-        let scratch = (&mut memory.waking.join, &mut memory.touched);
-        asleep.touched(&memory.tree, moves, settings, scratch)?;
-        let found = islands_of_others(domain, &memory.tree, moves, settings, &mut memory.waking)?;
+        let shared = (&mut scratch.waking.join, &mut scratch.touched);
+        asleep.touched(&scratch.tree, moves, settings, shared)?;
+        let found = islands_of_others(domain, &scratch.tree, moves, settings, &mut scratch.waking)?;
         self.note_touched(found)
     }
 
@@ -71,26 +71,26 @@ impl World {
         if !self.find_circles_outside_limits()? {
             return self.note_touched(Vec::new());
         }
-        let Self { asleep, domain, memory, settings, .. } = self;
-        let mut tree = std::mem::take(&mut memory.waking.tree);
-        let scratch = (&mut memory.waking.join, &mut memory.touched);
+        let Self { asleep, domain, scratch, settings, .. } = self;
+        let mut tree = std::mem::take(&mut scratch.waking.tree);
+        let scratch = (&mut scratch.waking.join, &mut scratch.touched);
         let done = asleep.touched(&tree, |_| true, settings, scratch);
         let found = done.and_then(|()| {
-            islands_of_others(domain, &tree, |_| true, settings, &mut memory.waking)
+            islands_of_others(domain, &tree, |_| true, settings, &mut scratch.waking)
         });
-        std::mem::swap(&mut memory.waking.tree, &mut tree);
+        std::mem::swap(&mut scratch.waking.tree, &mut tree);
         self.note_touched(found?)
     }
 
     /// Builds the tree of circles around the particles of this rank that have left their bounds; returns
     /// whether there are any.
     fn find_circles_outside_limits(&mut self) -> Result<bool> {
-        let Self { particles, memory, settings, domain, rows, .. } = self;
-        let outside_limits = &mut memory.events.outside_limits;
+        let Self { particles, scratch, settings, domain, rows, .. } = self;
+        let outside_limits = &mut scratch.events.outside_limits;
         outside_limits.retain(|&(place, _)| domain::owns(domain, rows[place as usize]));
-        for (place, &limit) in memory.limits.iter().enumerate() {
+        for (place, &limit) in scratch.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
-                (memory.motions.position(place as u32), particles.positions[place]);
+                (scratch.motions.position(place as u32), particles.positions[place]);
             let distance = f64::from(x - u).hypot(f64::from(y - v));
             if distance > f64::from(limit) {
                 outside_limits.push((place as u32, distance));
@@ -99,7 +99,7 @@ impl World {
         if outside_limits.is_empty() {
             return Ok(false);
         }
-        let Scratch { shapes, tree, .. } = &mut memory.waking;
+        let Scratch { shapes, tree, .. } = &mut scratch.waking;
         let place = |&(place, _): &(u32, f64)| place as usize;
         shapes.centers.clear();
         shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[place(of)]));
@@ -119,13 +119,13 @@ impl World {
     /// Notes the islands that the step would touch: those in `memory.touched`, and `others` by their names.
     /// Returns whether there are any on any rank.
     fn note_touched(&mut self, others: Vec<Id>) -> Result<bool> {
-        let mut any = !self.memory.touched.is_empty();
+        let mut any = !self.scratch.touched.is_empty();
         if let Some(domain) = &mut self.domain {
             domain.touched = others;
             any |= !domain.touched.is_empty();
         }
-        self.memory.meets_sleepers = self.any_of_all(any)?;
-        Ok(self.memory.meets_sleepers)
+        self.scratch.meets_sleepers = self.any_of_all(any)?;
+        Ok(self.scratch.meets_sleepers)
     }
 
     /// Wakes islands.
@@ -148,7 +148,7 @@ impl World {
         // Contacts are with each other or with immovable particles.
         let (rows, movable) = (&self.rows, &self.particles.movable);
         let named = || (0..len).filter(|&place| place >= first || !movable[place]);
-        let places = &mut self.memory.waking.places;
+        let places = &mut self.scratch.waking.places;
         places.resize(total.max(places.len()), NONE);
         named().for_each(|place| places[rows[place] as usize] = place as u32);
         let contacts = woken.contacts.iter().map(|contact| Contact {

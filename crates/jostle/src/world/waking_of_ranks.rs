@@ -146,7 +146,7 @@ impl World {
 
     /// Wakes the islands that any rank would touch, or all; there are no ghosts.
     pub(super) fn wake_touched_of_ranks(&mut self, all: bool) -> Result<()> {
-        let touched = std::mem::take(&mut self.memory.touched);
+        let touched = std::mem::take(&mut self.scratch.touched);
         let Some(domain) = &mut self.domain else { return Ok(()) };
         let mut names: Vec<Id> = self.asleep.names(&touched).collect();
         names.append(&mut domain.touched);
