@@ -5,21 +5,16 @@
 //! before what stands on it. Islands move in parallel. So results do not depend on threads, nor on
 //! the order of shapes that do not meet.
 
-use super::crowd::Crowd;
+use super::call::Call;
 use super::islands::{Islands, join_overlapping};
-use super::layers::Layers;
-use super::rides::{NONE, Rides};
-use super::slots::Slots;
-use super::walls::Walls;
+use super::motions::{Island, Memory, Walk, union};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, Shape};
+use crate::geometry::Scalar;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
-use crate::period::{Period, Turns};
-use crate::query::each_overlap;
-use crate::slide::{Obstacle, SlideHit, SlideRules, Solid, Surface, Walker, contains};
+use crate::slide::contains;
 
 /// Number of islands of a task.
 const ISLANDS_PER_TASK: usize = 32;
@@ -27,55 +22,6 @@ const ISLANDS_PER_TASK: usize = 32;
 /// Minimum number of shapes for which threads that are awake are used, and are woken.
 const WORTH_SHARING: usize = 64;
 const WORTH_WAKING: usize = 512;
-
-/// Work of a walk, in the units of [`Pulse`].
-const WORK: usize = 256;
-
-/// Shapes that stand on each other, up to this number, do not stop the lowest one.
-const MOST_STACKED: usize = 64;
-
-/// The bit of a number of an obstacle that is the index of a wall and not a slot.
-pub const WALL: u32 = 1 << 31;
-
-/// The motion of one shape.
-pub struct Walk<T> {
-    /// Its row in the call.
-    pub row: usize,
-    /// Its centre afterwards, which may be outside the first period.
-    pub center: [T; 2],
-    /// What is left of its displacement.
-    pub remaining: [T; 2],
-    /// The obstacles met.
-    pub hits: Vec<SlideHit<T>>,
-    /// The last floor, and the centre of that shape at this time.
-    pub floor: Option<(u32, [T; 2])>,
-    /// Whether it met a floor, a wall and a ceiling.
-    pub kinds: [bool; 3],
-    /// The region whose obstacles had an effect.
-    seen: [[T; 2]; 2],
-}
-
-/// What all islands of a call have in common.
-pub struct Call<'a, T> {
-    /// The shapes.
-    pub slots: &'a Slots<T>,
-    /// Their trees.
-    pub layers: &'a Layers<T>,
-    /// The line segments.
-    pub walls: &'a Walls<T>,
-    /// The floors on which shapes stand.
-    pub rides: &'a Rides<T>,
-    /// The period of the plane.
-    pub period: Period<T>,
-    /// How shapes slide.
-    pub rules: &'a SlideRules<T>,
-    /// The shapes that move.
-    pub walkers: &'a [u32],
-    /// One for each of these.
-    pub displacements: &'a [[T; 2]],
-    /// Obstacles that are in no tree.
-    pub fresh: &'a [u32],
-}
 
 impl<T: Scalar> Call<'_, T> {
     /// Moves all shapes. If one gets beyond the region by which its island was chosen, because it
@@ -92,14 +38,9 @@ impl<T: Scalar> Call<'_, T> {
             let walks = self.walk_islands(&islands, threads)?;
             let mut is_done = true;
             for walk in walks.iter().filter(|_| may_meet) {
-                let [low, high] = regions[walk.row];
-                if !contains([low, high], walk.seen) {
+                if !contains(regions[walk.row], walk.seen) {
                     is_done = false;
-                    let [seen_low, seen_high] = walk.seen;
-                    regions[walk.row] = [
-                        [0, 1].map(|axis| low[axis].min(seen_low[axis])),
-                        [0, 1].map(|axis| high[axis].max(seen_high[axis])),
-                    ];
+                    regions[walk.row] = union(regions[walk.row], walk.seen);
                 }
             }
             if is_done {
@@ -150,7 +91,8 @@ impl<T: Scalar> Call<'_, T> {
             let mut memory = Memory::default();
             let first = part * ISLANDS_PER_TASK;
             for island in first..islands.len().min(first + ISLANDS_PER_TASK) {
-                self.walk_island(islands.rows(island), (&mut memory, &mut pulse), &mut walks)?;
+                let (call, rows, memory) = (self, islands.rows(island), &mut memory);
+                Island { call, rows, memory }.run(&mut pulse, &mut walks)?;
             }
             Ok(walks)
         });
@@ -191,179 +133,5 @@ impl<T: Scalar> Call<'_, T> {
         let [x, y] = shape.min;
         let reach = [extent[0] + room, extent[1] + room];
         [[x - reach[0], y - reach[1]], [x + reach[0], y + reach[1]]]
-    }
-
-    /// The shape of a row, by its centre.
-    fn body(&self, row: usize) -> Shape<T> {
-        let shape = self.slots.shape(self.walkers[row]);
-        let center = shape.center();
-        Shape { min: center, max: center, half_size: shape.core_half_size(), ..shape }
-    }
-
-    /// The floor on which a row stood after its last motion, and its centre then.
-    fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
-        let slot = self.walkers[row];
-        let ride = self.rides.all[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
-        Some((self.slots.slot(ride.floor)?, ride.center))
-    }
-
-    /// How far a floor has moved, the shorter way around.
-    fn carried(&self, now: [T; 2], before: [T; 2]) -> [T; 2] {
-        self.period.shortest([now[0] - before[0], now[1] - before[1]])
-    }
-
-    /// The row of the floor of a row, if it moves in this call too.
-    fn moving_floor(&self, row: usize) -> Option<u32> {
-        let (floor, _) = self.ride(row)?;
-        Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
-    }
-
-    /// Whether a row stands on another one that moves, or on one that stands on it, and so on.
-    fn stands_on(&self, rider: u32, floor: u32) -> bool {
-        let mut next = self.moving_floor(rider as usize);
-        // The chain may be a ring.
-        for _ in 0..MOST_STACKED {
-            match next {
-                Some(row) if row != floor => next = self.moving_floor(row as usize),
-                found => return found.is_some(),
-            }
-        }
-        false
-    }
-
-    /// Moves the shapes of an island one after another.
-    fn walk_island(
-        &self,
-        rows: &[u32],
-        (memory, pulse): (&mut Memory<T>, &mut Pulse),
-        walks: &mut Vec<Walk<T>>,
-    ) -> Result<()> {
-        let Memory { near, stack, crowd, order, waiting } = memory;
-        crowd.fill(rows.iter().map(|&row| self.body(row as usize)))?;
-        self.order(rows, order, waiting)?;
-        for &index in &order[..] {
-            let (index, row) = (index as usize, rows[index as usize] as usize);
-            let center_of = |slot: u32| match self.rides.rows[slot as usize] {
-                NONE => self.slots.shape(slot).center(),
-                row => match rows.binary_search(&row) {
-                    Ok(index) => crowd.get(index).min,
-                    Err(_) => self.slots.shape(slot).center(),
-                },
-            };
-            let carried = self
-                .ride(row)
-                .map(|(floor, before)| (self.carried(center_of(floor), before), floor));
-            let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
-                for turns in self.period.images_near(bounds.min, bounds.max) {
-                    let bounds = &bounds.moved(self.period.span(turns));
-                    self.find(bounds, turns, stack, near);
-                    crowd.each_near(bounds, |other, body| {
-                        // What stands on it is carried with it, and does not stop it.
-                        if other != index && !self.stands_on(rows[other], row as u32) {
-                            let slot = self.walkers[rows[other] as usize];
-                            near.push(Obstacle { solid: Solid::Shape(*body), turns, index: slot });
-                        }
-                    });
-                }
-            };
-            let rules = (self.rules, self.period);
-            let mut walker = Walker::new(rules, *crowd.get(index), near, &mut find);
-            if let Some((displacement, floor)) = carried
-                && displacement != [T::ZERO; 2]
-            {
-                walker.carry(displacement, floor);
-            }
-            walker.leave_obstacles();
-            walker.slide(self.displacements[row]);
-            let floor = walker.last_of(Surface::Floor);
-            let kinds = [Surface::Floor, Surface::Wall, Surface::Ceiling]
-                .map(|kind| walker.last_of(kind).is_some());
-            let (center, remaining, seen) = (walker.center(), walker.remaining, walker.seen);
-            let hits = std::mem::take(&mut walker.hits);
-            pulse.check(WORK + near.len())?;
-            let still = |slot: u32| if slot & WALL == 0 { center_of(slot) } else { center };
-            let floor = floor.map(|slot| (slot, still(slot)));
-            crowd.move_to(index, self.period.wrap(center));
-            memory::push(walks, Walk { row, center, remaining, hits, floor, kinds, seen })?;
-        }
-        Ok(())
-    }
-
-    /// Lists the indices of the rows of an island in the order in which they move: a floor before
-    /// what stands on it, otherwise ascending.
-    fn order(&self, rows: &[u32], order: &mut Vec<u32>, waiting: &mut Vec<u32>) -> Result<()> {
-        order.clear();
-        memory::reserve(order, rows.len())?;
-        if rows.iter().all(|&row| self.moving_floor(row as usize).is_none()) {
-            order.extend(0..rows.len() as u32);
-            return Ok(());
-        }
-        let mut listed = memory::filled(rows.len(), false)?;
-        for index in 0..rows.len() {
-            let mut next = Some(index);
-            // A floor that is listed or waits already ends the chain, also if it is a ring.
-            while let Some(index) = next.filter(|&index| !listed[index]) {
-                listed[index] = true;
-                memory::push(waiting, index as u32)?;
-                let floor = self.moving_floor(rows[index] as usize);
-                next = floor.and_then(|row| rows.binary_search(&row).ok());
-            }
-            while let Some(index) = waiting.pop() {
-                order.push(index);
-            }
-        }
-        Ok(())
-    }
-
-    /// Lists the images of obstacles that do not move in this call, in a region that is moved by
-    /// minus these periods.
-    fn find(
-        &self,
-        bounds: &Bounds<T>,
-        turns: Turns,
-        stack: &mut Vec<u32>,
-        near: &mut Vec<Obstacle<T>>,
-    ) {
-        for index in self.layers.indices() {
-            let (tree, slot) = self.layers.layer(index);
-            each_overlap(tree, bounds, -T::INFINITY, stack, |place| {
-                if let Some(slot) = slot(tree.rows()[place])
-                    && self.rides.rows[slot as usize] == NONE
-                {
-                    let solid = Solid::Shape(tree.columns().shape(place));
-                    near.push(Obstacle { solid, turns, index: slot });
-                }
-            });
-        }
-        for &slot in self.fresh {
-            let shape = self.slots.shape(slot);
-            if meets(bounds, &shape) {
-                near.push(Obstacle { solid: Solid::Shape(shape), turns, index: slot });
-            }
-        }
-        self.walls.each_near(bounds, stack, |index, ends| {
-            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | index });
-        });
-    }
-}
-
-/// Whether a shape may overlap a region, and their filters allow it.
-fn meets<T: Scalar>(region: &Bounds<T>, shape: &Shape<T>) -> bool {
-    Bounds::of(shape).overlaps(region, [T::ZERO; 2], -T::INFINITY)
-}
-
-/// Memory of a task.
-struct Memory<T> {
-    near: Vec<Obstacle<T>>,
-    stack: Vec<u32>,
-    crowd: Crowd<T>,
-    order: Vec<u32>,
-    waiting: Vec<u32>,
-}
-
-impl<T> Default for Memory<T> {
-    fn default() -> Self {
-        let (near, stack, crowd) = (Vec::new(), Vec::new(), Crowd::default());
-        Self { near, stack, crowd, order: Vec::new(), waiting: Vec::new() }
     }
 }
