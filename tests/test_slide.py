@@ -48,25 +48,34 @@ def scenes(draw):
     return space, np.array(walkers, int), steps
 
 
-@settings(max_examples=150, deadline=None)
-@given(scenes(), st.sampled_from([(0, -1), (0, 0), (1, 2)]))
-def test_never_inside(scene, up) -> None:
-    """Only a walker that its floor, another walker, has carried against an obstacle may overlap it.
+def pairs_of(space: jostle.Space, ids) -> set:
+    """Pairs of which one is in `ids`, by brute force over all pairs of the space."""
+    pairs = np.sort(space.pairs(), axis=1)
+    return set(map(tuple, pairs[np.isin(pairs, ids).any(axis=1)].tolist()))
 
-    The floor moves first, and nothing stops it.
+
+@settings(max_examples=150, deadline=None)
+@given(scenes(), st.sampled_from([(0, -1), (0, 0), (1, 2)]), st.integers(0, 2**32))
+def test_never_inside(scene, up, seed: int) -> None:
+    """Walkers come to overlap nothing, also while platforms are moved between calls.
+
+    Only a platform may carry a walker to where something else stops it.
     """
     space, ids, steps = scene
-    floors, enclosed = np.full(len(ids), -1), set()
+    rng = np.random.default_rng(seed)
+    others = np.setdiff1d(space.ids, ids)
+    platforms = others[rng.random(len(others)) < rng.choice([0, 0.2])]
+    scale = space.half_sizes().max() / 6
+    floors = np.full(len(ids), -1)
     for _ in range(4):
+        before = pairs_of(space, ids)
         slides = space.move_and_slide(ids, steps, up=up)
-        is_stopped = np.diff(slides.hits.offsets) > 0
-        is_carried = np.isin(floors, ids) & is_stopped
-        pairs = np.sort(np.column_stack([ids, floors])[is_carried], axis=1)
-        enclosed |= set(map(tuple, pairs.tolist()))
-        found = space.pairs()
-        found = found[np.isin(found, ids).any(axis=1)]
-        assert set(map(tuple, np.sort(found, axis=1).tolist())) <= enclosed
+        is_carried = np.isin(floors, platforms)
+        carried = np.sort(np.column_stack([ids, floors])[is_carried], axis=1)
+        assert pairs_of(space, ids) <= before | set(map(tuple, carried.tolist()))
         floors = slides.floors
+        moved = space.centers(platforms) + rng.normal(0, scale, (len(platforms), 2))
+        space.move(platforms, moved)
 
 
 @settings(max_examples=60, deadline=None)
@@ -313,6 +322,137 @@ def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
     assert not (space.centers(ids) == before).all()
 
 
+def test_a_crowd_that_falls_into_a_box_never_overlaps() -> None:
+    space = jostle.Space()
+    space.add(boxes=[(-1, 0, 0, 9), (9, 0, 10, 9), (-1, 9, 10, 10)])
+    discs = space.add([(1 + 2 * i, 1 + 2 * j) for i in range(4) for j in range(4)], radii=0.9)
+    rng, velocities = np.random.default_rng(0), np.zeros((16, 2))
+    for _ in range(100):
+        velocities[:, 1] += 0.03
+        velocities[:, 0] = rng.normal(0, 0.15, 16)
+        slides = space.move_and_slide(discs, velocities)
+        velocities = slides.remaining.copy()
+        assert len(space.contacts().depths) == 0
+    assert np.isin(slides.floors, discs).sum() >= 8  # they stand on each other
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])
+def test_a_walker_jumps_with_what_stands_on_it_up_to_a_ceiling(order) -> None:
+    space = jostle.Space()
+    ids = space.add([(0, -0.75), (0, -2.25), (0, -3.75)], half_sizes=0.75)
+    ceiling = space.add(boxes=(-9, -8, 9, -7))
+    space.move_and_slide(ids[order], np.array([(0, 0), (0, 0.1), (0, 0.1)])[order])
+    moved = []
+    for _ in range(3):
+        steps = np.array([(0, -2), (0, 0.1), (0, 0.1)])[order]
+        slides = space.move_and_slide(ids[order], steps)
+        back = np.argsort(order)
+        moved.append(slides.displacements[back, 1].tolist())
+        assert len(space.pairs()) == 0
+        assert slides.on_floor[back].tolist() == [False, True, True]
+    assert moved == [pytest.approx(row, abs=1e-9) for row in ([-2] * 3, [-0.5] * 3, [0] * 3)]
+    assert slides.on_ceiling[back].tolist() == [True, False, False]
+    assert slides.hits.lists()[back[0]].tolist() == [ids[1]]
+    assert slides.remaining[back[0]].tolist() == [0, 0]
+    stopped = space.move_and_slide(ids[order], np.array([(0, 0), (0, 0.1), (0, -0.1)])[order])
+    assert ceiling in stopped.hits.lists()[back[2]]
+
+
+def test_what_cannot_be_carried_stops_a_walker() -> None:
+    """A disc leans against a wall, on a disc that walks towards the wall."""
+    space = jostle.Space()
+    space.add(boxes=(-9, 1, 9, 2))
+    wall = space.add(boxes=(1.5, -9, 3, -0.5))
+    ids = space.add([(0, 0), (0.5, -1.94)], radii=1.0)
+    space.move_and_slide(ids, [(0, 0.1), (0, 0.1)])
+    for _ in range(3):
+        slides = space.move_and_slide(ids, [(0.2, 0.1), (0, 0.1)])
+        assert len(space.contacts().depths) == 0
+        assert np.abs(slides.displacements).max() < 1e-9
+        assert ids[1] in slides.hits.lists()[0] and wall in slides.hits.lists()[1]
+    slides = space.move_and_slide(ids, [(-0.2, 0.1), (0, 0.1)])  # away from it
+    assert slides.displacements[0].tolist() == pytest.approx([-0.2, 0])
+    assert slides.displacements[1, 0] == pytest.approx(-0.2, abs=0.1)
+
+
+def test_a_stack_is_carried_across_the_edge_of_a_periodic_plane() -> None:
+    space = jostle.Space(period=(20, 0))
+    ids = space.add([(19.5, 0), (0.5, -2), (19, -4)], half_sizes=(2, 1))
+    space.move_and_slide(ids, [(0, 0), (0, 0.1), (0, 0.1)])
+    for step in ([1, -1], [1, -0.5], [-1, 0.5], [-2, -1]):
+        slides = space.move_and_slide(ids, [step, (0, 0.1), (0, 0.1)])
+        np.testing.assert_allclose(slides.displacements, [step] * 3, atol=1e-9)
+        assert len(space.pairs()) == 0
+        assert (space.centers()[:, 0] >= 0).all() and (space.centers()[:, 0] < 20).all()
+
+
+def test_stacks_do_not_depend_on_threads_or_on_the_order_of_others() -> None:
+    """Three discs in each of 200 pens."""
+    rng = np.random.default_rng(4)
+    steps = rng.normal(0, 0.3, (40, 600, 2))
+    results = []
+    for threads in (1, 2):
+        space = jostle.Space(threads=threads)
+        x = np.arange(201) * 3.0
+        space.add(boxes=np.stack([x - 0.2, x - x - 9, x + 0.2, x - x + 1], 1))
+        space.add(boxes=(0, 1, 600, 2))
+        centers = np.stack([np.repeat(x[:200] + 1.5, 3), np.tile([0, -2.1, -4.2], 200)], 1)
+        ids = space.add(centers, radii=0.9)
+        order = np.arange(600) if threads == 1 else np.arange(600).reshape(200, 3)[::-1].ravel()
+        for step in steps:
+            slides = space.move_and_slide(ids[order], step[order] + (0, 0.2))
+            assert len(space.contacts().depths) == 0
+        back = np.argsort(order)
+        results.append([space.centers(ids), slides.remaining[back], slides.floors[back]])
+    for one, other in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_platform_pushes_what_it_carries_out_where_there_is_room() -> None:
+    """A disc moves under another one, which leans against a wall and slides up it."""
+    space = jostle.Space()
+    space.add(boxes=(1.5, -9, 3, -1.2))
+    platform = space.add((0, 0), radii=1.0)
+    rider = space.add((0.5, -1.95), radii=1.0)
+    space.move_and_slide(rider, (0, 0.1))
+    for _ in range(5):
+        space.move(platform, space.centers(platform) + np.array((0.1, 0)))
+        space.move_and_slide(rider, (0, 0.1))
+        assert len(space.pairs()) == 0 and space.centers(rider)[0] == pytest.approx(0.5)
+    assert space.centers(rider)[1] == pytest.approx(-2)
+    ceiling = space.add(boxes=(-9, -5, 1.5, -3))
+    space.move(platform, space.centers(platform) + np.array((0, -0.3)))
+    space.move_and_slide(rider, (0, 0.1))  # there is no room
+    assert pairs_of(space, [rider]) == {(platform, rider)}
+    space.remove(ceiling)
+    space.move_and_slide(rider, (0, 0.1))
+    assert pairs_of(space, [rider]) == set()
+
+
+def test_one_way_platforms_carry_whatever_is_rounded() -> None:
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        space = jostle.Space()
+        lift = space.add(rng.uniform(-9, 9, 2), half_sizes=(5, 0.5), categories=LEDGE)
+        walker = space.add(space.centers(lift) - np.array((0, 3)), half_sizes=(0.3, 0.7))
+        space.move_and_slide(walker, (0, 5), one_way=LEDGE)
+        for _ in range(60):
+            space.move(lift, space.centers(lift) + rng.normal(0, 0.3, 2))
+            assert space.move_and_slide(walker, (0, 0.1), one_way=LEDGE).on_floor
+
+
+@pytest.mark.parametrize("y", [0.7, 0.1, -3.3])
+def test_the_joint_of_a_box_and_a_polyline_does_not_stop_a_walker(y: float) -> None:
+    """Heights that float32 does not have."""
+    space = jostle.Space()
+    space.add(boxes=(0, y, 10, y + 1))
+    space.walls = jostle.polyline([(10, y), (20, y)])
+    walker = space.add((2, y - 0.5), half_sizes=(0.3, 0.5))
+    for _ in range(40):
+        assert not space.move_and_slide(walker, (0.3, 0.05)).on_wall
+    assert space.centers(walker)[0] == pytest.approx(14)
+
+
 def test_landing_on_a_floor_that_moves_later_in_the_call() -> None:
     space = jostle.Space()
     lift, walker = space.add([(0, 0), (0, -3)], half_sizes=[(5, 1), (0.5, 1)])
@@ -455,6 +595,7 @@ def test_bad_walls_change_nothing() -> None:
         ([[(0, 0), (1, np.nan)]], r"walls\[0\] is \(\(0, 0\), \(1, NaN\)\)"),
         ([(0, 0), (1, 1)], "walls has shape"),
         ([[(-1e38, 0), (1e38, 1)]], r"walls\[0\] is"),
+        ([[(1, 2), (1, 2)]], r"walls\[0\] is \(\(1, 2\), \(1, 2\)\); its ends must differ"),
     ):
         with pytest.raises(ValueError, match=message):
             space.walls = walls

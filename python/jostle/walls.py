@@ -1,4 +1,4 @@
-"""Walls of a `World`."""
+"""Walls of a `World` and of a `Space`."""
 
 from __future__ import annotations
 
@@ -8,22 +8,24 @@ from numpy.typing import ArrayLike, NDArray
 __all__ = ["polyline"]
 
 
-def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
+def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.floating]:
     """Return the walls between consecutive points.
 
-    Points that equal the one before are left out.
+    Points that equal the one before are left out, so no wall has length 0.
 
     Parameters
     ----------
     points : array_like, shape (n, 2)
-        In units of length; rounded to float32.
+        In units of length.
     closed : bool, default False
         Whether there is a wall from the last point to the first.
 
     Returns
     -------
-    ndarray of float32, shape (m, 2, 2)
-        The ends of each wall, for `World`; `numpy.concatenate` joins several polylines.
+    ndarray of float32 if `points` has this type, otherwise of float64, shape (m, 2, 2)
+        The ends of each wall, for `World` and `Space`; `numpy.concatenate` joins several
+        polylines. `World` rounds them to float32, `Space` to its own type; both refuse walls
+        whose ends are equal then.
 
     Raises
     ------
@@ -33,6 +35,7 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
     See Also
     --------
     jostle.World.walls : The walls of a world.
+    jostle.Space.walls : The walls along which `move_and_slide` moves shapes.
 
     Examples
     --------
@@ -41,10 +44,11 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
     >>> jostle.polyline([(0, 0), (4, 0), (4, 3)], closed=True).shape
     (3, 2, 2)
     """
-    with np.errstate(over="ignore"):  # refused below
-        rows = np.asarray(points, np.float32)
+    rows = np.asarray(points)
+    if rows.dtype != np.float32:
+        rows = np.asarray(points, np.float64)
     if rows.size == 0:
-        return np.empty((0, 2, 2), np.float32)
+        return np.empty((0, 2, 2), rows.dtype)
     if rows.ndim != 2 or rows.shape[1] != 2:
         raise ValueError(f"points has shape {rows.shape}; it must be (n, 2)")
     if not (finite := np.isfinite(rows).all(axis=1)).all():
@@ -54,5 +58,5 @@ def polyline(points: ArrayLike, closed: bool = False) -> NDArray[np.float32]:
     if closed:
         rows = np.concatenate([rows, rows[:1]])
     walls = np.stack([rows[:-1], rows[1:]], axis=1)
-    kept: NDArray[np.float32] = walls[(walls[:, 0] != walls[:, 1]).any(axis=1)]
+    kept: NDArray[np.floating] = walls[(walls[:, 0] != walls[:, 1]).any(axis=1)]
     return kept

@@ -17,7 +17,7 @@ mod walker;
 use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar};
 pub use solid::{Obstacle, Solid};
-pub use walker::{Walker, contains};
+pub use walker::{Walker, contains, slop};
 
 /// Default of [`SlideRules::max_slides`].
 pub const DEFAULT_MAX_SLIDES: usize = 4;

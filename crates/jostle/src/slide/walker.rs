@@ -17,6 +17,10 @@ const ATTEMPTS: usize = 8;
 /// along its path. Otherwise shapes that move along a floor would lose a part of their displacement.
 const LEAST_APPROACH: f64 = 0.6;
 
+/// A shape is not moved out of an obstacle along a surface if the way is longer than this, in lengths
+/// of the shortest way out.
+const LONGEST_AROUND: f64 = 16.0;
+
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
 const SHORT: f64 = 4.0;
 
@@ -56,37 +60,49 @@ impl<'a, T: Scalar> Walker<'a, T> {
         self.body.min
     }
 
-    /// Moves it with the obstacle on which it stands, which has moved by `displacement`; other
-    /// obstacles stop it.
-    pub fn carry(&mut self, displacement: [T; 2], floor: u32) {
-        self.shift(displacement, Some(floor));
+    /// Moves it with the obstacle on which it stands, which has moved by `displacement`; others stop
+    /// it, and this one too unless it is the `platform`.
+    pub fn carry(&mut self, displacement: [T; 2], platform: Option<u32>) {
+        self.shift(displacement, platform);
     }
 
-    /// Moves it out of the obstacles that it overlaps, the deepest overlap first, as far as others
-    /// allow.
+    /// Moves it out of the obstacles that it overlaps, the deepest overlap first: along the normal,
+    /// and from where another one stops it along the surface of that one.
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
             self.look([T::ZERO; 2]);
-            let one_way = self.rules.one_way;
-            let is_solid = |near: &Obstacle<T>| near.solid.shape_of(one_way).is_none();
+            let (rules, period, close) = (self.rules, self.period, self.slop(T::ZERO));
+            let start = self.body;
+            // What it stands on may have carried it into itself by rounding, and must go on to stop it.
+            let is_solid = |near: &Obstacle<T>| {
+                near.facing(&period, &start, |body, solid| {
+                    let ledge = solid.shape_of(rules.one_way);
+                    ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+                })
+            };
             let Some((normal, depth, _)) = self.deepest(&self.body, &is_solid) else { return };
             let out = -(depth + self.slop(depth));
-            self.shift([normal[0] * out, normal[1] * out], None);
+            let out = [normal[0] * out, normal[1] * out];
+            if let Some((share, hit)) = self.shift(out, None)
+                && let Some(around) = around(out.map(|v| v * (T::ONE - share)), hit.normal)
+            {
+                self.shift(around, None);
+            }
         }
     }
 
     /// Moves it by a displacement that is not its own, up to the first obstacle. Out of an obstacle
     /// that is wider than a period there is no way.
-    fn shift(&mut self, displacement: [T; 2], except: Option<u32>) {
+    fn shift(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
         if self.period.is_exceeded_by(displacement) {
-            return;
+            return None;
         }
         self.look(displacement);
-        if let Some((_, hit)) = self.advance(displacement, except)
-            && self.hits.iter().all(|before| before.index != hit.index)
-        {
+        let (share, hit) = self.advance(displacement, except)?;
+        if self.hits.iter().all(|before| before.index != hit.index) {
             self.hits.push(hit);
         }
+        Some((share, hit))
     }
 
     /// Moves it by a displacement, sliding along obstacles.
@@ -108,10 +124,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
 
     /// Upper bound of the rounding errors of a position at a distance.
     fn slop(&self, distance: T) -> T {
-        let size = |axis: usize| {
-            self.body.min[axis].abs() + extent(&self.body, axis) + self.period.sides()[axis]
-        };
-        (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
+        slop(&self.body, &self.period, distance)
     }
 
     /// Finds the obstacles along the path, unless they are known.
@@ -280,6 +293,12 @@ impl<'a, T: Scalar> Walker<'a, T> {
     }
 }
 
+/// Upper bound of the rounding errors of a position at a distance from a shape given by its centre.
+pub fn slop<T: Scalar>(body: &Shape<T>, period: &Period<T>, distance: T) -> T {
+    let size = |axis: usize| body.min[axis].abs() + extent(body, axis) + period.sides()[axis];
+    (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
+}
+
 /// Distance from the centre of a shape given by its centre to the side of its bounding box.
 #[inline(always)]
 fn extent<T: Scalar>(body: &Shape<T>, axis: usize) -> T {
@@ -289,6 +308,17 @@ fn extent<T: Scalar>(body: &Shape<T>, axis: usize) -> T {
 #[inline(always)]
 fn length<T: Scalar>(v: [T; 2]) -> T {
     v[0].abs() + v[1].abs()
+}
+
+/// The displacement along a surface that has a displacement `out` as its component; None if it is
+/// more than [`LONGEST_AROUND`] times as long.
+fn around<T: Scalar>(out: [T; 2], surface: [T; 2]) -> Option<[T; 2]> {
+    let tangent = [-surface[1], surface[0]];
+    let along = dot(out, tangent);
+    let square = dot(out, out);
+    let longest = T::from_f64(LONGEST_AROUND);
+    (along * along * longest * longest >= square && square > T::ZERO)
+        .then(|| tangent.map(|v| v * (square / along)))
 }
 
 /// Whether a region, as lower and upper corner, contains another.

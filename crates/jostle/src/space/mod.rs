@@ -6,6 +6,7 @@
 //! along others and along `walls`: `walks` computes their motions, `rides` has the floors on which
 //! they stand. Those that may meet form `islands`, and in an island a `crowd` finds them by `cells`.
 
+mod call;
 mod cells;
 mod crowd;
 mod events;
@@ -13,8 +14,10 @@ mod islands;
 mod keys;
 mod layers;
 mod links;
+mod motions;
 mod pairs;
 mod queries;
+mod riders;
 mod rides;
 mod saved;
 mod slots;

@@ -1,9 +1,10 @@
 //! Moving shapes that slide along others: the call and its result. `walks` computes the motions.
 
 use super::Space;
+use super::call::{Call, WALL};
+use super::motions::Walk;
 use super::rides::{NONE, Ride};
 use super::slots::Id;
-use super::walks::{Call, WALL, Walk};
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::memory;
@@ -133,12 +134,10 @@ impl<T: Scalar> Space<T> {
         };
         all.offsets.push(0);
         for (walk, &slot) in walks.iter().zip(walkers) {
-            let before = self.slots.shape(slot).center();
             if self.slots.set_center(slot, self.period.wrap(walk.center)) {
                 self.note(slot);
             }
-            let moved = [walk.center[0] - before[0], walk.center[1] - before[1]];
-            all.displacements.push(moved);
+            all.displacements.push(walk.moved);
             all.remaining.push(walk.remaining);
             let [floor, wall, ceiling] = walk.kinds;
             all.on_floor.push(floor);

@@ -5,21 +5,16 @@
 //! before what stands on it. Islands move in parallel. So results do not depend on threads, nor on
 //! the order of shapes that do not meet.
 
-use super::crowd::Crowd;
+use super::call::Call;
 use super::islands::{Islands, join_overlapping};
-use super::layers::Layers;
-use super::rides::{NONE, Rides};
-use super::slots::Slots;
-use super::walls::Walls;
+use super::motions::{Island, Memory, Walk, union};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, Shape};
+use crate::geometry::Scalar;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
-use crate::period::{Period, Turns};
-use crate::query::each_overlap;
-use crate::slide::{Obstacle, SlideHit, SlideRules, Solid, Surface, Walker, contains};
+use crate::slide::contains;
 
 /// Number of islands of a task.
 const ISLANDS_PER_TASK: usize = 32;
@@ -27,55 +22,6 @@ const ISLANDS_PER_TASK: usize = 32;
 /// Minimum number of shapes for which threads that are awake are used, and are woken.
 const WORTH_SHARING: usize = 64;
 const WORTH_WAKING: usize = 512;
-
-/// Work of a walk, in the units of [`Pulse`].
-const WORK: usize = 256;
-
-/// Shapes that stand on each other, up to this number, do not stop the lowest one.
-const MOST_STACKED: usize = 64;
-
-/// The bit of a number of an obstacle that is the index of a wall and not a slot.
-pub const WALL: u32 = 1 << 31;
-
-/// The motion of one shape.
-pub struct Walk<T> {
-    /// Its row in the call.
-    pub row: usize,
-    /// Its centre afterwards, which may be outside the first period.
-    pub center: [T; 2],
-    /// What is left of its displacement.
-    pub remaining: [T; 2],
-    /// The obstacles met.
-    pub hits: Vec<SlideHit<T>>,
-    /// The last floor, and the centre of that shape at this time.
-    pub floor: Option<(u32, [T; 2])>,
-    /// Whether it met a floor, a wall and a ceiling.
-    pub kinds: [bool; 3],
-    /// The region whose obstacles had an effect.
-    seen: [[T; 2]; 2],
-}
-
-/// What all islands of a call have in common.
-pub struct Call<'a, T> {
-    /// The shapes.
-    pub slots: &'a Slots<T>,
-    /// Their trees.
-    pub layers: &'a Layers<T>,
-    /// The line segments.
-    pub walls: &'a Walls<T>,
-    /// The floors on which shapes stand.
-    pub rides: &'a Rides<T>,
-    /// The period of the plane.
-    pub period: Period<T>,
-    /// How shapes slide.
-    pub rules: &'a SlideRules<T>,
-    /// The shapes that move.
-    pub walkers: &'a [u32],
-    /// One for each of these.
-    pub displacements: &'a [[T; 2]],
-    /// Obstacles that are in no tree.
-    pub fresh: &'a [u32],
-}
 
 impl<T: Scalar> Call<'_, T> {
     /// Moves all shapes. If one gets beyond the region by which its island was chosen, because it
@@ -92,14 +38,9 @@ impl<T: Scalar> Call<'_, T> {
             let walks = self.walk_islands(&islands, threads)?;
             let mut is_done = true;
             for walk in walks.iter().filter(|_| may_meet) {
-                let [low, high] = regions[walk.row];
-                if !contains([low, high], walk.seen) {
+                if !contains(regions[walk.row], walk.seen) {
                     is_done = false;
-                    let [seen_low, seen_high] = walk.seen;
-                    regions[walk.row] = [
-                        [0, 1].map(|axis| low[axis].min(seen_low[axis])),
-                        [0, 1].map(|axis| high[axis].max(seen_high[axis])),
-                    ];
+                    regions[walk.row] = union(regions[walk.row], walk.seen);
                 }
             }
             if is_done {
@@ -150,7 +91,12 @@ impl<T: Scalar> Call<'_, T> {
             let mut scratch = Scratch::default();
             let first = part * ISLANDS_PER_TASK;
             for island in first..islands.len().min(first + ISLANDS_PER_TASK) {
+<<<<<<< HEAD
                 self.walk_island(islands.rows(island), (&mut scratch, &mut pulse), &mut walks)?;
+=======
+                let (call, rows, memory) = (self, islands.rows(island), &mut memory);
+                Island { call, rows, memory }.run(&mut pulse, &mut walks)?;
+>>>>>>> slide
             }
             Ok(walks)
         });
@@ -192,6 +138,7 @@ impl<T: Scalar> Call<'_, T> {
         let reach = [extent[0] + room, extent[1] + room];
         [[x - reach[0], y - reach[1]], [x + reach[0], y + reach[1]]]
     }
+<<<<<<< HEAD
 
     /// The shape of a row, by its centre.
     fn body(&self, row: usize) -> Shape<T> {
@@ -366,4 +313,6 @@ impl<T> Default for Scratch<T> {
         let (near, stack, crowd) = (Vec::new(), Vec::new(), Crowd::default());
         Self { near, stack, crowd, order: Vec::new(), waiting: Vec::new() }
     }
+=======
+>>>>>>> slide
 }

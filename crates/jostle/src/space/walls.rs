@@ -20,7 +20,7 @@ pub(super) struct Walls<T> {
 }
 
 impl<T: Scalar> Walls<T> {
-    /// Refuses ends that are not finite, or so far apart that the square of their distance may
+    /// Refuses ends that are equal or not finite, or so far apart that the square of their distance may
     /// overflow, or farther apart than the period.
     pub(super) fn new(
         given: Vec<[[T; 2]; 2]>,
@@ -37,6 +37,9 @@ impl<T: Scalar> Walls<T> {
         if let Some(index) = given.iter().position(|ends| !fits(ends)) {
             let rule = format!("its ends must be finite, and at most {most:e} apart");
             return Err(Error::at("walls", index, told(given[index]), &rule));
+        }
+        if let Some(index) = given.iter().position(|[a, b]| a == b) {
+            return Err(Error::at("walls", index, told(given[index]), "its ends must differ"));
         }
         let wraps = |axis: usize, ends: &[[T; 2]; 2]| {
             period.is_along(axis) && length(ends, axis) > period.sides()[axis]

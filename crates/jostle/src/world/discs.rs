@@ -1,4 +1,4 @@
-//! The columns of the particles by places, each declared once. What a step computes anew is in `Memory`.
+//! The columns of the particles by places, each declared once. What a step computes anew is in `StepScratch`.
 
 use super::sleeping::Drift;
 use crate::container::MAX_WALLS;

@@ -22,7 +22,8 @@ class WallSegments:
 
     def add(self, line: Polyline, *, own: bool) -> None:
         """Add the sides of a polyline; own walls must be added before drawn ones."""
-        world, new = self._world, jostle.polyline(line.points, closed=line.closed)
+        world = self._world
+        new = jostle.polyline(np.asarray(line.points, np.float32), closed=line.closed)
         friction = np.nan if line.friction is None else line.friction
         restitution = np.append(world.wall_restitution, np.full(len(new), line.restitution))
         frictions = np.append(world.wall_friction, np.full(len(new), friction))

@@ -1,0 +1,98 @@
+//! A call of [`Space::move_and_slide`](super::Space::move_and_slide): its arguments, and the shapes.
+
+use super::layers::Layers;
+use super::rides::{NONE, Rides};
+use super::slots::Slots;
+use super::walls::Walls;
+use crate::geometry::{Bounds, Scalar, Shape};
+use crate::period::{Period, Turns};
+use crate::query::each_overlap;
+use crate::slide::{Obstacle, SlideRules, Solid};
+
+/// The bit of a number of an obstacle that is the index of a wall and not a slot.
+pub const WALL: u32 = 1 << 31;
+
+/// What all islands of a call have in common.
+pub struct Call<'a, T> {
+    /// The shapes.
+    pub slots: &'a Slots<T>,
+    /// Their trees.
+    pub layers: &'a Layers<T>,
+    /// The line segments.
+    pub walls: &'a Walls<T>,
+    /// The floors on which shapes stand.
+    pub rides: &'a Rides<T>,
+    /// The period of the plane.
+    pub period: Period<T>,
+    /// How shapes slide.
+    pub rules: &'a SlideRules<T>,
+    /// The shapes that move.
+    pub walkers: &'a [u32],
+    /// One for each of these.
+    pub displacements: &'a [[T; 2]],
+    /// Obstacles that are in no tree.
+    pub fresh: &'a [u32],
+}
+
+impl<T: Scalar> Call<'_, T> {
+    /// The shape of a row, by its centre.
+    pub fn body(&self, row: usize) -> Shape<T> {
+        let shape = self.slots.shape(self.walkers[row]);
+        let center = shape.center();
+        Shape { min: center, max: center, half_size: shape.core_half_size(), ..shape }
+    }
+
+    /// The floor on which a row stood after its last motion, and its centre then.
+    pub fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
+        let slot = self.walkers[row];
+        let ride = self.rides.all[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
+        Some((self.slots.slot(ride.floor)?, ride.center))
+    }
+
+    /// How far a floor has moved, the shorter way around.
+    pub fn carried(&self, now: [T; 2], before: [T; 2]) -> [T; 2] {
+        self.period.shortest([now[0] - before[0], now[1] - before[1]])
+    }
+
+    /// The row of the floor of a row, if it moves in this call too.
+    pub fn moving_floor(&self, row: usize) -> Option<u32> {
+        let (floor, _) = self.ride(row)?;
+        Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
+    }
+
+    /// Lists the images of obstacles that do not move in this call, in a region that is moved by
+    /// minus these periods.
+    pub fn find(
+        &self,
+        bounds: &Bounds<T>,
+        turns: Turns,
+        stack: &mut Vec<u32>,
+        near: &mut Vec<Obstacle<T>>,
+    ) {
+        for index in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(index);
+            each_overlap(tree, bounds, -T::INFINITY, stack, |place| {
+                if let Some(slot) = slot(tree.rows()[place])
+                    && self.rides.rows[slot as usize] == NONE
+                {
+                    let solid = Solid::Shape(tree.columns().shape(place));
+                    near.push(Obstacle { solid, turns, index: slot });
+                }
+            });
+        }
+        for &slot in self.fresh {
+            let shape = self.slots.shape(slot);
+            if meets(bounds, &shape) {
+                near.push(Obstacle { solid: Solid::Shape(shape), turns, index: slot });
+            }
+        }
+        self.walls.each_near(bounds, stack, |index, ends| {
+            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | index });
+        });
+    }
+}
+
+/// Whether a shape may overlap a region, and their filters allow it.
+fn meets<T: Scalar>(region: &Bounds<T>, shape: &Shape<T>) -> bool {
+    Bounds::of(shape).overlaps(region, [T::ZERO; 2], -T::INFINITY)
+}
