@@ -52,8 +52,8 @@ impl<T: Scalar> Default for Pushed<T> {
     }
 }
 
-/// Memory of a task.
-pub struct Memory<T> {
+/// Scratch of a task.
+pub struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
     crowd: Crowd<T>,
@@ -67,7 +67,7 @@ pub struct Memory<T> {
     pushes: Vec<([T; 2], bool)>,
 }
 
-impl<T> Default for Memory<T> {
+impl<T> Default for Scratch<T> {
     fn default() -> Self {
         let (near, stack, crowd, riders) =
             (Vec::new(), Vec::new(), Crowd::default(), Riders::default());
@@ -82,15 +82,15 @@ pub struct Island<'a, T> {
     pub call: &'a Call<'a, T>,
     /// Its rows, ascending. The index of a shape is its place here.
     pub rows: &'a [u32],
-    /// Scratch.
-    pub memory: &'a mut Memory<T>,
+    /// That of the task.
+    pub scratch: &'a mut Scratch<T>,
 }
 
 impl<T: Scalar> Island<'_, T> {
     /// Moves all shapes.
     pub fn run(&mut self, pulse: &mut Pulse, walks: &mut Vec<Walk<T>>) -> Result<()> {
         let (call, rows) = (self.call, self.rows);
-        let Memory { crowd, riders, pushed, skipped, .. } = &mut *self.memory;
+        let Scratch { crowd, riders, pushed, skipped, .. } = &mut *self.scratch;
         crowd.fill(rows.iter().map(|&row| call.body(row as usize)))?;
         riders.fill(rows.len(), |index| {
             rows.binary_search(&call.moving_floor(rows[index] as usize)?).ok()
@@ -102,11 +102,11 @@ impl<T: Scalar> Island<'_, T> {
             memory::resize(skipped, rows.len(), false)?;
         }
         for place in 0..rows.len() {
-            let index = self.memory.riders.order[place] as usize;
+            let index = self.scratch.riders.order[place] as usize;
             self.push_riders(index, pulse)?;
             let mut walk = self.walk(index);
-            pulse.check(WORK + self.memory.near.len())?;
-            let Memory { above, skipped, crowd, pushed, .. } = &mut *self.memory;
+            pulse.check(WORK + self.scratch.near.len())?;
+            let Scratch { above, skipped, crowd, pushed, .. } = &mut *self.scratch;
             above.iter().for_each(|rider| skipped[rider.index as usize] = false);
             crowd.move_to(index, call.period.wrap(walk.center));
             if let Some(pushed) = pushed.get(index) {
@@ -121,7 +121,7 @@ impl<T: Scalar> Island<'_, T> {
     /// Pushes what stands on a shape out of its way, the uppermost first. Afterwards those that
     /// overlapped it before are skipped.
     fn push_riders(&mut self, index: usize, pulse: &mut Pulse) -> Result<()> {
-        let Memory { riders, above, pushes, skipped, .. } = &mut *self.memory;
+        let Scratch { riders, above, pushes, skipped, .. } = &mut *self.scratch;
         riders.list_above(index, above)?;
         if above.is_empty() {
             return Ok(());
@@ -130,8 +130,8 @@ impl<T: Scalar> Island<'_, T> {
         memory::reserve(pushes, above.len())?;
         above.iter().for_each(|rider| skipped[rider.index as usize] = true);
         let plan = self.walk(index);
-        pulse.check(WORK + self.memory.near.len())?;
-        let Memory { above, pushes, crowd, pushed, skipped, .. } = &mut *self.memory;
+        pulse.check(WORK + self.scratch.near.len())?;
+        let Scratch { above, pushes, crowd, pushed, skipped, .. } = &mut *self.scratch;
         pushed[index].seen = union(pushed[index].seen, plan.seen);
         let period = self.call.period;
         for rider in &above[..] {
@@ -147,14 +147,14 @@ impl<T: Scalar> Island<'_, T> {
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
             skipped[rider.index as usize] = false;
         }
-        for place in (0..self.memory.above.len()).rev() {
-            let (by, _) = self.memory.pushes[place];
+        for place in (0..self.scratch.above.len()).rev() {
+            let (by, _) = self.scratch.pushes[place];
             if by != [T::ZERO; 2] {
-                self.push(self.memory.above[place].index as usize, by);
-                pulse.check(WORK + self.memory.near.len())?;
+                self.push(self.scratch.above[place].index as usize, by);
+                pulse.check(WORK + self.scratch.near.len())?;
             }
         }
-        let Memory { above, pushes, skipped, .. } = &mut *self.memory;
+        let Scratch { above, pushes, skipped, .. } = &mut *self.scratch;
         for (rider, &(_, is_inside)) in above.iter().zip(&pushes[..]) {
             skipped[rider.index as usize] = is_inside;
         }
@@ -163,12 +163,12 @@ impl<T: Scalar> Island<'_, T> {
 
     /// Pushes a shape by a displacement; it slides along what is in its way.
     fn push(&mut self, index: usize, by: [T; 2]) {
-        let start = self.memory.crowd.get(index).min;
+        let start = self.scratch.crowd.get(index).min;
         let (center, hits, seen) = self.with_walker(index, |walker| {
             walker.slide(by);
             (walker.center(), std::mem::take(&mut walker.hits), walker.seen)
         });
-        let Memory { crowd, pushed, .. } = &mut *self.memory;
+        let Scratch { crowd, pushed, .. } = &mut *self.scratch;
         crowd.move_to(index, self.call.period.wrap(center));
         let all = &mut pushed[index];
         all.by = sum(all.by, [center[0] - start[0], center[1] - start[1]]);
@@ -179,10 +179,10 @@ impl<T: Scalar> Island<'_, T> {
     /// The motion of a shape among all others that are not skipped. Nothing changes.
     fn walk(&mut self, index: usize) -> Walk<T> {
         let (call, row) = (self.call, self.rows[index] as usize);
-        let start = self.memory.crowd.get(index).min;
+        let start = self.scratch.crowd.get(index).min;
         let carried = call.ride(row).map(|(floor, before)| {
             let by = call.carried(self.center_of(floor), before);
-            let pushed = self.memory.pushed.get(index).map_or([T::ZERO; 2], |pushed| pushed.by);
+            let pushed = self.scratch.pushed.get(index).map_or([T::ZERO; 2], |pushed| pushed.by);
             let is_walker = call.rides.rows[floor as usize] != NONE;
             ([by[0] - pushed[0], by[1] - pushed[1]], Some(floor).filter(|_| !is_walker))
         });
@@ -209,7 +209,7 @@ impl<T: Scalar> Island<'_, T> {
     /// Calls `act` with a shape that can move among all others that are not skipped.
     fn with_walker<R>(&mut self, index: usize, act: impl FnOnce(&mut Walker<'_, T>) -> R) -> R {
         let (call, rows) = (self.call, self.rows);
-        let Memory { near, stack, crowd, skipped, pushed, .. } = &mut *self.memory;
+        let Scratch { near, stack, crowd, skipped, pushed, .. } = &mut *self.scratch;
         let crowd = &*crowd;
         let is_skipped = |other: usize| other == index || skipped.get(other) == Some(&true);
         let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
@@ -237,7 +237,7 @@ impl<T: Scalar> Island<'_, T> {
         match self.call.rides.rows[slot as usize] {
             NONE => self.call.slots.shape(slot).center(),
             row => match self.rows.binary_search(&row) {
-                Ok(index) => self.memory.crowd.get(index).min,
+                Ok(index) => self.scratch.crowd.get(index).min,
                 Err(_) => self.call.slots.shape(slot).center(),
             },
         }

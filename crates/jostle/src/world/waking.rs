@@ -73,8 +73,8 @@ impl World {
         }
         let Self { asleep, domain, scratch, settings, .. } = self;
         let mut tree = std::mem::take(&mut scratch.waking.tree);
-        let scratch = (&mut scratch.waking.join, &mut scratch.touched);
-        let done = asleep.touched(&tree, |_| true, settings, scratch);
+        let shared = (&mut scratch.waking.join, &mut scratch.touched);
+        let done = asleep.touched(&tree, |_| true, settings, shared);
         let found = done.and_then(|()| {
             islands_of_others(domain, &tree, |_| true, settings, &mut scratch.waking)
         });
