@@ -351,11 +351,9 @@ def test_a_walker_jumps_with_what_stands_on_it_up_to_a_ceiling(order) -> None:
         assert len(space.pairs()) == 0
         assert slides.on_floor[back].tolist() == [False, True, True]
     assert moved == [pytest.approx(row, abs=1e-9) for row in ([-2] * 3, [-0.5] * 3, [0] * 3)]
-    assert slides.on_ceiling[back].tolist() == [True, False, False]
-    assert slides.hits.lists()[back[0]].tolist() == [ids[1]]
+    hits = [slides.hits.lists()[row].tolist() for row in back]
+    assert slides.on_ceiling.all() and hits[0] == [ids[1]] and ceiling in hits[2]
     assert slides.remaining[back[0]].tolist() == [0, 0]
-    stopped = space.move_and_slide(ids[order], np.array([(0, 0), (0, 0.1), (0, -0.1)])[order])
-    assert ceiling in stopped.hits.lists()[back[2]]
 
 
 def test_what_cannot_be_carried_stops_a_walker() -> None:
@@ -420,7 +418,7 @@ def test_a_platform_pushes_what_it_carries_out_where_there_is_room() -> None:
         space.move_and_slide(rider, (0, 0.1))
         assert len(space.pairs()) == 0 and space.centers(rider)[0] == pytest.approx(0.5)
     assert space.centers(rider)[1] == pytest.approx(-2)
-    ceiling = space.add(boxes=(-9, -5, 1.5, -3))
+    ceiling = space.add(boxes=(-9, -5, 1.5, -3.01))
     space.move(platform, space.centers(platform) + np.array((0, -0.3)))
     space.move_and_slide(rider, (0, 0.1))  # there is no room
     assert pairs_of(space, [rider]) == {(platform, rider)}
