@@ -373,6 +373,21 @@ def test_what_cannot_be_carried_stops_a_walker() -> None:
     assert slides.displacements[1, 0] == pytest.approx(-0.2, abs=0.1)
 
 
+def test_a_lift_whose_riders_are_no_obstacles_is_not_stopped_by_them() -> None:
+    space = jostle.Space()
+    space.add(boxes=(-9, -6, 9, -5), categories=WALL)
+    lift = space.add((0, 0), half_sizes=(5, 0.5), categories=LEDGE)
+    rider = space.add((0, -1.5), radii=1.0, categories=WALKER)
+    ids, steps = [lift, rider], [(0, -1), (0, 0.1)]
+    space.move_and_slide(rider, (0, 0.1))
+    for frame in range(3):
+        slides = space.move_and_slide(ids, steps, mask=WALL | LEDGE)
+        assert slides.displacements[0].tolist() == [0, -1]
+        assert pairs_of(space, [rider]) == ({(lift, rider)} if frame == 2 else set())
+    space.move_and_slide(ids, [(0, 2), (0, 0.1)], mask=WALL | LEDGE)
+    assert pairs_of(space, [rider]) == set()
+
+
 def test_a_stack_is_carried_across_the_edge_of_a_periodic_plane() -> None:
     space = jostle.Space(period=(20, 0))
     ids = space.add([(19.5, 0), (0.5, -2), (19, -4)], half_sizes=(2, 1))
