@@ -18,8 +18,8 @@ def test_polyline_joins_points() -> None:
     assert jostle.polyline(points).tolist() == [[[0, 0], [4, 0]], [[4, 0], [4, 3]]]
     assert jostle.polyline(points, closed=True)[-1].tolist() == [[4, 3], [0, 0]]
     assert jostle.polyline([]).shape == jostle.polyline([(1, 2)], closed=True).shape == (0, 2, 2)
-    assert jostle.polyline([(0, 0.7), (4, 0.7)])[0, 0, 1] == 0.7  # not rounded to float32
-    assert jostle.polyline(np.float32(points)).dtype == np.float32
+    assert jostle.polyline([(0, 0.7), (4, 0.7)]).dtype == np.float64
+    assert jostle.polyline(np.asarray(points, np.float32)).dtype == np.float32
     with pytest.raises(ValueError, match=re.escape("points has shape (3,); it must be (n, 2)")):
         jostle.polyline([1, 2, 3])
     with pytest.raises(ValueError, match=re.escape("points[1] is (nan, 0.0); both")):

@@ -1788,11 +1788,17 @@ class Space:
 
         Notes
         -----
-        Shapes of one call that may meet move one after another, in the order of `ids`; the order
-        of others has no effect. A shape that overlaps obstacles at the start, because they have
-        moved, is first moved out of them; those that it cannot leave do not stop it. A shape that
-        met a floor in its last call is carried by it: if the floor has moved since, also in the
-        same call, the shape moves by the same vector first. What stops it then is in `hits` too.
+        Shapes of one call that may meet move one after another, in the order of `ids`, but a floor
+        before what stands on it; the order of others has no effect. A shape that overlaps obstacles
+        at the start, because they have moved, is first moved out of them; those that it cannot leave
+        do not stop it.
+
+        A shape that met a floor in its last call is carried by it: if the floor has moved since, the
+        shape moves by the same vector first. If the floor moves in the same call, it first pushes what
+        stands on it out of its way, and what cannot move on stops it. So a shape comes to overlap no
+        obstacle, except a floor that carries it to where something else stops it, and that does not
+        stop: a floor that was moved before the call, or one of the call if `mask` leaves out the
+        category of the shape. What stops a shape that is carried or pushed is in `hits` too.
 
         Examples
         --------
@@ -2930,7 +2936,7 @@ class Space:
         Raises
         ------
         ValueError
-            If the shape is wrong, or a coordinate is not finite.
+            If the shape is wrong, a coordinate is not finite, or the ends of a wall are equal.
 
         See Also
         --------

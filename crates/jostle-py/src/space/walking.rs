@@ -72,10 +72,10 @@ impl PySpace {
     ///
     /// A shape that met a floor in its last call is carried by it: if the floor has moved since, the
     /// shape moves by the same vector first. If the floor moves in the same call, it first pushes what
-    /// stands on it out of its way, and what cannot move on stops it. So a shape never enters another
-    /// one. Only a floor that was moved otherwise, by `move` or in another call, may overlap a shape
-    /// that it carries and that something else stops. What stops a shape that is carried or pushed is
-    /// in `hits` too.
+    /// stands on it out of its way, and what cannot move on stops it. So a shape comes to overlap no
+    /// obstacle, except a floor that carries it to where something else stops it, and that does not
+    /// stop: a floor that was moved before the call, or one of the call if `mask` leaves out the
+    /// category of the shape. What stops a shape that is carried or pushed is in `hits` too.
     ///
     /// Examples
     /// --------

@@ -161,7 +161,7 @@ impl<T: Scalar> Island<'_, T> {
         Ok(())
     }
 
-    /// Pushes a shape by a displacement; it slides along what is in its way.
+    /// Pushes a shape by a displacement; it slides along what stops it.
     fn push(&mut self, index: usize, by: [T; 2]) {
         let start = self.scratch.crowd.get(index).min;
         let (center, hits, seen) = self.with_walker(index, |walker| {
