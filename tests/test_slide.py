@@ -388,6 +388,19 @@ def test_a_lift_whose_riders_are_no_obstacles_is_not_stopped_by_them() -> None:
     assert pairs_of(space, [rider]) == set()
 
 
+def test_a_platform_that_was_moved_into_its_rider_stays_there() -> None:
+    """It is in the same call too; the rider makes room, not the platform."""
+    space = jostle.Space()
+    ids = space.add([(0, 0), (0, -1.5), (0, -3.5)], half_sizes=[(5, 0.5), (1, 1), (1, 1)])
+    steps = [(0, 0), (0, 0.1), (0, 0.1)]
+    space.move_and_slide(ids, steps)
+    space.move(ids[0], (1, -0.3))
+    slides = space.move_and_slide(ids, steps)
+    moved = [(0, 0), (1, -0.3), (1, -0.3)]
+    np.testing.assert_allclose(slides.displacements, moved, atol=1e-9)
+    assert len(space.pairs()) == 0
+
+
 def test_a_stack_is_carried_across_the_edge_of_a_periodic_plane() -> None:
     space = jostle.Space(period=(20, 0))
     ids = space.add([(19.5, 0), (0.5, -2), (19, -4)], half_sizes=(2, 1))
