@@ -444,8 +444,8 @@ def separate(
         rounds : int
             Number of rounds, at most `max_rounds`; placing along an axis counts as one.
         overlaps : int
-            Number of pairs that still overlap, or are closer than `gap`; 0 if the shapes
-            are separated.
+            Number of pairs that still overlap, or are closer than `gap`, without pairs of two fixed
+            shapes; 0 if the shapes are separated.
 
     Raises
     ------
@@ -1568,7 +1568,9 @@ class Space:
         Returns
         -------
         ndarray of int64, shape (k,), or int
-            Their ids; one id for one centre or one box. Ids start at 0: 0, 1, 2, ...
+            Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
+            removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
+            indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
 
         Raises
         ------
@@ -3904,7 +3906,7 @@ class World:
         ------
         ValueError
             If the shape is wrong, a coordinate is not finite or above 1e18, the ends of a wall are
-            equal, or the container is a `Torus`.
+            equal, or a wall is longer than a side of a `Torus`.
 
         See Also
         --------
@@ -4067,8 +4069,8 @@ class World:
         All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
         `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
         velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-        asleep if there is a force other than `Thermostat`, or with another `on_touch` than
-        "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+        asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall moves, or with
+        another `on_touch` than "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
 
         See Also
         --------
@@ -4910,8 +4912,8 @@ class PairForce:
 
         Notes
         -----
-        A sub-step of ``0.005 * sigma * sqrt(m / epsilon)`` seconds conserves energy to 0.1 %. Use
-        ``on_touch="ignore"``, so that the particles do not also collide as discs.
+        With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by
+        less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not also collide as discs.
 
         Examples
         --------
