@@ -6,7 +6,7 @@ painter                 the interface of the painters
 stamps, points          discs drawn by the processor: cached pictures; discs of a pixel or two
 software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
-screen                  the choice of the painter, and its window
+icon, screen            the icon of the window; the choice of the painter, and its window
 text                    names and numbers as text; text as pictures
 legend                  cards that explain colours
 subsampling             the choice of a few of many objects to draw
