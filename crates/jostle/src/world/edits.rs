@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::sleeping::Drift;
-use super::{StepScratch, World};
+use super::World;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
@@ -65,10 +65,7 @@ impl World {
             left += u32::from(!gone);
         }
         let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
-        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
-        renumber(wall_pushes, |of| &mut of.row, (gone, &shifted));
-        renumber(exhausted, |row| row, (gone, &shifted));
         self.keep(&keep);
         self.ids.remove(gone);
         retain_unless(&mut self.given, gone);
@@ -182,7 +179,7 @@ impl World {
 }
 
 /// Removes what belongs to removed rows, and gives the rest the rows that they have then.
-fn renumber<V>(
+pub(super) fn renumber<V>(
     all: &mut Vec<V>,
     row: impl Fn(&mut V) -> &mut u32,
     (gone, shifted): (&[bool], &[u32]),

@@ -5,6 +5,7 @@
 //! touching particles merges into one. If merged particles overlap others, these merge too, in
 //! a limited number of iterations.
 
+use super::edits::renumber;
 use super::{StepScratch, World};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
@@ -183,6 +184,10 @@ impl World {
         self.scratch.before.ids.get_or_insert_with(|| self.ids.clone());
         self.inherit(heirs);
         let shifted = self.take_out(&gone);
+        // The step still needs these.
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
+        renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
+        renumber(exhausted, |row| row, (&gone, &shifted));
         forces::follow(&mut self.forces, |row| {
             Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
