@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::sleeping::Drift;
 use super::World;
+use super::sleeping::Drift;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
