@@ -216,7 +216,7 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
                 axes.plot(counts, each, label=label, **look)
         logarithmic(axes, "shapes", "ns a shape")
         axes.set_title(title)
-        axes.set_ylim(15, 300_000)
+        axes.set_ylim(10, 300_000)
     slowest_first = reversed([label for label, _, _ in pair_lines(rows)])
     legend(drawing, panels, slowest_first)
     save(drawing, path, rows, "All overlapping pairs, building included")
