@@ -101,17 +101,17 @@ impl Block {
         cache::load(&arguments.reaches[range]);
     }
 
-    /// Finds the impacts on walls along the first segments; `restless` are the discs of the block that
-    /// are not calm. `near` is scratch.
+    /// Finds the impacts on walls along the first segments; `unsettled` are the discs of the block that
+    /// are not settled. `near` is scratch.
     pub(super) fn find_first_wall_impacts(
         &mut self,
         window: &Window<'_>,
-        restless: &[u32],
+        unsettled: &[u32],
         near: &mut Vec<u32>,
     ) {
-        // Calm discs hit no side of the container, but walls may move.
+        // Settled discs hit no side of the container, but walls may move.
         let near = if window.flight.walls.is_empty() {
-            window.list_near_walls(restless.iter().copied(), near)
+            window.list_near_walls(unsettled.iter().copied(), near)
         } else {
             window.list_near_walls(self.range.clone(), near)
         };

@@ -65,10 +65,10 @@ impl Start {
         Now { position, velocity, radius, falls, sizes: length(position) }
     }
 
-    /// Whether it is calm in a window of `span` seconds. Two such discs approach by less than
+    /// Whether it is settled in a window of `span` seconds. Two such discs approach by less than
     /// [`DEFERRED`] of the sum of their radii, so nothing happens to them, also if they overlap.
     #[inline(always)]
-    pub fn is_calm(&self, span: f32) -> bool {
+    pub fn is_settled(&self, span: f32) -> bool {
         let farthest = DEFERRED as f32 * self.radius * (1.0 - MARGIN);
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }
@@ -200,17 +200,17 @@ impl Window<'_> {
         self.starts[index as usize].may_leave(anchor, gravity, self.end as f32, reach)
     }
 
-    /// Lists the discs of a range that are not calm.
-    pub fn list_restless(&self, range: Range<u32>, restless: &mut Vec<u32>) {
-        restless.clear();
-        restless.resize(range.len(), 0);
+    /// Lists the discs of a range that are not settled.
+    pub fn list_unsettled(&self, range: Range<u32>, unsettled: &mut Vec<u32>) {
+        unsettled.clear();
+        unsettled.resize(range.len(), 0);
         let mut count = 0;
         for index in range {
             // Without a branch, which would often be predicted wrongly.
-            restless[count] = index;
-            count += usize::from(!self.starts[index as usize].is_calm);
+            unsettled[count] = index;
+            count += usize::from(!self.starts[index as usize].is_settled);
         }
-        restless.truncate(count);
+        unsettled.truncate(count);
     }
 
     /// Lists those of some discs that may hit a wall along their first segments, and some others.
@@ -341,12 +341,12 @@ mod tests {
 
         /// Whether they overlap or not, by the exact test with the limits of supported discs.
         #[test]
-        fn nothing_happens_to_two_calm_discs(
+        fn nothing_happens_to_two_settled_discs(
             offset in vector(-1.0..0.4),
             velocities in [vector(-3.0..-1.5), vector(-3.0..-1.5)],
         ) {
             let starts = [([0.0; 2], velocities[0]), (offset, velocities[1])];
-            if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_calm(1.0)) {
+            if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_settled(1.0)) {
                 let segments = starts.map(|(position, velocity)| {
                     Segment { time: 0.0, position, velocity, falls: false }
                 });

@@ -11,7 +11,7 @@ use super::{Block, Events};
 /// Candidate pairs that are tested at a time.
 const PAIRS: usize = 4096;
 
-/// If at most one of so many discs of a block is not calm, only the neighbours of these are tested.
+/// If at most one of so many discs of a block is not settled, only the neighbours of these are tested.
 const FEW: usize = 4;
 
 impl Events {
@@ -35,19 +35,19 @@ impl Events {
 
 impl Block {
     /// Finds the impacts along the first segments of pairs of which a disc of this block is the first.
-    /// `restless` are the discs of the block that are not calm. `near` is scratch.
+    /// `unsettled` are the discs of the block that are not settled. `near` is scratch.
     pub(super) fn find_first_impacts(
         &mut self,
         window: &Window<'_>,
         neighbors: &Neighbors,
-        restless: &[u32],
+        unsettled: &[u32],
         near: &mut Vec<[u32; 2]>,
     ) {
         if !window.flight.pairs {
             return;
         }
-        if restless.len() <= self.range.len() / FEW {
-            self.find_first_impacts_of(window, neighbors, restless);
+        if unsettled.len() <= self.range.len() / FEW {
+            self.find_first_impacts_of(window, neighbors, unsettled);
         } else {
             self.find_first_impacts_inside(window, neighbors, near);
         }
@@ -59,17 +59,17 @@ impl Block {
         }
     }
 
-    /// Those of discs of this block with others of it that are the only ones that are not calm.
+    /// Finds the impacts of unsettled discs with others of this block. Settled discs have none with each other.
     fn find_first_impacts_of(
         &mut self,
         window: &Window<'_>,
         neighbors: &Neighbors,
-        restless: &[u32],
+        unsettled: &[u32],
     ) {
-        for &own in restless {
+        for &own in unsettled {
             for &Neighbor { index, image: code } in neighbors.at_start(own) {
                 // Both of two have the pair in their lists.
-                let is_tested = index < own && !window.starts[index as usize].is_calm;
+                let is_tested = index < own && !window.starts[index as usize].is_settled;
                 let image = neighbors.image_of(code).map(|v| v as f32);
                 if self.range.contains(&index)
                     && !is_tested
@@ -81,7 +81,7 @@ impl Block {
         }
     }
 
-    /// Those of all pairs of discs of this block.
+    /// Finds the impacts of all pairs of discs of this block.
     fn find_first_impacts_inside(
         &mut self,
         window: &Window<'_>,
@@ -144,7 +144,7 @@ fn find_near(
 fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
     let [own, other] = pair.map(|index| &window.starts[index as usize]);
     (own.is_movable | other.is_movable)
-        & !(own.is_calm & other.is_calm)
+        & !(own.is_settled & other.is_settled)
         & window.may_meet(own, other, image)
 }
 

@@ -44,10 +44,10 @@ pub struct Start {
     pub is_supported: bool,
     /// Whether gravity accelerates it.
     pub falls: bool,
-    /// Whether it certainly has no impact with another calm disc, nor with a side of the container,
+    /// Whether it certainly has no impact with another settled disc, nor with a side of the container,
     /// along its first segment: it rests or cannot move, and travels by less than the overlap that is
     /// left to the next sub-step.
-    pub is_calm: bool,
+    pub is_settled: bool,
 }
 
 /// What all discs of a sub-step have in common.
@@ -143,7 +143,7 @@ impl Flight<'_> {
                     is_movable: movable[index],
                     is_supported: false,
                     falls: false,
-                    is_calm: false,
+                    is_settled: false,
                 };
                 if !particles.movable[index] {
                     start.velocity = self.velocity_of_kinematic(index as u32);
@@ -152,13 +152,13 @@ impl Flight<'_> {
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
                 }
-                start.is_calm = !self.is_elastic && start.is_calm(self.end as f32);
+                start.is_settled = !self.is_elastic && start.is_settled(self.end as f32);
             }
         });
         for &index in exhausted {
             let start = &mut starts[index as usize];
             (start.velocity, start.is_movable, start.falls) = ([0.0; 2], false, false);
-            start.is_calm = !self.is_elastic;
+            start.is_settled = !self.is_elastic;
         }
     }
 }

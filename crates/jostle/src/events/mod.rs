@@ -137,10 +137,10 @@ impl Events {
         let (reaches, most) = (bounds.reaches(), most_impacts(window.starts.len()));
         self.each_block(&window, reaches, |block, mut arguments| {
             block.load_starts(&arguments);
-            let Scratch { near, near_walls, restless, .. } = &mut *arguments.scratch;
-            window.list_restless(block.range.clone(), restless);
-            block.find_first_impacts(&window, arguments.neighbors, restless, near);
-            block.find_first_wall_impacts(&window, restless, near_walls);
+            let Scratch { near, near_walls, unsettled, .. } = &mut *arguments.scratch;
+            window.list_unsettled(block.range.clone(), unsettled);
+            block.find_first_impacts(&window, arguments.neighbors, unsettled, near);
+            block.find_first_wall_impacts(&window, unsettled, near_walls);
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;

@@ -69,8 +69,8 @@ pub struct Scratch {
     pub(super) near: Vec<[u32; 2]>,
     /// Discs that may hit a wall along their first segments.
     pub(super) near_walls: Vec<u32>,
-    /// The discs of a block that are not calm.
-    pub(super) restless: Vec<u32>,
+    /// The discs of a block that are not settled.
+    pub(super) unsettled: Vec<u32>,
     /// The contacts of a disc with walls.
     pub(super) contacts: Vec<Contact>,
     pub(super) impulses: Vec<[f64; 2]>,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::frame::Frame;
+use super::layout::Layout;
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
@@ -39,20 +39,20 @@ impl<T: Scalar> Band<T> {
     /// Replaces the circles by `items` and by the last row of the band before.
     pub(super) fn fill<'a>(
         &mut self,
-        frame: &Frame,
+        layout: &Layout,
         last: &Self,
         items: impl Iterator<Item = &'a [Item<T>]> + Clone,
     ) -> Result<()> {
-        let stride = frame.stride as usize;
+        let stride = layout.stride as usize;
         let own = 1 + stride;
-        let end = own + frame.rows() * stride;
+        let end = own + layout.rows() * stride;
         self.starts.clear();
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T>]>::len).sum();
-        self.take_row(frame, last, count)?;
+        self.copy_row(layout, last, count)?;
         // During the sort the count of a cell is two places further, its next free place one.
         for item in items.clone().flatten() {
-            self.starts[own + frame.cell(item.key) + 2] += 1;
+            self.starts[own + layout.cell(item.key) + 2] += 1;
         }
         let mut sum = self.before as u32;
         self.starts[own] = sum;
@@ -64,7 +64,7 @@ impl<T: Scalar> Band<T> {
         let (starts, cells) = (&mut self.starts[..], &mut self.cells[..len]);
         let (x, y, ids) = (&mut self.x[..len], &mut self.y[..len], &mut self.ids[..len]);
         for item in items.flatten() {
-            let cell = own + frame.cell(item.key);
+            let cell = own + layout.cell(item.key);
             let next = &mut starts[cell + 1];
             let place = *next as usize;
             *next += 1;
@@ -76,8 +76,8 @@ impl<T: Scalar> Band<T> {
 
     /// Makes room for `count` circles after those of the last row of the band before, which are
     /// copied.
-    fn take_row(&mut self, frame: &Frame, last: &Self, count: usize) -> Result<()> {
-        let row = last.last_row(frame);
+    fn copy_row(&mut self, layout: &Layout, last: &Self, count: usize) -> Result<()> {
+        let row = last.last_row(layout);
         self.before = row.len();
         self.len = row.len() + count;
         memory::lengthen(&mut self.cells, self.len, 0)?;
@@ -90,8 +90,8 @@ impl<T: Scalar> Band<T> {
         self.x[..row.len()].copy_from_slice(&last.x[row.clone()]);
         self.y[..row.len()].copy_from_slice(&last.y[row.clone()]);
         self.ids[..row.len()].copy_from_slice(&last.ids[row.clone()]);
-        let stride = frame.stride as usize;
-        let starts = &last.starts[1 + frame.rows() * stride..][..stride];
+        let stride = layout.stride as usize;
+        let starts = &last.starts[1 + layout.rows() * stride..][..stride];
         for (to, &start) in self.starts[1..].iter_mut().zip(starts) {
             *to = start - row.start as u32;
         }
@@ -99,8 +99,8 @@ impl<T: Scalar> Band<T> {
     }
 
     /// The places of the circles of its last row.
-    fn last_row(&self, frame: &Frame) -> Range<usize> {
-        let first = 1 + frame.rows() * frame.stride as usize;
+    fn last_row(&self, layout: &Layout) -> Range<usize> {
+        let first = 1 + layout.rows() * layout.stride as usize;
         self.starts.get(first).map_or(0, |&start| start as usize)..self.len
     }
 

@@ -8,7 +8,7 @@
 //! second-level cache, is then sorted into its cells and searched. No more of the grid is stored.
 
 mod band;
-mod frame;
+mod layout;
 
 use std::ops::Range;
 use std::sync::Mutex;
@@ -24,7 +24,7 @@ use crate::quadtree::partition::Partition;
 use crate::shapes::Shapes;
 use crate::simd::{HALF, LANES, Simd, Work, block, first_lanes};
 use band::Band;
-use frame::{Centers, Frame, distance_of};
+use layout::{Centers, Layout, distance_of};
 
 /// For fewer circles the tree is faster. Measured with AVX-512; the same for all processors, because the
 /// order of the pairs depends on it.
@@ -73,20 +73,20 @@ impl<T: Scalar> Grid<T> {
         if centers.len() < MIN_CIRCLES {
             return None;
         }
-        let frame = Frame::over(extent_of(centers), distance.to_f64(), centers.len())?;
+        let layout = Layout::over(extent_of(centers), distance.to_f64(), centers.len())?;
         let threads = parallel::worthwhile(threads, centers.len());
         let _awake = parallel::keep_awake(threads, centers.len(), parallel::WORTH_WAKING);
-        let source = Centers { frame, centers };
-        if let Err(error) = self.partition.fill(threads, &source, frame.bits) {
+        let source = Centers { layout, centers };
+        if let Err(error) = self.partition.fill(threads, &source, layout.bits) {
             return Some(Err(error));
         }
         let squared = distance * distance;
-        let tasks = (frame.bands / MIN_BANDS).clamp(1, MAX_TASKS);
+        let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
         let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };
         Some(Budget::new(max_pairs).find(threads, tasks, &unchanged, scratch, |task, output| {
-            let of = |task: usize| frame.bands * task / tasks;
+            let of = |task: usize| layout.bands * task / tasks;
             let mut bands = locked(&self.bands).pop().unwrap_or_default();
-            self.search(&frame, squared, of(task)..of(task + 1), &mut bands, output);
+            self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output);
             locked(&self.bands).push(bands);
         }))
     }
@@ -94,7 +94,7 @@ impl<T: Scalar> Grid<T> {
     /// Finds the pairs of the circles in some bands, with those of the row before them.
     fn search(
         &self,
-        frame: &Frame,
+        layout: &Layout,
         squared: T,
         bands: Range<usize>,
         scratch: &mut [Band<T>; 2],
@@ -105,14 +105,14 @@ impl<T: Scalar> Grid<T> {
             scratch.swap(0, 1);
             let [last, current] = scratch;
             let pieces = self.partition.pieces(band);
-            if let Err(error) = current.fill(frame, last, pieces) {
+            if let Err(error) = current.fill(layout, last, pieces) {
                 return output.fail(error);
             }
             if output.is_over(current.places().len()) {
                 return;
             }
             if band >= bands.start {
-                let stride = frame.stride as usize;
+                let stride = layout.stride as usize;
                 T::with_widest(Search { band: current, stride, squared, output });
             }
         }

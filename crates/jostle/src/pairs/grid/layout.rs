@@ -30,7 +30,7 @@ const MAX_BAND_BITS: u32 = 10;
 /// A grid of cells in rows. Circles that overlap are in the same cell or in neighbouring ones. Some
 /// adjacent rows form a band.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(super) struct Layout {
     /// The axis along a row, that along which the centres extend less. So rows are short.
     axis: usize,
     /// The smallest coordinates along a row and across it.
@@ -47,7 +47,7 @@ pub(super) struct Frame {
     pub(super) bands: usize,
 }
 
-impl Frame {
+impl Layout {
     /// A grid for `len` circles that overlap within a distance; None if the tree is faster, because
     /// most cells would be empty, or if there are too many cells.
     pub(super) fn over<T: Scalar>(
@@ -125,7 +125,7 @@ fn rounded(number: f64) -> u32 {
 
 /// The centres of circles of one radius, as a source of items.
 pub(super) struct Centers<'a, T> {
-    pub(super) frame: Frame,
+    pub(super) layout: Layout,
     pub(super) centers: &'a [[T; 2]],
 }
 
@@ -135,7 +135,7 @@ impl<T: Scalar> Source<T> for Centers<'_, T> {
     }
 
     fn keys(&self, range: Range<usize>, keys: &mut [u32]) {
-        T::with_widest(Keys { frame: &self.frame, centers: &self.centers[range], keys });
+        T::with_widest(Keys { layout: &self.layout, centers: &self.centers[range], keys });
     }
 
     #[inline(always)]
@@ -146,7 +146,7 @@ impl<T: Scalar> Source<T> for Centers<'_, T> {
 
 /// Computes the keys of some centres.
 struct Keys<'a, T> {
-    frame: &'a Frame,
+    layout: &'a Layout,
     centers: &'a [[T; 2]],
     keys: &'a mut [u32],
 }
@@ -156,8 +156,8 @@ impl<T: Scalar> Work<T> for Keys<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(self, _: S) {
-        let Self { frame, centers, keys } = self;
-        let axis = frame.axis;
+        let Self { layout, centers, keys } = self;
+        let axis = layout.axis;
         let (blocks, rest) = centers.as_chunks::<LANES>();
         let (key_blocks, rest_keys) = keys.as_chunks_mut::<LANES>();
         for (block, keys) in blocks.iter().zip(key_blocks) {
@@ -165,11 +165,11 @@ impl<T: Scalar> Work<T> for Keys<'_, T> {
             for lane in 0..LANES {
                 (x[lane], y[lane]) = (block[lane][0].to_f64(), block[lane][1].to_f64());
             }
-            *keys = if axis == 0 { frame.keys(&x, &y) } else { frame.keys(&y, &x) };
+            *keys = if axis == 0 { layout.keys(&x, &y) } else { layout.keys(&y, &x) };
         }
         for (center, key) in rest.iter().zip(rest_keys) {
             let [along, across] = [axis, 1 - axis].map(|axis| [center[axis].to_f64()]);
-            *key = frame.keys(&along, &across)[0];
+            *key = layout.keys(&along, &across)[0];
         }
     }
 }
