@@ -1,16 +1,19 @@
-//! Moving particles to the ranks in whose domains they are, with what the solver keeps of them.
+//! Moving particles to the ranks in whose domains they are, with what the solver keeps of them; adding
+//! and removing ghosts.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::World;
 use super::carried::{NONE, Resting, kept_of, put_push};
+use super::ids::Ids;
 use crate::decomposition::{
-    Group, Scale, cuts, key, put_record, read_samples, sample, sample_places,
+    Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_places,
 };
 use crate::error::Result;
 use crate::forces;
 use crate::parallel::locked;
+use crate::table::Table;
 
 /// What leaves this rank for each other one, as bytes.
 #[derive(Debug)]
@@ -24,6 +27,80 @@ struct Leaving {
 }
 
 impl World {
+    /// Removes the ghosts.
+    pub fn drop_ghosts(&mut self) {
+        self.keep_resting();
+        let Self { domain, particles, rows, persistent, contacts, ids, .. } = self;
+        let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
+        let Some(domain) = domain else { return };
+        let own = domain.own;
+        if domain.ids.len() > own {
+            let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
+            let mut end = rows.len();
+            for place in 0..awake {
+                if domain.owns(rows[place]) {
+                    continue;
+                }
+                // The last places go to those of ghosts.
+                end -= 1;
+                while !domain.owns(rows[end]) {
+                    end -= 1;
+                }
+                particles.move_row(end, place);
+                persistent.move_row(end, place);
+                rows[place] = rows[end];
+            }
+            particles.resize(awake);
+            persistent.resize(awake);
+            rows.truncate(awake);
+            domain.ids.truncate(own);
+            forces::change_kinds(forces, |kinds| kinds.truncate(own));
+            wall_impulses.retain(|of| (of.row as usize) < own);
+            *ids = Ids::of_rows(own);
+        }
+        contacts.forget();
+        self.forget_places();
+    }
+
+    /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
+    pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
+        let Self { domain, particles, rows, persistent, ids, forces, .. } = self;
+        let Some(domain) = domain else { return };
+        let first = domain.ids.len();
+        for bytes in bytes {
+            let (new, new_ids, new_kinds) = read_records(bytes);
+            particles.extend(&new);
+            domain.ids.extend(new_ids);
+            forces::add_kinds(forces, &new_kinds);
+        }
+        let len = domain.ids.len();
+        rows.extend(first as u32..len as u32);
+        persistent.resize(rows.len());
+        *ids = Ids::of_rows(len);
+        if are_own {
+            domain.own = len;
+        }
+        self.forget_places();
+    }
+
+    /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
+    /// require. There must be no ghosts.
+    pub(super) fn move_to_domains(&mut self) -> Result<()> {
+        let is_due = self.domain.as_ref().is_some_and(|domain| domain.is_due());
+        if is_due {
+            self.rebalance()?;
+        }
+        self.sum_up_ranks()?;
+        // All ranks have done it, or none.
+        if let Some(domain) = &mut self.domain
+            && is_due
+        {
+            (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
+            domain.rebalances += 1;
+        }
+        Ok(())
+    }
+
     /// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
     pub(super) fn rebalance(&mut self) -> Result<()> {
         let Self { domain, settings, particles, .. } = self;

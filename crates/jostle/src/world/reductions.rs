@@ -1,0 +1,89 @@
+//! Numbers of all ranks: sums, maxima, and what their particles require.
+
+use super::World;
+use crate::error::Result;
+use crate::parallel::locked;
+
+impl World {
+    /// The number of particles of all ranks that are awake.
+    pub(super) fn count_of_all(&self) -> usize {
+        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.awake)
+    }
+
+    /// Whether something is so on any rank.
+    pub(super) fn any_of_all(&self, own: bool) -> Result<bool> {
+        if self.domain.is_none() { Ok(own) } else { Ok(self.sum_of_all([u64::from(own)])? != [0]) }
+    }
+
+    /// Waits for all ranks. Returns an error if one has failed.
+    pub(super) fn wait_for_all(&self) -> Result<()> {
+        self.sum_of_all([]).map(|[]: [u64; 0]| ())
+    }
+
+    /// The largest of each number of all ranks.
+    pub(super) fn largest_of_all<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N]> {
+        match &self.domain {
+            None => Ok(own),
+            Some(domain) => locked(&domain.group).largest(own),
+        }
+    }
+
+    /// The sum of each number of all ranks.
+    pub(super) fn sum_of_all<const N: usize>(&self, own: [u64; N]) -> Result<[u64; N]> {
+        match &self.domain {
+            None => Ok(own),
+            Some(domain) => locked(&domain.group).sum(own),
+        }
+    }
+
+    /// The AABB of the centres of all ranks; None if the world is not distributed.
+    pub(super) fn extent_of_all(&mut self) -> Result<Option<[[f32; 2]; 2]>> {
+        let Some(domain) = &mut self.domain else { return Ok(None) };
+        if let Some(known) = domain.extent.take() {
+            return Ok(Some(known));
+        }
+        let [right, bottom, left, top] = self.farthest()?.map(|v| v as f32);
+        Ok(Some([[-left, -top], [right, bottom]]))
+    }
+
+    /// The largest x, y, −x and −y of all centres.
+    pub(super) fn farthest(&self) -> Result<[f64; 4]> {
+        let mut most = [f32::MIN; 4];
+        let mut take = |&[x, y]: &[f32; 2]| {
+            most = [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)];
+        };
+        match &self.domain {
+            None => self.particles.positions.iter().for_each(take),
+            Some(domain) => {
+                domain.own_of(self.particles.positions.iter(), &self.rows).for_each(&mut take);
+            }
+        }
+        self.largest_of_all(most.map(f64::from))
+    }
+
+    /// Finds out what the particles that are awake require on all ranks, and how many these are.
+    pub(super) fn sum_up_ranks(&mut self) -> Result<()> {
+        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let moving = (0..self.rows.len()).any(|place| !self.particles.is_static(place));
+        let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
+        let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
+        let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
+        let Some(domain) = &mut self.domain else { return Ok(()) };
+        let load =
+            [domain.work * self.rows.len() as f64, domain.received.iter().sum::<usize>() as f64]
+                .map(f64::to_bits);
+        let all = locked(&domain.group)
+            .gather([own[0], own[1], own[2], own[3], own[4], load[0], load[1]])?;
+        let sum = |k: usize| all.iter().map(|of| of[k]).sum::<u64>();
+        let [inelastic, frictions, moving, awake, asleep] = [0, 1, 2, 3, 4].map(sum);
+        let loads = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
+        domain.note_load(loads(5), loads(6).sum());
+        (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+        (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
+        domain.is_still = asleep > 0 && moving == 0;
+        if frictions > 0 {
+            self.particles.spins_mut();
+        }
+        Ok(())
+    }
+}
