@@ -17,6 +17,7 @@ import jostle
 from jostle._core import RankError, begin_hash, hash_records
 
 from . import edits
+from .attributes import Column, Setting
 from .events import events_of
 from .exchange import (
     deliver,
@@ -30,7 +31,6 @@ from .exchange import (
 from .interrupts import collective, held
 from .messages import Messages
 from .records import PARTS, RECORD
-from .settings import Setting
 from .storage import by_ids, read, write
 from .sums import exact_sum
 
@@ -359,79 +359,36 @@ class World:
         own: tuple[int, NDArray[np.int64], list[int]] = self._core._own()
         return own
 
-    def _column(self, name: str) -> NDArray[Any]:
-        column: NDArray[Any] = getattr(self._core, name)
-        return column[: len(self)]
+    positions = Column("Centres: ndarray of float32, shape (n, 2), in the order of `ids`.")
+    velocities = Column("Velocities: ndarray of float32, shape (n, 2), in the order of `ids`.")
+    radii = Column("Radii: ndarray of float32, shape (n,), in the order of `ids`.")
+    masses = Column("Masses: ndarray of float32, shape (n,), in the order of `ids`.")
+    restitutions = Column(
+        "Coefficients of restitution: ndarray of float32, shape (n,), in the order of `ids`."
+    )
+    movable = Column(
+        "Which particles are movable: ndarray of bool, shape (n,), in the order of `ids`."
+    )
+    friction = Column(
+        "Coefficients of friction: ndarray of float32, shape (n,), in the order of `ids`."
+    )
+    angles = Column("Angles in radians: ndarray of float32, shape (n,), in the order of `ids`.")
+    angular_velocities = Column(
+        "Angular velocities: ndarray of float32, shape (n,), in the order of `ids`."
+    )
+    categories = Column("Categories: ndarray of uint32, shape (n,), in the order of `ids`.")
+    masks = Column("Masks: ndarray of uint32, shape (n,), in the order of `ids`.")
+    sensors = Column(
+        "Which particles are sensors: ndarray of bool, shape (n,), in the order of `ids`."
+    )
+    asleep = Column(
+        "Which particles are asleep: ndarray of bool, shape (n,), in the order of `ids`."
+    )
 
     @property
     def total(self) -> int:
         """Number of particles of all ranks."""
         return int(self._core._counts()[1])
-
-    @property
-    def positions(self) -> NDArray[Any]:
-        """Centres: ndarray of float32, shape (n, 2), in the order of `ids`."""
-        return self._column("positions")
-
-    @property
-    def velocities(self) -> NDArray[Any]:
-        """Velocities: ndarray of float32, shape (n, 2), in the order of `ids`."""
-        return self._column("velocities")
-
-    @property
-    def radii(self) -> NDArray[Any]:
-        """Radii: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("radii")
-
-    @property
-    def masses(self) -> NDArray[Any]:
-        """Masses: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("masses")
-
-    @property
-    def restitutions(self) -> NDArray[Any]:
-        """Coefficients of restitution: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("restitutions")
-
-    @property
-    def movable(self) -> NDArray[Any]:
-        """Which particles are movable: ndarray of bool, shape (n,), in the order of `ids`."""
-        return self._column("movable")
-
-    @property
-    def friction(self) -> NDArray[Any]:
-        """Coefficients of friction: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("friction")
-
-    @property
-    def angles(self) -> NDArray[Any]:
-        """Angles in radians: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("angles")
-
-    @property
-    def angular_velocities(self) -> NDArray[Any]:
-        """Angular velocities: ndarray of float32, shape (n,), in the order of `ids`."""
-        return self._column("angular_velocities")
-
-    @property
-    def categories(self) -> NDArray[Any]:
-        """Categories: ndarray of uint32, shape (n,), in the order of `ids`."""
-        return self._column("categories")
-
-    @property
-    def masks(self) -> NDArray[Any]:
-        """Masks: ndarray of uint32, shape (n,), in the order of `ids`."""
-        return self._column("masks")
-
-    @property
-    def sensors(self) -> NDArray[Any]:
-        """Which particles are sensors: ndarray of bool, shape (n,), in the order of `ids`."""
-        return self._column("sensors")
-
-    @property
-    def asleep(self) -> NDArray[Any]:
-        """Which particles are asleep: ndarray of bool, shape (n,), in the order of `ids`."""
-        return self._column("asleep")
 
     @property
     def ghosts(self) -> int:
