@@ -106,18 +106,24 @@ impl Grid {
     }
 }
 
-/// The integer part of a number, clamped to the indices of cells. Unlike a cast, the compiler
-/// vectorizes this: the addition of 2⁵² rounds to an integer, which is then in the low bits of
-/// the mantissa.
+/// 2⁵²: a number that is added to it is rounded to an integer.
+const SHIFTER: f64 = (1u64 << 52) as f64;
+
+/// The nearest integer to a number that is at least 0 and fits. Unlike a cast, the compiler vectorizes this:
+/// the integer is in the low bits of the mantissa of the sum.
+#[inline(always)]
+pub fn nearest_integer(number: f64) -> u32 {
+    (number + SHIFTER).to_bits() as u32
+}
+
+/// The integer part of a number, clamped to the indices of cells.
 #[inline(always)]
 fn cell_index(along: f64) -> u32 {
-    const SHIFTER: f64 = (1u64 << 52) as f64;
     const LAST: f64 = ((1u32 << GRID_LEVELS) - 1) as f64;
     let along = if along > 0.0 { along } else { 0.0 };
     let along = if along < LAST { along } else { LAST };
     let rounded = (along + SHIFTER) - SHIFTER;
-    let whole = rounded - if rounded > along { 1.0 } else { 0.0 };
-    (whole + SHIFTER).to_bits() as u32
+    nearest_integer(rounded - if rounded > along { 1.0 } else { 0.0 })
 }
 
 /// Smallest power of two that is at least `value`, for positive normal values.

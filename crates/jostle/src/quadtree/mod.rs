@@ -23,6 +23,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 pub use cells::TreeBox;
+pub(crate) use grid::nearest_integer;
 pub(crate) use order::extent_of;
 
 use crate::columns::Columns;

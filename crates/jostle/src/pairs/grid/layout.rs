@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::geometry::Scalar;
+use crate::quadtree::nearest_integer;
 use crate::quadtree::partition::{Item, KEY_BITS, Source};
 use crate::shapes::{Each, Shapes};
 use crate::simd::{LANES, Simd, Work};
@@ -100,7 +101,7 @@ impl Layout {
         let mut keys = [0; COUNT];
         let shift = KEY_BITS - self.bits;
         for lane in 0..COUNT {
-            let cell = |place: f64, k: usize| rounded((place - self.start[k]) * self.per_unit[k]);
+            let cell = |at: f64, k: usize| nearest_integer((at - self.start[k]) * self.per_unit[k]);
             let (column, row) = (cell(along[lane], 0), cell(across[lane], 1));
             let in_band = (row & ((1 << self.row_bits) - 1)) * self.stride + column;
             let band = u64::from(row >> self.row_bits) << shift;
@@ -114,13 +115,6 @@ impl Layout {
     pub(super) fn cell(&self, key: u32) -> usize {
         (u64::from(key) & ((1 << (KEY_BITS - self.bits)) - 1)) as usize
     }
-}
-
-/// The nearest integer to a number that is at least 0. Unlike a cast, the compiler vectorizes this:
-/// the addition of 2⁵² rounds to an integer, which is then in the low bits of the mantissa.
-#[inline(always)]
-fn rounded(number: f64) -> u32 {
-    (number + (1u64 << 52) as f64).to_bits() as u32
 }
 
 /// The centres of circles of one radius, as a source of items.
