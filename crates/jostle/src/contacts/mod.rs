@@ -314,7 +314,7 @@ impl Contacts {
         }
     }
 
-    /// Whether any particle has.
+    /// Whether any particle has a contact of uneven masses.
     pub fn has_uneven(&self) -> bool {
         !self.uneven.is_empty()
     }

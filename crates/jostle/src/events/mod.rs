@@ -5,7 +5,7 @@
 //! is simulated by itself. Then the trajectories of its discs are tested against the discs of other
 //! blocks. If two trajectories meet, the discs whose histories depend on them are simulated again,
 //! together. When no test finds anything, every trajectory has been tested against everything that
-//! it can reach, so the histories together are correct. It does not depend on blocks or
+//! it can reach, so all trajectories are correct. The result does not depend on blocks or
 //! threads, nor on how pairs were found.
 
 mod alone;

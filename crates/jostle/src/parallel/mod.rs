@@ -213,20 +213,6 @@ pub fn for_chunks<T: Send>(
     act(0, items);
 }
 
-/// As [`for_chunks`], read-only.
-pub fn for_slices<T: Sync>(threads: Option<usize>, items: &[T], act: impl Fn(&[T]) + Sync + Send) {
-    #[cfg(feature = "parallel")]
-    if items.len() > MAX_SERIAL
-        && let Some(team) = Team::of(threads)
-    {
-        let chunk = |index: usize| index * CHUNK..items.len().min((index + 1) * CHUNK);
-        let act = |index: usize| act(&items[chunk(index)]);
-        return team.share(items.len().div_ceil(CHUNK), &act);
-    }
-    let _ = threads;
-    act(items);
-}
-
 /// As [`for_chunks`] with two slices of equal length.
 pub fn for_chunks_of_two<A: Send, B: Send>(
     threads: Option<usize>,

@@ -23,7 +23,7 @@ const UNEVEN_ITERATIONS: usize = 6;
 /// Iterations of the impacts at the beginning of a sub-step.
 const IMPACT_ITERATIONS: usize = 4;
 
-/// Blocks, and particles at walls, that a thread takes at a time.
+/// Blocks, and particles with wall contacts, that a thread takes at a time.
 const BLOCKS: usize = 16;
 const WALLS: usize = 64;
 
@@ -52,7 +52,7 @@ pub struct Sweeps<'a> {
     /// The contacts of two particles, and their friction; none if there is none.
     pub blocks: &'a mut [Block],
     pub frictions: &'a mut [friction::Block],
-    /// The particles at walls. Those with contacts of uneven masses come first.
+    /// The particles with wall contacts. Those with contacts of uneven masses come first.
     pub walls: &'a mut [Walls],
     pub uneven_walls: usize,
     /// Whether particles touch and approach too fast to rest.

@@ -82,7 +82,7 @@ struct Line {
     /// Whether its ends act: of walls that share an end, that of the first does.
     has_end: [bool; 2],
     /// Length of its displacement in the step.
-    travel: f64,
+    displacement_length: f64,
     /// What was added to the ends of the wall, see [`home`].
     home: Vector,
 }
@@ -143,7 +143,7 @@ impl Line {
             length,
             least_radius: ROUNDING * largest,
             has_end: [true; 2],
-            travel: 0.0,
+            displacement_length: 0.0,
             home,
         }
     }
@@ -217,7 +217,10 @@ impl Walls {
         }
         let line = |image: &Image| {
             let wall = &all[image.wall as usize];
-            Line { travel: wall.travel(dt), ..Line::of(wall, home(wall.exact_ends(), *torus)) }
+            Line {
+                displacement_length: wall.displacement_length(dt),
+                ..Line::of(wall, home(wall.exact_ends(), *torus))
+            }
         };
         let radii = images.iter().map(|image| line(image).least_radius.max(1e-18) as f32).collect();
         let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
@@ -231,7 +234,7 @@ impl Walls {
         lines.extend(tree.rows().iter().map(|&row| line(&images[row as usize])));
         segments.fill(lines.iter().zip(tree.rows()).map(|(line, &row)| {
             let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
-            LineSegment::new(ends, line.least_radius, line.travel)
+            LineSegment::new(ends, line.least_radius, line.displacement_length)
         }));
         places.resize(all.len(), 0);
         let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());

@@ -23,7 +23,7 @@ impl Wall {
     }
 
     /// Length of the displacement.
-    pub(super) fn travel(&self, dt: f64) -> f64 {
+    pub(super) fn displacement_length(&self, dt: f64) -> f64 {
         let by = self.displacement(dt);
         dot(by, by).sqrt()
     }
@@ -139,9 +139,6 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// The beginning of a step.
-    pub const START: Self = Self { elapsed: 0.0, rate: 1.0 };
-
     /// How far a wall has moved in the step, `time` seconds of flight after the beginning of the
     /// window.
     #[inline(always)]

@@ -60,7 +60,8 @@ impl Near {
             let circle = bounds.columns().shape(place as usize);
             let line = &walls.lines[wall as usize];
             let distance = line.distance(less(circle.min.map(f64::from), walls.offset_at(wall)));
-            let reach = line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.travel;
+            let reach =
+                line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.displacement_length;
             distance <= reach + f64::from(usual)
         };
         let Self { join, found, .. } = self;
@@ -118,7 +119,7 @@ impl Near {
             // The radius of the disc, with the reserve of the circle for rounding.
             let radius = line.reach(f64::from(radius[at]) - f64::from(reaches[at]));
             let distance = line.distance(less(center, walls.offset_at(wall)));
-            let left = distance - radius * (1.0 + MARGIN) - line.travel;
+            let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;
             self.free[at] = self.free[at].min(left as f32);
         }
     }

@@ -135,7 +135,7 @@ impl World {
         }
     }
 
-    /// What became of each id, if particles merged since the last reset: merged particles share the
+    /// The present id of each id that was given, if particles merged since the last reset: merged particles share the
     /// smallest of their ids. None stands for an id that no particle has; None in place of all if
     /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
     pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {

@@ -23,7 +23,7 @@ struct Leaving {
     resting: Vec<Vec<u8>>,
     pushes: Vec<Vec<u8>>,
     /// The rank of each row that leaves.
-    homes: HashMap<u32, usize>,
+    destinations: HashMap<u32, usize>,
 }
 
 impl World {
@@ -124,7 +124,7 @@ impl World {
             let resting = group.exchange(&leaving.resting)?.concat();
             (records, kept, resting, group.exchange(&leaving.pushes)?.concat())
         };
-        let first = self.leave(&leaving.homes);
+        let first = self.leave(&leaving.destinations);
         self.append_records(&records, true);
         let Some(domain) = &self.domain else { return Ok(()) };
         let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
@@ -164,46 +164,47 @@ impl World {
             kept: none(),
             resting: none(),
             pushes: none(),
-            homes: HashMap::new(),
+            destinations: HashMap::new(),
         };
         let Some(domain) = &self.domain else { return leaving };
         let rank = locked(&domain.group).rank();
         for (place, key) in keys.iter().enumerate() {
-            let home = cuts.partition_point(|cut| cut <= key);
-            if home == rank {
+            let destination = cuts.partition_point(|cut| cut <= key);
+            if destination == rank {
                 continue;
             }
             let row = self.rows[place];
             let name = self.name_of(domain, row);
-            put_record(&mut leaving.records[home], name, &self.particles, place);
-            kept_of(&self.persistent, name.0, place).put(&mut leaving.kept[home]);
-            leaving.homes.insert(row, home);
+            put_record(&mut leaving.records[destination], name, &self.particles, place);
+            kept_of(&self.persistent, name.0, place).put(&mut leaving.kept[destination]);
+            leaving.destinations.insert(row, destination);
         }
         for of in &domain.resting {
-            let mut homes = of.rows.map(|row| leaving.homes.get(&row).copied());
-            if homes[0] == homes[1] {
-                homes[1] = None;
+            let mut destinations = of.rows.map(|row| leaving.destinations.get(&row).copied());
+            if destinations[0] == destinations[1] {
+                destinations[1] = None;
             }
-            for home in homes.into_iter().flatten() {
-                of.put(&mut leaving.resting[home]);
+            for destination in destinations.into_iter().flatten() {
+                of.put(&mut leaving.resting[destination]);
             }
         }
         for of in &self.wall_impulses {
-            if let Some(&home) = leaving.homes.get(&of.row) {
-                put_push(&mut leaving.pushes[home], domain.id(of.row), of);
+            if let Some(&destination) = leaving.destinations.get(&of.row) {
+                put_push(&mut leaving.pushes[destination], domain.id(of.row), of);
             }
         }
         leaving
     }
 
     /// Removes the rows that leave; returns how many are left.
-    fn leave(&mut self, homes: &HashMap<u32, usize>) -> usize {
-        let stays: Vec<bool> = self.rows.iter().map(|row| !homes.contains_key(row)).collect();
+    fn leave(&mut self, destinations: &HashMap<u32, usize>) -> usize {
+        let stays: Vec<bool> =
+            self.rows.iter().map(|row| !destinations.contains_key(row)).collect();
         let mut left = 0;
         let own = self.domain.as_ref().map_or(0, |domain| domain.own);
         let shifted: Vec<u32> = (0..own as u32)
             .map(|row| {
-                let is_gone = homes.contains_key(&row);
+                let is_gone = destinations.contains_key(&row);
                 left += u32::from(!is_gone);
                 if is_gone { NONE } else { left - 1 }
             })

@@ -7,7 +7,7 @@
 //! wall, at least one of them on a wall or a static particle, if each has been slow in this
 //! quarter and in the previous one, if the largest mean speed, in this unit, has not grown from one
 //! to the other, and if the mean velocity of the island has hardly changed. Discs that begin to
-//! topple move slowly for longer, but faster and faster; a disc that turns round on a slope is slow
+//! topple move slowly for longer, but faster and faster; a disc that reverses its direction on a slope is slow
 //! for a while, but its velocity changes steadily.
 
 use super::asleep::{Island, Sleepers, run};
