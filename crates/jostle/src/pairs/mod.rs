@@ -16,7 +16,7 @@ mod segments;
 use std::ops::Range;
 
 use crate::columns::Columns;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
@@ -139,12 +139,49 @@ pub fn find_with<T: Scalar>(
         return brute(&Columns::of(shapes)?, threads, max_pairs);
     }
     if method.is_none()
-        && let Some(found) = grid.find(shapes, threads, max_pairs, &mut join.pairs)
+        && let Some(part) = grid.find(shapes, threads, max_pairs, &mut join.pairs)
     {
-        return found;
+        let grid::Part { mut found, rest } = part?;
+        add_rest(&mut found, shapes, &rest, threads, max_pairs)?;
+        return Ok(found);
     }
     tree.fill_unordered(shapes, settings)?;
     within_in(tree, None, max_pairs, join)
+}
+
+/// Adds the pairs of some rows, in ascending order, with each other.
+fn add_rest<T: Scalar>(
+    found: &mut Found,
+    shapes: &Shapes<T>,
+    rest: &[u32],
+    threads: Option<usize>,
+    max_pairs: usize,
+) -> Result<()> {
+    if rest.len() < 2 {
+        return Ok(());
+    }
+    let of = |row: &u32| *row as usize;
+    let centers = rest.iter().map(|row| shapes.centers[of(row)]).collect();
+    let radii = match &shapes.radii {
+        Each::One(radius) => Each::One(*radius),
+        Each::Rows(radii) => Each::Rows(rest.iter().map(|row| radii[of(row)]).collect()),
+    };
+    let half_sizes = shapes.half_sizes.as_ref().map(|sizes| match sizes {
+        Each::One(size) => Each::One(*size),
+        Each::Rows(sizes) => Each::Rows(rest.iter().map(|row| sizes[of(row)]).collect()),
+    });
+    let some = Shapes { centers, radii, half_sizes, ..Shapes::default() };
+    let method = (rest.len() > DIFFERENT_CIRCLES_LIMIT).then_some(Method::Quadtree);
+    let method = method.or(Some(Method::Brute));
+    let left = max_pairs - found.pairs.len();
+    let more = find(&some, method, threads, left).map_err(|error| match error {
+        Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+        other => other,
+    })?;
+    memory::reserve(&mut found.pairs, more.pairs.len())?;
+    found.pairs.extend(more.pairs.iter().map(|pair| pair.map(|row| rest[row as usize])));
+    found.tests += more.tests;
+    Ok(())
 }
 
 /// Number of brute force tests that take as long as inserting one shape into a tree.

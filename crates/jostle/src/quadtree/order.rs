@@ -262,7 +262,7 @@ impl<T: Scalar> Source<T> for Centers<'_, T> {
 
     #[inline(always)]
     fn item(&self, index: usize, key: u32) -> Item<T> {
-        Item { key, row: index as u32, center: self.centers[index] }
+        Item { key, row: index as u32, center: self.centers[index], sizes: [] }
     }
 }
 

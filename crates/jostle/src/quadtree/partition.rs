@@ -22,14 +22,22 @@ pub(super) const MIN_CHUNK: usize = 1 << 11;
 pub const KEY_BITS: u32 = u32::BITS;
 
 /// A shape to be sorted.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Item<T> {
+#[derive(Clone, Copy, Debug)]
+pub struct Item<T, const SIZES: usize = 0> {
     /// The key of its centre.
     pub key: u32,
     /// Its row.
     pub row: u32,
     /// Its centre.
     pub center: [T; 2],
+    /// Its sizes, which are sorted with it.
+    pub sizes: [T; SIZES],
+}
+
+impl<T: Copy + Default, const SIZES: usize> Default for Item<T, SIZES> {
+    fn default() -> Self {
+        Self { key: 0, row: 0, center: [T::default(); 2], sizes: [T::default(); SIZES] }
+    }
 }
 
 impl<T> Item<T> {
@@ -41,38 +49,38 @@ impl<T> Item<T> {
 }
 
 /// The shapes to be sorted.
-pub trait Source<T>: Sync {
+pub trait Source<T, const SIZES: usize = 0>: Sync {
     /// Number of items.
     fn len(&self) -> usize;
     /// Writes the keys of some items.
     fn keys(&self, range: Range<usize>, keys: &mut [u32]);
     /// The item at `index`, whose key is `key`.
-    fn item(&self, index: usize, key: u32) -> Item<T>;
+    fn item(&self, index: usize, key: u32) -> Item<T, SIZES>;
 }
 
 /// Items partitioned into blocks, chunk by chunk.
 #[derive(Debug)]
-pub struct Partition<T> {
+pub struct Partition<T, const SIZES: usize = 0> {
     pub(super) keys: Vec<u32>,
-    items: Vec<Item<T>>,
+    items: Vec<Item<T, SIZES>>,
     /// For each chunk, the end of each block in it.
     ends: Vec<u32>,
     len: usize,
     blocks: usize,
 }
 
-impl<T> Default for Partition<T> {
+impl<T, const SIZES: usize> Default for Partition<T, SIZES> {
     fn default() -> Self {
         Self { keys: Vec::new(), items: Vec::new(), ends: Vec::new(), len: 0, blocks: 0 }
     }
 }
 
-impl<T: Copy + Default + Send + Sync> Partition<T> {
+impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
     /// Makes the items and partitions them by the first `bits` bits of their keys.
     pub fn fill(
         &mut self,
         threads: Option<usize>,
-        source: &impl Source<T>,
+        source: &impl Source<T, SIZES>,
         bits: u32,
     ) -> Result<()> {
         let stop = Stop::current();
@@ -105,9 +113,9 @@ impl<T: Copy + Default + Send + Sync> Partition<T> {
     }
 }
 
-impl<T> Partition<T> {
+impl<T, const SIZES: usize> Partition<T, SIZES> {
     /// The items of a block in each chunk, in the order of the source.
-    pub fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T>]> + Clone {
+    pub fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T, SIZES>]> + Clone {
         let chunks = self.items[..self.len].chunks(chunk_of(self.len));
         chunks.zip(self.ends.chunks(self.blocks)).map(move |(items, ends)| {
             let start = if block == 0 { 0 } else { ends[block - 1] };
@@ -135,7 +143,7 @@ impl<T> Partition<T> {
 
     /// Allocated bytes, used or not.
     pub fn memory_bytes(&self) -> usize {
-        self.items.capacity() * size_of::<Item<T>>()
+        self.items.capacity() * size_of::<Item<T, SIZES>>()
             + (self.ends.capacity() + self.keys.capacity()) * size_of::<u32>()
     }
 }

@@ -1,4 +1,4 @@
-//! The circles of a band, sorted by counting into its cells.
+//! The shapes of a band, sorted by counting into its cells.
 
 use std::ops::Range;
 
@@ -9,46 +9,49 @@ use crate::memory;
 use crate::quadtree::partition::Item;
 use crate::simd::LANES;
 
-/// The circles of some adjacent rows of cells, with those of the row before.
+/// The shapes of some adjacent rows of cells, with those of the row before.
 #[derive(Debug)]
-pub(super) struct Band<T> {
-    /// The place of the first circle of each cell. One empty cell precedes the first row, and one
+pub(super) struct Band<T, const SIZES: usize> {
+    /// The place of the first shape of each cell. One empty cell precedes the first row, and one
     /// follows each row.
     pub(super) starts: Vec<u32>,
-    /// The cell of each circle, as an index of `starts`.
+    /// The cell of each shape, as an index of `starts`.
     pub(super) cells: Vec<u32>,
     /// Centres, x, with spare rows.
     pub(super) x: Vec<T>,
     /// Centres, y, with spare rows.
     pub(super) y: Vec<T>,
+    /// Their sizes, with spare rows.
+    pub(super) sizes: [Vec<T>; SIZES],
     /// Rows of the caller, with spare rows.
     pub(super) ids: Vec<u32>,
-    /// Number of circles of the row before.
+    /// Number of shapes of the row before.
     pub(super) before: usize,
     len: usize,
 }
 
-impl<T> Default for Band<T> {
+impl<T, const SIZES: usize> Default for Band<T, SIZES> {
     fn default() -> Self {
         let (starts, cells, ids) = (Vec::new(), Vec::new(), Vec::new());
-        Self { starts, cells, x: Vec::new(), y: Vec::new(), ids, before: 0, len: 0 }
+        let sizes = [const { Vec::new() }; SIZES];
+        Self { starts, cells, x: Vec::new(), y: Vec::new(), sizes, ids, before: 0, len: 0 }
     }
 }
 
-impl<T: Scalar> Band<T> {
-    /// Replaces the circles by `items` and by the last row of the band before.
+impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
+    /// Replaces the shapes by `items` and by the last row of the band before.
     pub(super) fn fill<'a>(
         &mut self,
         layout: &Layout,
         last: &Self,
-        items: impl Iterator<Item = &'a [Item<T>]> + Clone,
+        items: impl Iterator<Item = &'a [Item<T, SIZES>]> + Clone,
     ) -> Result<()> {
         let stride = layout.stride as usize;
         let own = 1 + stride;
         let end = own + layout.rows() * stride;
         self.starts.clear();
         memory::resize(&mut self.starts, end + 2, 0)?;
-        let count: usize = items.clone().map(<[Item<T>]>::len).sum();
+        let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
         self.copy_row(layout, last, count)?;
         // During the sort the count of a cell is two places further, its next free place one.
         for item in items.clone().flatten() {
@@ -63,18 +66,22 @@ impl<T: Scalar> Band<T> {
         let len = self.len;
         let (starts, cells) = (&mut self.starts[..], &mut self.cells[..len]);
         let (x, y, ids) = (&mut self.x[..len], &mut self.y[..len], &mut self.ids[..len]);
+        let mut sizes = self.sizes.each_mut().map(|column| &mut column[..len]);
         for item in items.flatten() {
             let cell = own + layout.cell(item.key);
             let next = &mut starts[cell + 1];
             let place = *next as usize;
             *next += 1;
             [x[place], y[place]] = item.center;
+            for (column, size) in sizes.iter_mut().zip(item.sizes) {
+                column[place] = size;
+            }
             (ids[place], cells[place]) = (item.row, cell as u32);
         }
         Ok(())
     }
 
-    /// Makes room for `count` circles after those of the last row of the band before, which are
+    /// Makes room for `count` shapes after those of the last row of the band before, which are
     /// copied.
     fn copy_row(&mut self, layout: &Layout, last: &Self, count: usize) -> Result<()> {
         let row = last.last_row(layout);
@@ -84,8 +91,14 @@ impl<T: Scalar> Band<T> {
         memory::lengthen(&mut self.ids, self.len + LANES, 0)?;
         memory::lengthen(&mut self.x, self.len + LANES, T::ZERO)?;
         memory::lengthen(&mut self.y, self.len + LANES, T::ZERO)?;
+        for column in &mut self.sizes {
+            memory::lengthen(column, self.len + LANES, T::ZERO)?;
+        }
         if row.is_empty() {
             return Ok(());
+        }
+        for (to, from) in self.sizes.iter_mut().zip(&last.sizes) {
+            to[..row.len()].copy_from_slice(&from[row.clone()]);
         }
         self.x[..row.len()].copy_from_slice(&last.x[row.clone()]);
         self.y[..row.len()].copy_from_slice(&last.y[row.clone()]);
@@ -98,19 +111,19 @@ impl<T: Scalar> Band<T> {
         Ok(())
     }
 
-    /// The places of the circles of its last row.
+    /// The places of the shapes of its last row.
     fn last_row(&self, layout: &Layout) -> Range<usize> {
         let first = 1 + layout.rows() * layout.stride as usize;
         self.starts.get(first).map_or(0, |&start| start as usize)..self.len
     }
 
-    /// Removes all circles.
+    /// Removes all shapes.
     pub(super) fn clear(&mut self) {
         self.starts.clear();
         (self.before, self.len) = (0, 0);
     }
 
-    /// The places of its circles, without those of the row before.
+    /// The places of its shapes, without those of the row before.
     pub(super) fn places(&self) -> Range<usize> {
         self.before..self.len
     }
@@ -119,5 +132,6 @@ impl<T: Scalar> Band<T> {
     pub(super) fn memory_bytes(&self) -> usize {
         (self.starts.capacity() + self.cells.capacity() + self.ids.capacity()) * size_of::<u32>()
             + (self.x.capacity() + self.y.capacity()) * size_of::<T>()
+            + self.sizes.iter().map(Vec::capacity).sum::<usize>() * size_of::<T>()
     }
 }

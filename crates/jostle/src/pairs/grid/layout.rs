@@ -1,47 +1,48 @@
 //! The cells of a grid.
 
-use std::ops::Range;
-
 use crate::geometry::Scalar;
 use crate::quadtree::nearest_integer;
-use crate::quadtree::partition::{Item, KEY_BITS, Source};
-use crate::shapes::{Each, Shapes};
-use crate::simd::{LANES, Simd, Work};
+use crate::quadtree::partition::KEY_BITS;
 
-/// Cells are larger than the distance at which circles overlap by this factor, which is much larger
+/// Cells are larger than the distance at which shapes overlap by this factor, which is much larger
 /// than all rounding errors.
-const SLACK: f64 = 1.0 + 1.0 / 64.0;
+pub(super) const SLACK: f64 = 1.0 + 1.0 / 64.0;
 
-/// Maximum number of cells for each circle: more take time and memory.
+/// Maximum number of cells for each shape: more take time and memory.
 const MAX_CELLS: f64 = 8.0;
 
-/// Maximum height of a cell, as a multiple of the least: otherwise circles in clusters would be
+/// Maximum height of a cell, as a multiple of the least: otherwise shapes in clusters would be
 /// tested against many that they do not overlap.
 const MAX_HEIGHT: f64 = 2.0;
 
 /// Maximum width of a cell, as a multiple of the least.
 const MAX_WIDTH: f64 = 4.0;
 
-/// Approximate number of circles in a band.
+/// Minimum distance at which shapes overlap: the reciprocal of a smaller one may be infinite.
+const MIN_DISTANCE: f64 = 1e-290;
+
+/// Approximate number of shapes in a band.
 const BAND: f64 = 4096.0;
 
 /// Maximum number of leading bits that define a band.
 const MAX_BAND_BITS: u32 = 10;
 
-/// A grid of cells in rows. Circles that overlap are in the same cell or in neighbouring ones. Some
+/// A grid of cells in rows. Shapes that overlap are in the same cell or in neighbouring ones. Some
 /// adjacent rows form a band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     /// The axis along a row, that along which the centres extend less. So rows are short.
-    axis: usize,
+    pub(super) axis: usize,
     /// The smallest coordinates along a row and across it.
     start: [f64; 2],
     /// Cells for each unit along a row and across it.
-    per_unit: [f64; 2],
+    pub(super) per_unit: [f64; 2],
+    /// Number of cells of a row, and number of rows.
+    cells: [u32; 2],
     /// From one row to the next, with an empty cell between them.
     pub(super) stride: u32,
     /// Rows of a band as a power of two.
-    row_bits: u32,
+    pub(super) row_bits: u32,
     /// Leading bits of a key, the number of its band.
     pub(super) bits: u32,
     /// Number of bands.
@@ -49,39 +50,42 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// A grid for `len` circles that overlap within a distance; None if the tree is faster, because
-    /// most cells would be empty, or if there are too many cells.
+    /// A grid for `len` shapes between `min` and `max` that overlap only within a distance along each
+    /// axis; None if the tree is faster, because most cells would be empty, or if there are too many
+    /// cells. If there are `large` shapes, their keys are those of one more band.
     pub(super) fn over<T: Scalar>(
         [min, max]: [[T; 2]; 2],
-        distance: f64,
+        distance: [f64; 2],
         len: usize,
+        large: bool,
     ) -> Option<Self> {
         let extent = [0, 1].map(|axis| max[axis].to_f64() - min[axis].to_f64());
         let axis = usize::from(extent[1] < extent[0]);
         let (start, [along, across]) = ([axis, 1 - axis], [extent[axis], extent[1 - axis]]);
-        let least = distance * SLACK;
-        if !(least > 0.0 && across.is_finite()) {
+        let least = start.map(|axis| distance[axis] * SLACK);
+        if !(least[0].min(least[1]) > MIN_DISTANCE && across.is_finite()) {
             return None;
         }
-        // Cells of the least size for each circle.
-        let cells = (along / least + 1.0) * (across / least + 1.0) / len as f64;
+        // Cells of the least size for each shape.
+        let cells = (along / least[0] + 1.0) * (across / least[1] + 1.0) / len as f64;
         let width = cells.clamp(1.0, MAX_WIDTH);
         let height = (cells / width / MAX_CELLS).clamp(1.0, MAX_HEIGHT);
         if cells > width * height * MAX_CELLS {
             return None;
         }
-        let per_unit = [1.0 / (least * width), 1.0 / (least * height)];
+        let per_unit = [1.0 / (least[0] * width), 1.0 / (least[1] * height)];
         let columns = (along * per_unit[0]) as usize + 2;
         let rows = (across * per_unit[1]) as usize + 2;
         let row_bits = (rows as f64 * BAND / len as f64).max(1.0).log2() as u32;
         let row_bits = row_bits.min(rows.next_power_of_two().ilog2());
         let row_bits = row_bits.max(rows.div_ceil(1 << MAX_BAND_BITS).next_power_of_two().ilog2());
         let bands = rows.div_ceil(1 << row_bits);
-        let bits = bands.next_power_of_two().ilog2();
+        let bits = (bands + usize::from(large)).next_power_of_two().ilog2();
         let stride = columns as u32 + 1;
         let fits = u64::from(stride) << row_bits < 1 << (KEY_BITS - bits);
         let start = start.map(|axis| min[axis].to_f64());
-        fits.then_some(Self { axis, start, per_unit, stride, row_bits, bits, bands })
+        let cells = [columns as u32, rows as u32];
+        fits.then_some(Self { axis, start, per_unit, cells, stride, row_bits, bits, bands })
     }
 
     /// Rows of a band.
@@ -93,7 +97,7 @@ impl Layout {
     /// cell in it. Rounding is monotone, so centres that differ by less than a cell are in the same
     /// one or in neighbouring ones.
     #[inline(always)]
-    fn keys<const COUNT: usize>(
+    pub(super) fn keys<const COUNT: usize>(
         &self,
         along: &[f64; COUNT],
         across: &[f64; COUNT],
@@ -110,71 +114,29 @@ impl Layout {
         keys
     }
 
+    /// The key of large shapes, for which there is a band after the last one.
+    #[inline(always)]
+    pub(super) fn key_of_large(&self) -> u32 {
+        ((self.bands as u64) << (KEY_BITS - self.bits)) as u32
+    }
+
     /// The cell in its band.
     #[inline(always)]
     pub(super) fn cell(&self, key: u32) -> usize {
         (u64::from(key) & ((1 << (KEY_BITS - self.bits)) - 1)) as usize
     }
-}
 
-/// The centres of circles of one radius, as a source of items.
-pub(super) struct Centers<'a, T> {
-    pub(super) layout: Layout,
-    pub(super) centers: &'a [[T; 2]],
-}
-
-impl<T: Scalar> Source<T> for Centers<'_, T> {
-    fn len(&self) -> usize {
-        self.centers.len()
-    }
-
-    fn keys(&self, range: Range<usize>, keys: &mut [u32]) {
-        T::with_widest(Keys { layout: &self.layout, centers: &self.centers[range], keys });
-    }
-
+    /// The columns and the rows, the last one included, of all centres within a distance along each axis
+    /// of a center.
     #[inline(always)]
-    fn item(&self, index: usize, key: u32) -> Item<T> {
-        Item { key, row: index as u32, center: self.centers[index] }
+    pub(super) fn around(&self, center: [f64; 2], distance: [f64; 2]) -> [[u32; 2]; 2] {
+        [self.axis, 1 - self.axis].map(|axis| {
+            let k = usize::from(axis != self.axis);
+            let cell = |at: f64| {
+                let along = (at - self.start[k]) * self.per_unit[k];
+                nearest_integer(along.clamp(0.0, f64::from(self.cells[k] - 1)))
+            };
+            [cell(center[axis] - distance[axis]), cell(center[axis] + distance[axis])]
+        })
     }
-}
-
-/// Computes the keys of some centres.
-struct Keys<'a, T> {
-    layout: &'a Layout,
-    centers: &'a [[T; 2]],
-    keys: &'a mut [u32],
-}
-
-impl<T: Scalar> Work<T> for Keys<'_, T> {
-    type Out = ();
-
-    #[inline(always)]
-    fn run<S: Simd<T>>(self, _: S) {
-        let Self { layout, centers, keys } = self;
-        let axis = layout.axis;
-        let (blocks, rest) = centers.as_chunks::<LANES>();
-        let (key_blocks, rest_keys) = keys.as_chunks_mut::<LANES>();
-        for (block, keys) in blocks.iter().zip(key_blocks) {
-            let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
-            for lane in 0..LANES {
-                (x[lane], y[lane]) = (block[lane][0].to_f64(), block[lane][1].to_f64());
-            }
-            *keys = if axis == 0 { layout.keys(&x, &y) } else { layout.keys(&y, &x) };
-        }
-        for (center, key) in rest.iter().zip(rest_keys) {
-            let [along, across] = [axis, 1 - axis].map(|axis| [center[axis].to_f64()]);
-            *key = layout.keys(&along, &across)[0];
-        }
-    }
-}
-
-/// The distance between the centres of two of the shapes below which they overlap; None unless all
-/// are circles of one radius that may pair.
-pub(super) fn distance_of<T: Scalar>(shapes: &Shapes<T>) -> Option<T> {
-    let Shapes { radii: Each::One(radius), half_sizes: None, boxes: None, filters: None, .. } =
-        shapes
-    else {
-        return None;
-    };
-    shapes.period.is_none().then_some(*radius + *radius)
 }

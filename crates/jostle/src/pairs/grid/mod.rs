@@ -1,34 +1,45 @@
-//! All pairs of circles of one radius, by a uniform grid.
+//! All pairs of circles or rectangles, by uniform grids.
 //!
-//! A cell is at least as wide and as high as a circle. So a circle overlaps only those of its own
-//! cell, of the cell after it and of three cells of the row before, and of others that find the pair
-//! themselves. These are two ranges of adjacent circles, which are tested at once.
+//! A cell is at least as wide and as high as a small shape. So a small shape overlaps only those of its
+//! own cell, of the cell after it and of three cells of the row before, and others that find the pair
+//! themselves. These are two ranges of adjacent shapes, which are tested at once. A large shape is tested
+//! against the small ones of all cells that it may reach. The pairs of two large shapes are found in the
+//! same way by a grid of larger cells, until few are left.
 //!
-//! The circles are partitioned into bands of adjacent rows. Each band, which fits into the
+//! The shapes are partitioned into bands of adjacent rows. Each band, which fits into the
 //! second-level cache, is then sorted into its cells and searched. No more of the grid is stored.
 
 mod band;
+mod choice;
+mod large;
 mod layout;
+mod search;
+mod sizes;
 
 use std::ops::Range;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Found;
-use super::output::{Budget, Output, PairScratch};
+use super::output::{Budget, Output, Pair, PairScratch};
 use super::unchanged;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::memory;
 use crate::parallel::{self, locked};
 use crate::quadtree::extent_of;
-use crate::quadtree::partition::Partition;
-use crate::shapes::Shapes;
-use crate::simd::{HALF, LANES, Simd, Work, block, first_lanes};
+use crate::quadtree::partition::{Item, Partition};
+use crate::shapes::{Each, Shapes};
 use band::Band;
-use layout::{Centers, Layout, distance_of};
+use choice::{Choice, choose};
+use large::Large;
+use layout::Layout;
+use search::Search;
+use sizes::{CIRCLES, EQUAL, Input, Keyed, RECTANGLES, ROUNDED, Rows};
 
-/// For fewer circles the tree is faster. Measured with AVX-512; the same for all processors, because the
-/// order of the pairs depends on it.
-const MIN_CIRCLES: usize = 300;
+/// For fewer shapes the tree or brute force is faster. Measured with AVX-512; the same for all processors,
+/// because the order of the pairs depends on it.
+const MIN_SHAPES: usize = 300;
 
 /// Maximum number of tasks for several threads. A task sorts the band before its first one too.
 const MAX_TASKS: usize = 16;
@@ -36,229 +47,222 @@ const MAX_TASKS: usize = 16;
 /// Minimum number of bands of a task.
 const MIN_BANDS: usize = 4;
 
-/// Number of circles that are tested between two checks of the output.
-const AT_A_TIME: usize = 32;
-
-/// Circles with more candidates than this are tested one by one, with more checks.
-const FEW: usize = 64;
-
-/// Number of circles that one with many candidates is tested against between two checks.
-const ROW_TESTS: usize = 1 << 12;
-
 /// Scratch, kept between calls.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Grid<T> {
-    partition: Partition<T>,
-    bands: Mutex<Vec<[Band<T>; 2]>>,
+    equal: Levels<T, EQUAL>,
+    circles: Levels<T, CIRCLES>,
+    rectangles: Levels<T, RECTANGLES>,
+    rounded: Levels<T, ROUNDED>,
 }
 
-impl<T> Default for Grid<T> {
-    fn default() -> Self {
-        Self { partition: Partition::default(), bands: Mutex::default() }
-    }
+/// Pairs, and the rows of shapes whose pairs with each other are not among them.
+pub(super) struct Part {
+    pub(super) found: Found,
+    pub(super) rest: Vec<u32>,
 }
 
 impl<T: Scalar> Grid<T> {
-    /// All overlapping pairs of rows, `i < j`; None if the shapes are not circles of one radius, or
-    /// so few or so sparse that a tree is faster.
+    /// The overlapping pairs of rows, `i < j`, except those within a rest; None if the shapes may not all
+    /// pair, are given as boxes, or are so few or so sparse that a tree is faster.
     pub(super) fn find(
         &mut self,
         shapes: &Shapes<T>,
         threads: Option<usize>,
         max_pairs: usize,
         scratch: &mut PairScratch,
-    ) -> Option<Result<Found>> {
-        let distance = distance_of(shapes)?;
-        let centers = &shapes.centers[..];
-        if centers.len() < MIN_CIRCLES {
+    ) -> Option<Result<Part>> {
+        let Shapes { radii, half_sizes, boxes: None, filters: None, period, .. } = shapes else {
+            return None;
+        };
+        if shapes.len() < MIN_SHAPES || !period.is_none() {
             return None;
         }
-        let layout = Layout::over(extent_of(centers), distance.to_f64(), centers.len())?;
-        let threads = parallel::worthwhile(threads, centers.len());
-        let _awake = parallel::keep_awake(threads, centers.len(), parallel::WORTH_WAKING);
-        let source = Centers { layout, centers };
-        if let Err(error) = self.partition.fill(threads, &source, layout.bits) {
-            return Some(Err(error));
-        }
-        let squared = distance * distance;
-        let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
-        let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };
-        Some(Budget::new(max_pairs).find(threads, tasks, &unchanged, scratch, |task, output| {
-            let of = |task: usize| layout.bands * task / tasks;
-            let mut bands = locked(&self.bands).pop().unwrap_or_default();
-            self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output);
-            locked(&self.bands).push(bands);
-        }))
-    }
-
-    /// Finds the pairs of the circles in some bands, with those of the row before them.
-    fn search(
-        &self,
-        layout: &Layout,
-        squared: T,
-        bands: Range<usize>,
-        scratch: &mut [Band<T>; 2],
-        output: &mut Output<'_>,
-    ) {
-        scratch.iter_mut().for_each(Band::clear);
-        for band in bands.start.saturating_sub(1)..bands.end {
-            scratch.swap(0, 1);
-            let [last, current] = scratch;
-            let pieces = self.partition.pieces(band);
-            if let Err(error) = current.fill(layout, last, pieces) {
-                return output.fail(error);
+        let rows = &Rows::of(shapes);
+        let Self { equal, circles, rectangles, rounded } = self;
+        match (half_sizes, radii) {
+            (None, Each::One(radius)) => {
+                equal.find(rows, Some(*radius), threads, max_pairs, scratch)
             }
-            if output.is_over(current.places().len()) {
-                return;
+            (None, Each::Rows(_)) => circles.find(rows, None, threads, max_pairs, scratch),
+            (Some(_), Each::One(radius)) if *radius == T::ZERO => {
+                rectangles.find(rows, None, threads, max_pairs, scratch)
             }
-            if band >= bands.start {
-                let stride = layout.stride as usize;
-                T::with_widest(Search { band: current, stride, squared, output });
-            }
+            (Some(_), _) => rounded.find(rows, None, threads, max_pairs, scratch),
         }
     }
 
     /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
+        self.equal.memory_bytes()
+            + self.circles.memory_bytes()
+            + self.rectangles.memory_bytes()
+            + self.rounded.memory_bytes()
+    }
+}
+
+/// Scratch of the grids of shapes with some number of sizes.
+#[derive(Debug)]
+struct Levels<T, const SIZES: usize> {
+    partition: Partition<T, SIZES>,
+    large: Large<T, SIZES>,
+    bands: Mutex<Vec<[Band<T, SIZES>; 2]>>,
+    /// The large shapes of the level before.
+    rest: Vec<Item<T, SIZES>>,
+    /// Memory for the pairs of all levels after the first.
+    pairs: Vec<Pair>,
+}
+
+impl<T, const SIZES: usize> Default for Levels<T, SIZES> {
+    fn default() -> Self {
+        Self {
+            partition: Partition::default(),
+            large: Large::default(),
+            bands: Mutex::default(),
+            rest: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
+}
+
+impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
+    /// [`Grid::find`] for shapes with some number of sizes, or circles of one radius.
+    fn find(
+        &mut self,
+        rows: &Rows<'_, T>,
+        radius: Option<T>,
+        threads: Option<usize>,
+        max_pairs: usize,
+        scratch: &mut PairScratch,
+    ) -> Option<Result<Part>> {
+        let extent = extent_of(rows.centers);
+        let choice = choose::<T, SIZES>(rows, extent, radius)?;
+        let found = self.level(rows, choice, threads, max_pairs, scratch)?;
+        let mut part = match found {
+            Ok(found) => Part { found, rest: Vec::new() },
+            Err(error) => return Some(Err(error)),
+        };
+        if SIZES == EQUAL {
+            return Some(Ok(part));
+        }
+        let more = self.more_levels(extent, threads, max_pairs, scratch, &mut part.found);
+        part.rest = self.large.items.iter().map(|item| item.row).collect();
+        Some(more.map(|()| part))
+    }
+
+    /// Adds the pairs of large shapes, until few are left or a tree is faster.
+    fn more_levels(
+        &mut self,
+        extent: [[T; 2]; 2],
+        threads: Option<usize>,
+        max_pairs: usize,
+        scratch: &mut PairScratch,
+        found: &mut Found,
+    ) -> Result<()> {
+        while self.large.items.len() >= MIN_SHAPES {
+            let rest = std::mem::replace(&mut self.large.items, std::mem::take(&mut self.rest));
+            let choice = choose::<T, SIZES>(&rest[..], extent, None);
+            scratch.result = std::mem::take(&mut self.pairs);
+            let left = max_pairs - found.pairs.len();
+            let more = choice.and_then(|choice| self.level(&rest[..], choice, threads, left, scratch));
+            self.rest = rest;
+            let Some(more) = more else {
+                std::mem::swap(&mut self.rest, &mut self.large.items);
+                return Ok(());
+            };
+            let more = more.map_err(|error| match error {
+                Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+                other => other,
+            })?;
+            memory::reserve(&mut found.pairs, more.pairs.len())?;
+            found.pairs.extend_from_slice(&more.pairs);
+            found.tests += more.tests;
+            self.pairs = more.pairs;
+        }
+        Ok(())
+    }
+
+    /// The pairs of the small shapes of a grid, and of a small and a large one. None if they are so
+    /// uneven that the tree is faster.
+    fn level(
+        &mut self,
+        input: &(impl Input<T, SIZES> + ?Sized),
+        Choice { layout, small }: Choice<T>,
+        threads: Option<usize>,
+        max_pairs: usize,
+        scratch: &mut PairScratch,
+    ) -> Option<Result<Found>> {
+        let len = input.len();
+        let threads = parallel::worthwhile(threads, len);
+        let _awake = parallel::keep_awake(threads, len, parallel::WORTH_WAKING);
+        let Self { partition, large, .. } = self;
+        let source = Keyed { layout, small, input };
+        if let Err(error) = partition.fill(threads, &source, layout.bits) {
+            return Some(Err(error));
+        }
+        if SIZES != EQUAL {
+            match large.fill(&layout, small, partition.pieces(layout.bands)) {
+                Ok(true) => {}
+                Ok(false) => return None,
+                Err(error) => return Some(Err(error)),
+            }
+        }
+        let squared = (small[0] + small[0]) * (small[0] + small[0]);
+        let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
+        let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };
+        let is_slow = AtomicBool::new(false);
+        let budget = Budget::new(max_pairs);
+        let found = budget.find(threads, tasks, &unchanged, scratch, |task, output| {
+            let of = |task: usize| layout.bands * task / tasks;
+            let mut bands = locked(&self.bands).pop().unwrap_or_default();
+            if !self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output) {
+                is_slow.store(true, Ordering::Relaxed);
+                output.fail(Error::Interrupted);
+            }
+            locked(&self.bands).push(bands);
+        });
+        if is_slow.load(Ordering::Relaxed) { None } else { Some(found) }
+    }
+
+    /// Finds the pairs of the shapes in some bands, with those of the row before them. Returns whether
+    /// that is not slower than the tree.
+    fn search(
+        &self,
+        layout: &Layout,
+        squared: T,
+        bands: Range<usize>,
+        scratch: &mut [Band<T, SIZES>; 2],
+        output: &mut Output<'_>,
+    ) -> bool {
+        scratch.iter_mut().for_each(Band::clear);
+        for number in bands.start.saturating_sub(1)..bands.end {
+            scratch.swap(0, 1);
+            let [last, band] = scratch;
+            let pieces = self.partition.pieces(number);
+            if let Err(error) = band.fill(layout, last, pieces) {
+                output.fail(error);
+                return true;
+            }
+            if output.is_over(band.places().len()) {
+                return true;
+            }
+            let large = &self.large;
+            if number >= bands.start
+                && !T::with_widest(Search { band, layout, number, large, squared, output })
+            {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Allocated bytes, used or not.
+    fn memory_bytes(&self) -> usize {
         let bands: usize = locked(&self.bands).iter().flatten().map(Band::memory_bytes).sum();
-        self.partition.memory_bytes() + bands
+        self.partition.memory_bytes()
+            + self.large.memory_bytes()
+            + bands
+            + self.rest.capacity() * size_of::<Item<T, SIZES>>()
+            + self.pairs.capacity() * size_of::<Pair>()
     }
-}
-
-/// The search for the pairs of the circles of a band.
-struct Search<'a, 'b, T> {
-    band: &'a Band<T>,
-    stride: usize,
-    /// The square of the distance below which they overlap.
-    squared: T,
-    output: &'a mut Output<'b>,
-}
-
-impl<T: Scalar> Work<T> for Search<'_, '_, T> {
-    type Out = ();
-
-    #[inline(always)]
-    fn run<S: Simd<T>>(self, simd: S) {
-        let Self { band, stride, squared, output } = self;
-        let places = band.places();
-        for first in places.clone().step_by(AT_A_TIME) {
-            let some = first..places.end.min(first + AT_A_TIME);
-            if output.is_over(AT_A_TIME * LANES) {
-                return;
-            }
-            test_some(simd, band, stride, squared, some, output);
-        }
-    }
-}
-
-/// Tests at most [`AT_A_TIME`] circles against those that may overlap them.
-#[inline(always)]
-fn test_some<T: Scalar, S: Simd<T>>(
-    simd: S,
-    band: &Band<T>,
-    stride: usize,
-    squared: T,
-    places: Range<usize>,
-    output: &mut Output<'_>,
-) {
-    let Some(mut room) = output.room(AT_A_TIME * FEW) else { return };
-    let (mut count, mut tests) = (0, 0);
-    let cells = &band.cells[places.clone()];
-    for (place, &cell) in places.zip(cells) {
-        let cell = cell as usize;
-        let start = |cell: usize| band.starts[cell] as usize;
-        let ahead = place + 1..start(cell + 2);
-        let above = start(cell - stride - 1)..start(cell - stride + 2);
-        let candidates = ahead.len() + above.len();
-        tests += candidates;
-        if ahead.len().max(above.len()) <= HALF {
-            let lanes = first_lanes(ahead.len()) | first_lanes(above.len()) << HALF;
-            let [x, y] = [&band.x, &band.y];
-            let x = simd.load_halves(half(x, ahead.start), half(x, above.start));
-            let y = simd.load_halves(half(y, ahead.start), half(y, above.start));
-            let bits = near(simd, band, place, squared, [x, y]) & lanes;
-            let others = [half(&band.ids, ahead.start), half(&band.ids, above.start)];
-            let to = room[count..].first_chunk_mut().expect("there is room");
-            simd.ordered_pairs(band.ids[place], others, bits, to);
-            count += bits.count_ones() as usize;
-        } else if candidates <= FEW {
-            count += test_blocks(simd, band, place, squared, ahead, &mut room[count..]);
-            count += test_blocks(simd, band, place, squared, above, &mut room[count..]);
-        } else {
-            output.accept(count);
-            test_long(simd, band, place, squared, ahead, output);
-            test_long(simd, band, place, squared, above, output);
-            if output.is_over(0) {
-                return;
-            }
-            count = 0;
-            let Some(more) = output.room(AT_A_TIME * FEW) else { return };
-            room = more;
-        }
-    }
-    output.tests += tests as u64;
-    output.accept(count);
-}
-
-/// Tests a circle against many.
-#[inline(always)]
-fn test_long<T: Scalar, S: Simd<T>>(
-    simd: S,
-    band: &Band<T>,
-    place: usize,
-    squared: T,
-    others: Range<usize>,
-    output: &mut Output<'_>,
-) {
-    for first in others.clone().step_by(ROW_TESTS) {
-        let some = first..others.end.min(first + ROW_TESTS);
-        if output.is_over(some.len()) {
-            return;
-        }
-        let Some(room) = output.room(some.len()) else { return };
-        let count = test_blocks(simd, band, place, squared, some, room);
-        output.accept(count);
-    }
-}
-
-/// Tests a circle against others; returns the number of pairs. There is room for all, and a block.
-#[inline(always)]
-fn test_blocks<T: Scalar, S: Simd<T>>(
-    simd: S,
-    band: &Band<T>,
-    place: usize,
-    squared: T,
-    others: Range<usize>,
-    room: &mut [[u32; 2]],
-) -> usize {
-    let mut count = 0;
-    for start in others.clone().step_by(LANES) {
-        let centers = [simd.load(block(&band.x, start)), simd.load(block(&band.y, start))];
-        let bits = near(simd, band, place, squared, centers) & first_lanes(others.end - start);
-        let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
-        let to = room[count..].first_chunk_mut().expect("there is room");
-        simd.ordered_pairs(band.ids[place], ids, bits, to);
-        count += bits.count_ones() as usize;
-    }
-    count
-}
-
-/// A bit for each of some centres that is near the one at a place.
-#[inline(always)]
-fn near<T: Scalar, S: Simd<T>>(
-    simd: S,
-    band: &Band<T>,
-    place: usize,
-    squared: T,
-    [x, y]: [S::Block; 2],
-) -> u32 {
-    let dx = simd.sub(simd.splat(band.x[place]), x);
-    let dy = simd.sub(simd.splat(band.y[place]), y);
-    simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), simd.splat(squared))
-}
-
-/// Half a block of a column.
-#[inline(always)]
-fn half<V>(column: &[V], start: usize) -> &[V; HALF] {
-    column[start..].first_chunk().expect("columns carry spare rows")
 }

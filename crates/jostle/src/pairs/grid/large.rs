@@ -1,0 +1,102 @@
+//! The shapes that are larger than the cells of a grid, each listed in all bands that it may reach.
+
+use std::ops::Range;
+
+use super::layout::{Layout, SLACK};
+use super::sizes::reach_of;
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::memory;
+use crate::quadtree::partition::Item;
+
+/// Maximum mean number of bands of a large shape: of more, the lists would need too much memory.
+const MAX_BANDS: usize = 64;
+
+/// Columns and rows of cells, both ends included.
+pub(super) type Cells = [[u32; 2]; 2];
+
+/// The large shapes.
+#[derive(Debug)]
+pub(super) struct Large<T, const SIZES: usize> {
+    /// The shapes, in the order of their rows.
+    pub(super) items: Vec<Item<T, SIZES>>,
+    /// The cells of the small shapes that each may overlap.
+    cells: Vec<Cells>,
+    /// The end of the list of each band.
+    ends: Vec<u32>,
+    /// Indices of shapes, band by band.
+    lists: Vec<u32>,
+}
+
+impl<T, const SIZES: usize> Default for Large<T, SIZES> {
+    fn default() -> Self {
+        Self { items: Vec::new(), cells: Vec::new(), ends: Vec::new(), lists: Vec::new() }
+    }
+}
+
+impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
+    /// Replaces the shapes. Returns whether there is memory for their lists.
+    pub(super) fn fill<'a>(
+        &mut self,
+        layout: &Layout,
+        small: [T; 2],
+        pieces: impl Iterator<Item = &'a [Item<T, SIZES>]> + Clone,
+    ) -> Result<bool> {
+        let Self { items, cells, ends, lists } = self;
+        items.clear();
+        cells.clear();
+        lists.clear();
+        ends.clear();
+        let len = pieces.clone().map(<[Item<T, SIZES>]>::len).sum();
+        memory::reserve(items, len)?;
+        memory::reserve(cells, len)?;
+        // During the sort the number of the shapes of a band is one place further.
+        memory::resize(ends, layout.bands + 1, 0)?;
+        pieces.for_each(|piece| items.extend_from_slice(piece));
+        for item in &*items {
+            let reach = reach_of(&item.sizes);
+            let distance = [0, 1].map(|k| (reach[k].to_f64() + small[k].to_f64()) * SLACK);
+            let around = layout.around(item.center.map(T::to_f64), distance);
+            cells.push(around);
+            bands_of(layout, &around).for_each(|band| ends[band + 1] += 1);
+        }
+        let mut total = 0;
+        for end in &mut *ends {
+            total += *end as usize;
+            if total > MAX_BANDS * len {
+                return Ok(false);
+            }
+            *end = total as u32;
+        }
+        memory::resize(lists, total, 0)?;
+        for (index, cells) in cells.iter().enumerate() {
+            for band in bands_of(layout, cells) {
+                lists[ends[band] as usize] = index as u32;
+                ends[band] += 1;
+            }
+        }
+        Ok(true)
+    }
+
+    /// The shapes of a band, and the cells that each may reach.
+    pub(super) fn of_band(&self, band: usize) -> impl Iterator<Item = (&Item<T, SIZES>, &Cells)> {
+        let start = band.checked_sub(1).map_or(0, |before| self.ends[before]);
+        let list = start as usize..self.ends[band] as usize;
+        self.lists[list].iter().map(|&index| {
+            let index = index as usize;
+            (&self.items[index], &self.cells[index])
+        })
+    }
+
+    /// Allocated bytes, used or not.
+    pub(super) fn memory_bytes(&self) -> usize {
+        self.items.capacity() * size_of::<Item<T, SIZES>>()
+            + self.cells.capacity() * size_of::<Cells>()
+            + (self.ends.capacity() + self.lists.capacity()) * size_of::<u32>()
+    }
+}
+
+/// The bands of some rows of cells.
+fn bands_of(layout: &Layout, [_, [first, last]]: &Cells) -> Range<usize> {
+    (first >> layout.row_bits) as usize..(last >> layout.row_bits) as usize + 1
+}
