@@ -54,8 +54,11 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
         self.copy_row(layout, last, count)?;
         // During the sort the count of a cell is two places further, its next free place one.
-        for item in items.clone().flatten() {
-            self.starts[own + layout.cell(item.key) + 2] += 1;
+        // Nested loops: the compiler does not inline `flatten`.
+        for piece in items.clone() {
+            for item in piece {
+                self.starts[own + layout.cell(item.key) + 2] += 1;
+            }
         }
         let mut sum = self.before as u32;
         self.starts[own] = sum;
@@ -67,16 +70,18 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         let (starts, cells) = (&mut self.starts[..], &mut self.cells[..len]);
         let (x, y, ids) = (&mut self.x[..len], &mut self.y[..len], &mut self.ids[..len]);
         let mut sizes = self.sizes.each_mut().map(|column| &mut column[..len]);
-        for item in items.flatten() {
-            let cell = own + layout.cell(item.key);
-            let next = &mut starts[cell + 1];
-            let place = *next as usize;
-            *next += 1;
-            [x[place], y[place]] = item.center;
-            for (column, size) in sizes.iter_mut().zip(item.sizes) {
-                column[place] = size;
+        for piece in items {
+            for item in piece {
+                let cell = own + layout.cell(item.key);
+                let next = &mut starts[cell + 1];
+                let place = *next as usize;
+                *next += 1;
+                [x[place], y[place]] = item.center;
+                for (column, size) in sizes.iter_mut().zip(item.sizes) {
+                    column[place] = size;
+                }
+                (ids[place], cells[place]) = (item.row, cell as u32);
             }
-            (ids[place], cells[place]) = (item.row, cell as u32);
         }
         Ok(())
     }

@@ -54,6 +54,13 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
         let margin = if fraction < 1.0 { 1.0 } else { MARGIN };
         let small = [0, 1].map(|k| T::from_f64(sorted[k][last] * margin));
         let Some((time, choice)) = estimate(extent, small, &sample, len) else { continue };
+        if let Ok(want) = std::env::var("FRACTION") {
+            if want == "show" {
+                eprintln!("{len} {fraction} {time} small {small:?} cells {:?}", choice.layout.per_unit.map(|v| 1.0 / v));
+            } else if want.parse() == Ok(fraction) {
+                return Some(choice);
+            }
+        }
         if best.as_ref().is_none_or(|best| time < best.0) {
             best = Some((time, choice));
         }

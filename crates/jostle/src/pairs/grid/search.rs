@@ -20,6 +20,12 @@ const FEW: usize = 64;
 /// Number of shapes that one with many candidates is tested against between two checks.
 const ROW_TESTS: usize = 1 << 12;
 
+/// Maximum number of blocks with overlaps that are collected.
+const MAX_HITS: usize = 512;
+
+/// Number of blocks that [`FEW`] candidates in two ranges may have.
+const FEW_BLOCKS: usize = FEW / LANES + 1;
+
 /// Number of tests for each shape and for each pair of a band after which the tree is used instead.
 const MAX_TESTS: u64 = 128;
 
@@ -65,19 +71,21 @@ impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
         let stride = layout.stride as usize;
         let places = band.places();
         let mut counts = Counts::default();
-        for first in places.clone().step_by(AT_A_TIME) {
-            let some = first..places.end.min(first + AT_A_TIME);
+        let mut hits = Hits { list: [[0; 3]; MAX_HITS], count: 0 };
+        let mut first = places.start;
+        while first < places.end {
             if output.is_over(AT_A_TIME * LANES) {
                 return true;
             }
-            tester.test_some(stride, some, &mut counts, output);
+            first = tester.test_some(stride, first..places.end, &mut hits, &mut counts, output);
             if SIZES != EQUAL && counts.is_slow() {
                 return false;
             }
         }
         if SIZES != EQUAL && !places.is_empty() {
             for (item, &[columns, rows]) in large.of_band(number) {
-                tester.test_large(layout, number, item, columns, rows, &mut counts, output);
+                let cells = tester.rows(layout, number, columns, rows);
+                tester.test_large(item, cells, &mut hits, &mut counts, output);
                 if output.is_over(LANES) {
                     return true;
                 }
@@ -91,6 +99,29 @@ impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
     }
 }
 
+/// Blocks with overlaps: the row of the caller of one shape, the first place of the block, and a bit for
+/// each of its shapes that overlaps the one.
+struct Hits {
+    list: [[u32; 3]; MAX_HITS],
+    count: usize,
+}
+
+impl Hits {
+    /// Adds a block if a bit is set. No branch depends on it.
+    #[inline(always)]
+    fn add(&mut self, row: u32, start: usize, bits: u32) {
+        self.list[self.count % MAX_HITS] = [row, start as u32, bits];
+        self.count += usize::from(bits != 0);
+    }
+}
+
+/// Others in registers.
+struct Loaded<B, const SIZES: usize> {
+    x: B,
+    y: B,
+    sizes: [B; SIZES],
+}
+
 /// Tests shapes against those of a band.
 struct Tester<'a, T, S, const SIZES: usize> {
     simd: S,
@@ -99,88 +130,165 @@ struct Tester<'a, T, S, const SIZES: usize> {
 }
 
 impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
-    /// Tests at most [`AT_A_TIME`] shapes against those that may overlap them.
+    /// Tests [`AT_A_TIME`] shapes, and the others of the last one's cell, against those that may overlap
+    /// them. Returns the next place.
     #[inline(always)]
     fn test_some(
         &self,
         stride: usize,
         places: Range<usize>,
+        hits: &mut Hits,
         counts: &mut Counts,
         output: &mut Output<'_>,
-    ) {
+    ) -> usize {
         let Self { simd, band, .. } = *self;
-        let Some(mut room) = output.room(AT_A_TIME * FEW) else { return };
-        counts.shapes += places.len() as u64;
-        let (mut count, mut tests) = (0, 0);
-        let cells = &band.cells[places.clone()];
-        for (place, &cell) in places.zip(cells) {
-            let cell = cell as usize;
+        let Some(mut room) = output.room(AT_A_TIME * LANES) else { return places.end };
+        let end = places.end.min(places.start + AT_A_TIME);
+        let mut count = 0;
+        let mut place = places.start;
+        while place < end {
+            let cell = band.cells[place] as usize;
             let start = |cell: usize| band.starts[cell] as usize;
             let ahead = place + 1..start(cell + 2);
             let above = start(cell - stride - 1)..start(cell - stride + 2);
-            let candidates = ahead.len() + above.len();
-            tests += candidates as u64;
-            let one = self.one(place);
             if ahead.len().max(above.len()) <= HALF {
+                counts.tests += (ahead.len() + above.len()) as u64;
                 let lanes = first_lanes(ahead.len()) | first_lanes(above.len()) << HALF;
-                let bits = self.near::<false>(&one, [ahead.start, above.start]) & lanes;
+                let one = self.one(place);
+                let bits = self.near(&one, &self.load_halves([ahead.start, above.start])) & lanes;
                 let others = [half(&band.ids, ahead.start), half(&band.ids, above.start)];
                 let to = room[count..].first_chunk_mut().expect("there is room");
                 simd.ordered_pairs(one.row, others, bits, to);
                 count += bits.count_ones() as usize;
-            } else if candidates <= FEW {
-                count += self.test_blocks(&one, ahead, &mut room[count..]);
-                count += self.test_blocks(&one, above, &mut room[count..]);
+                place += 1;
+                continue;
+            }
+            // The others of a cell have the same candidates.
+            let cell = place..start(cell + 1);
+            output.accept(count);
+            counts.pairs += count as u64;
+            count = 0;
+            if ahead.len() + above.len() <= FEW {
+                counts.tests += (cell.len() * (ahead.len() + above.len() + 1)) as u64;
+                counts.tests -= (cell.len() * (cell.len() + 1) / 2) as u64;
+                self.test_cell(cell.clone(), ahead.end, above, hits, counts, output);
             } else {
-                output.accept(count);
-                counts.pairs += count as u64;
-                self.test_long(&one, ahead, counts, output);
-                self.test_long(&one, above, counts, output);
-                if output.is_over(0) {
-                    return;
+                for place in cell.clone() {
+                    let one = self.one(place);
+                    counts.tests += (ahead.end - place - 1 + above.len()) as u64;
+                    self.test_long(&one, place + 1..ahead.end, counts, output);
+                    self.test_long(&one, above.clone(), counts, output);
+                    if output.is_over(0) {
+                        return places.end;
+                    }
                 }
-                count = 0;
-                let Some(more) = output.room(AT_A_TIME * FEW) else { return };
-                room = more;
+            }
+            place = cell.end;
+            let Some(more) = output.room(AT_A_TIME * LANES) else { return places.end };
+            room = more;
+        }
+        counts.shapes += (place - places.start) as u64;
+        counts.pairs += count as u64;
+        output.accept(count);
+        place
+    }
+
+    /// Tests the shapes of a cell against later ones up to `end`, and against those of a range before.
+    #[inline(always)]
+    fn test_cell(
+        &self,
+        cell: Range<usize>,
+        end: usize,
+        above: Range<usize>,
+        hits: &mut Hits,
+        counts: &mut Counts,
+        output: &mut Output<'_>,
+    ) {
+        for start in above.clone().step_by(LANES) {
+            let others = self.load_block(start);
+            let lanes = first_lanes(above.end - start);
+            for place in cell.clone() {
+                let one = self.one(place);
+                hits.add(one.row, start, self.near(&one, &others) & lanes);
             }
         }
-        counts.tests += tests;
+        for start in (cell.start..end).step_by(LANES) {
+            let others = self.load_block(start);
+            let lanes = first_lanes(end - start);
+            for place in cell.clone() {
+                let one = self.one(place);
+                let later = u32::MAX << (place + 1).saturating_sub(start).min(31);
+                hits.add(one.row, start, self.near(&one, &others) & lanes & later);
+            }
+        }
+        self.emit(hits, counts, output);
+    }
+
+    /// Writes the pairs of all hits, and removes these.
+    #[inline(always)]
+    fn emit(&self, hits: &mut Hits, counts: &mut Counts, output: &mut Output<'_>) {
+        let Self { simd, band, .. } = *self;
+        let some = &hits.list[..hits.count.min(MAX_HITS)];
+        hits.count = 0;
+        let Some(room) = output.room(some.len() * LANES) else { return };
+        let mut count = 0;
+        for &[row, start, bits] in some {
+            let start = start as usize;
+            let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
+            let to = room[count..].first_chunk_mut().expect("there is room");
+            simd.ordered_pairs(row, ids, bits, to);
+            count += bits.count_ones() as usize;
+        }
         counts.pairs += count as u64;
         output.accept(count);
     }
 
-    /// Tests a large shape against those of the rows of the band that it may reach.
-    #[allow(clippy::too_many_arguments, reason = "a part of a loop, inlined")]
+    /// For each row of the band that a large shape may reach, its first cell and the one after its last.
     #[inline(always)]
-    fn test_large(
+    fn rows(
         &self,
         layout: &Layout,
         number: usize,
-        item: &Item<T, SIZES>,
         columns: [u32; 2],
         rows: [u32; 2],
-        counts: &mut Counts,
-        output: &mut Output<'_>,
-    ) {
+    ) -> impl Iterator<Item = [usize; 2]> {
         let first = number << layout.row_bits;
         let first_row = (rows[0] as usize).max(first) - first;
         let last_row = (rows[1] as usize).min(first + layout.rows() - 1) - first;
         let stride = layout.stride as usize;
-        counts.shapes += 1;
-        for row in first_row..=last_row {
+        (first_row..=last_row).map(move |row| {
             let cells = 1 + (row + 1) * stride;
-            let start = self.band.starts[cells + columns[0] as usize] as usize;
-            let end = self.band.starts[cells + columns[1] as usize + 1] as usize;
+            [cells + columns[0] as usize, cells + columns[1] as usize + 1]
+        })
+    }
+
+    /// Tests a large shape against those of some ranges of cells.
+    #[inline(always)]
+    fn test_large(
+        &self,
+        one: &Item<T, SIZES>,
+        rows: impl Iterator<Item = [usize; 2]>,
+        hits: &mut Hits,
+        counts: &mut Counts,
+        output: &mut Output<'_>,
+    ) {
+        counts.shapes += 1;
+        for cells in rows {
+            let [start, end] = cells.map(|cell| self.band.starts[cell] as usize);
             counts.tests += (end - start) as u64;
-            if end - start <= FEW {
-                let Some(room) = output.room(FEW) else { return };
-                let count = self.test_blocks(item, start..end, room);
-                counts.pairs += count as u64;
-                output.accept(count);
-            } else {
-                self.test_long(item, start..end, counts, output);
+            if end - start > FEW {
+                self.test_long(one, start..end, counts, output);
+                continue;
+            }
+            for start in (start..end).step_by(LANES) {
+                let others = self.load_block(start);
+                hits.add(one.row, start, self.near(one, &others) & first_lanes(end - start));
+            }
+            if hits.count > MAX_HITS - FEW_BLOCKS {
+                self.emit(hits, counts, output);
             }
         }
+        self.emit(hits, counts, output);
     }
 
     /// The shape at a place.
@@ -226,7 +334,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         let Self { simd, band, .. } = *self;
         let mut count = 0;
         for start in others.clone().step_by(LANES) {
-            let bits = self.near::<true>(one, [start; 2]) & first_lanes(others.end - start);
+            let bits = self.near(one, &self.load_block(start)) & first_lanes(others.end - start);
             let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
             let to = room[count..].first_chunk_mut().expect("there is room");
             simd.ordered_pairs(one.row, ids, bits, to);
@@ -235,23 +343,21 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         count
     }
 
-    /// A bit for each of some others that overlaps one. They are two halves from two places, or a whole
-    /// block.
+    /// A bit for each of some others that overlaps one.
     #[inline(always)]
-    fn near<const WHOLE: bool>(&self, one: &Item<T, SIZES>, starts: [usize; 2]) -> u32 {
-        let Self { simd, band, squared } = *self;
-        let [x, y] = [self.load::<WHOLE>(&band.x, starts), self.load::<WHOLE>(&band.y, starts)];
-        let [one_x, one_y] = [simd.splat(one.center[0]), simd.splat(one.center[1])];
+    fn near(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> u32 {
+        let Self { simd, squared, .. } = *self;
+        let [x, y] = [simd.splat(one.center[0]), simd.splat(one.center[1])];
         if SIZES == EQUAL || SIZES == CIRCLES {
-            let (dx, dy) = (simd.sub(one_x, x), simd.sub(one_y, y));
+            let (dx, dy) = (simd.sub(x, others.x), simd.sub(y, others.y));
             let distance = simd.add(simd.mul(dx, dx), simd.mul(dy, dy));
             if SIZES == EQUAL {
                 return simd.less(distance, simd.splat(squared));
             }
-            return simd.less(distance, self.squared_sum::<WHOLE>(one, starts));
+            return simd.less(distance, self.squared_sum(one, others));
         }
-        let dx = simd.sub(simd.distance(one_x, x), self.sum::<WHOLE>(one, 0, starts));
-        let dy = simd.sub(simd.distance(one_y, y), self.sum::<WHOLE>(one, 1, starts));
+        let dx = simd.sub(simd.distance(x, others.x), self.sum(one, others, 0));
+        let dy = simd.sub(simd.distance(y, others.y), self.sum(one, others, 1));
         let overlap = simd.both_negative(dx, dy);
         if SIZES == RECTANGLES {
             return overlap;
@@ -259,31 +365,51 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         let zero = simd.splat(T::ZERO);
         let (ex, ey) = (simd.max(dx, zero), simd.max(dy, zero));
         let distance = simd.add(simd.mul(ex, ex), simd.mul(ey, ey));
-        overlap | simd.less(distance, self.squared_sum::<WHOLE>(one, starts))
+        overlap | simd.less(distance, self.squared_sum(one, others))
     }
 
     /// The sums of a size of one shape and of those of others.
     #[inline(always)]
-    fn sum<const WHOLE: bool>(&self, one: &Item<T, SIZES>, k: usize, starts: [usize; 2]) -> S::Block {
-        let simd = self.simd;
-        simd.add(simd.splat(one.sizes[k]), self.load::<WHOLE>(&self.band.sizes[k], starts))
+    fn sum(
+        &self,
+        one: &Item<T, SIZES>,
+        others: &Loaded<S::Block, SIZES>,
+        k: usize,
+    ) -> S::Block {
+        self.simd.add(self.simd.splat(one.sizes[k]), others.sizes[k])
     }
 
     /// The squares of the sums of the radii.
     #[inline(always)]
-    fn squared_sum<const WHOLE: bool>(&self, one: &Item<T, SIZES>, starts: [usize; 2]) -> S::Block {
-        let sum = self.sum::<WHOLE>(one, SIZES.saturating_sub(1), starts);
+    fn squared_sum(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> S::Block {
+        let sum = self.sum(one, others, SIZES.saturating_sub(1));
         self.simd.mul(sum, sum)
     }
 
-    /// The numbers of a column of some others.
+    /// The block of shapes from a place.
     #[inline(always)]
-    fn load<const WHOLE: bool>(&self, column: &[T], starts: [usize; 2]) -> S::Block {
-        let simd = self.simd;
-        if WHOLE {
-            return simd.load(block(column, starts[0]));
+    fn load_block(&self, start: usize) -> Loaded<S::Block, SIZES> {
+        let Self { simd, band, .. } = *self;
+        let mut sizes = [simd.splat(T::ZERO); SIZES];
+        for k in 0..SIZES {
+            sizes[k] = simd.load(block(&band.sizes[k], start));
         }
-        simd.load_halves(half(column, starts[0]), half(column, starts[1]))
+        let (x, y) = (simd.load(block(&band.x, start)), simd.load(block(&band.y, start)));
+        Loaded { x, y, sizes }
+    }
+
+    /// Half a block of shapes from each of two places.
+    #[inline(always)]
+    fn load_halves(&self, [low, high]: [usize; 2]) -> Loaded<S::Block, SIZES> {
+        let Self { simd, band, .. } = *self;
+        let mut sizes = [simd.splat(T::ZERO); SIZES];
+        for k in 0..SIZES {
+            let column = &band.sizes[k];
+            sizes[k] = simd.load_halves(half(column, low), half(column, high));
+        }
+        let x = simd.load_halves(half(&band.x, low), half(&band.x, high));
+        let y = simd.load_halves(half(&band.y, low), half(&band.y, high));
+        Loaded { x, y, sizes }
     }
 }
 
