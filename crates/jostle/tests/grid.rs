@@ -1,4 +1,4 @@
-//! The grid for circles of one radius against brute force.
+//! The grids for circles and rectangles against brute force.
 
 use jostle::pairs::{self, FindScratch};
 use jostle::scenes::random::Random;
@@ -92,21 +92,123 @@ fn circles_that_touch_do_not_overlap() {
     assert_eq!(find(&lattice(1.0 - 1e-9), 1).1.len(), 2 * 40 * 39);
 }
 
-/// A sparse scene would have many empty cells, and a cell of other shapes no fixed size.
+/// What the sizes of shapes are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sizes {
+    Circles,
+    Rectangles,
+    Rounded,
+}
+
+/// Shapes whose sizes are between 1 and `largest`, every octave with the same area, some at the same
+/// place and some without a size.
+fn mixed<T: Scalar>(seed: u64, count: usize, sizes: Sizes, largest: f32, side: f32) -> Shapes<T> {
+    let mut random = Random::new(seed);
+    let number = |value: f32| T::from_f64(f64::from(value));
+    let mut size = || match random.between(0.0, 1.0) {
+        at if at < 0.02 => 0.0,
+        at => 1.0 / (1.0 - at * (1.0 - largest.powi(-2))).sqrt(),
+    };
+    let radii: Vec<T> = (0..count).map(|_| number(size())).collect();
+    let halves: Vec<[T; 2]> = (0..count).map(|_| [(); 2].map(|()| number(size()))).collect();
+    let mut centers: Vec<[T; 2]> =
+        (0..count).map(|_| [(); 2].map(|()| number(random.between(0.0, side)))).collect();
+    for row in (0..count.saturating_sub(7)).step_by(97) {
+        centers[row + 7] = centers[row];
+    }
+    let halves = (sizes != Sizes::Circles).then_some(Each::Rows(halves));
+    let radii = if sizes == Sizes::Rectangles { Each::One(T::ZERO) } else { Each::Rows(radii) };
+    Shapes::new(centers, radii, halves, None).unwrap()
+}
+
+/// All kinds of sizes.
+const SIZES: [Sizes; 3] = [Sizes::Circles, Sizes::Rectangles, Sizes::Rounded];
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(150) })]
+
+    /// Equal sizes to many orders of magnitude, sparse to crowded.
+    #[test]
+    fn pairs_of_different_sizes_are_those_of_brute_force(
+        seed in 0u64..1000,
+        count in 301usize..1500,
+        sizes in prop::sample::select(SIZES.to_vec()),
+        largest in prop_oneof![Just(1.5f32), Just(30.0), Just(1e3), Just(1e6)],
+        room in prop_oneof![Just(0.3f32), 1.0f32..6.0, Just(40.0)],
+        threads in prop::sample::select(vec![1usize, 2, 3, 8]),
+    ) {
+        let side = room * (count as f32).sqrt();
+        let one = mixed::<f32>(seed, count, sizes, largest, side);
+        let two = mixed::<f64>(seed, count, sizes, largest, side);
+        let expected = (brute(&one), brute(&two));
+        for most in [Instructions::Portable, Instructions::Avx2, Instructions::Avx512] {
+            simd::limit(most);
+            prop_assert_eq!(&find(&one, threads).1, &expected.0);
+            prop_assert_eq!(&find(&two, threads).1, &expected.1);
+        }
+    }
+}
+
+/// Several grids, many bands, and a few shapes that are larger than all cells.
+#[test]
+fn many_shapes_of_different_sizes_agree_on_all_threads() {
+    for sizes in SIZES {
+        let shapes = mixed::<f32>(5, 60_000, sizes, 300.0, 1500.0);
+        let (by_tree, found) = find(&shapes, 1);
+        assert!(!by_tree, "{sizes:?}");
+        let tree = Some(Method::Quadtree);
+        let mut expected = pairs::find(&shapes, tree, Some(1), DEFAULT_MAX_PAIRS).unwrap();
+        expected.sort().unwrap();
+        assert!(found == expected.pairs, "{sizes:?}");
+        assert!(found.len() > 40_000, "{}", found.len());
+        for threads in [2, 3, 8] {
+            assert!(find(&shapes, threads) == (false, found.clone()), "{sizes:?}, {threads}");
+        }
+    }
+}
+
+/// A shape over the whole scene, which a sample does not contain, is no reason for a tree.
+#[test]
+fn one_shape_may_reach_all_others() {
+    let mut shapes = mixed::<f64>(9, 30_000, Sizes::Circles, 2.0, 500.0);
+    let Each::Rows(radii) = &mut shapes.radii else { panic!("radii differ") };
+    radii[12_345] = 1e4;
+    let (by_tree, found) = find(&shapes, 1);
+    assert!(!by_tree);
+    assert_eq!(found.iter().filter(|pair| pair.contains(&12_345)).count(), 30_000 - 1);
+    assert!(found == brute(&shapes));
+}
+
+/// Clusters of coincident shapes, which a grid would test pair by pair, and sizes so large that twice
+/// as much is infinite.
+#[test]
+fn shapes_that_no_grid_fits_agree() {
+    let mut shapes = mixed::<f64>(11, 6_000, Sizes::Rectangles, 20.0, 600.0);
+    for row in 0..3_000 {
+        shapes.centers[row] = [300.0 + 1e-9 * row as f64, 300.0];
+    }
+    let Some(Each::Rows(halves)) = &mut shapes.half_sizes else { panic!("half sizes differ") };
+    halves[..3_000].fill([1e-12; 2]);
+    let small = Each::Rows(halves.clone());
+    assert!(find(&shapes, 2).1 == brute(&shapes));
+    let huge = |row: usize| [f64::MAX * 0.9, if row % 9 == 0 { 50.0 } else { 1.0 }];
+    shapes.half_sizes = Some(Each::Rows((0..6_000).map(huge).collect()));
+    assert!(find(&shapes, 1).1 == brute(&shapes));
+    shapes.radii = Each::Rows((0..6_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
+    shapes.half_sizes = Some(small);
+    assert!(find(&shapes, 1).1 == brute(&shapes));
+}
+
+/// A sparse scene would have many empty cells, and a cell of points no size.
 #[test]
 fn other_shapes_are_searched_by_a_tree() {
     let dense = circles::<f64>(1, 500, [40.0; 2], [0.0; 2], 1.0);
     assert!(!find(&dense, 1).0);
-    let with_radii = |radii| Shapes { radii, ..dense.clone() };
-    let radii = (0..500).map(|row| 1.0 + f64::from(row % 2)).collect();
-    let sizes = Some(Each::One([1.0; 2]));
     let filters = Some([Each::One(1), Each::Rows(vec![1; 500])]);
     let far = dense.centers.iter().map(|c| c.map(|v| 1e306 * (v - 20.0))).collect();
     for shapes in [
         circles::<f64>(1, 500, [4e3; 2], [0.0; 2], 1.0),
-        with_radii(Each::Rows(radii)),
-        with_radii(Each::One(0.0)),
-        Shapes { half_sizes: sizes, ..dense.clone() },
+        Shapes { radii: Each::One(0.0), ..dense.clone() },
         Shapes { filters, ..dense.clone() },
         Shapes { centers: far, ..dense.clone() },
     ] {

@@ -54,13 +54,6 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
         let margin = if fraction < 1.0 { 1.0 } else { MARGIN };
         let small = [0, 1].map(|k| T::from_f64(sorted[k][last] * margin));
         let Some((time, choice)) = estimate(extent, small, &sample, len) else { continue };
-        if let Ok(want) = std::env::var("FRACTION") {
-            if want == "show" {
-                eprintln!("{len} {fraction} {time} small {small:?} cells {:?}", choice.layout.per_unit.map(|v| 1.0 / v));
-            } else if want.parse() == Ok(fraction) {
-                return Some(choice);
-            }
-        }
         if best.as_ref().is_none_or(|best| time < best.0) {
             best = Some((time, choice));
         }
@@ -69,9 +62,7 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
 }
 
 /// Half the widths and the heights of some shapes, whose places in the input have no pattern.
-fn sample<T: Scalar, const SIZES: usize>(
-    input: &(impl Input<T, SIZES> + ?Sized),
-) -> Vec<[f64; 2]> {
+fn sample<T: Scalar, const SIZES: usize>(input: &(impl Input<T, SIZES> + ?Sized)) -> Vec<[f64; 2]> {
     let len = input.len();
     let count = (len / FOR_EACH_SAMPLED).clamp(SAMPLES[0], SAMPLES[1]).min(len);
     let step = |index: usize| (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;

@@ -9,8 +9,8 @@ use crate::geometry::Scalar;
 use crate::memory;
 use crate::quadtree::partition::Item;
 
-/// Maximum mean number of bands of a large shape: of more, the lists would need too much memory.
-const MAX_BANDS: usize = 64;
+/// Maximum number of entries of all lists for each shape of the grid: more would need too much memory.
+const MAX_ENTRIES: usize = 4;
 
 /// Columns and rows of cells, both ends included.
 pub(super) type Cells = [[u32; 2]; 2];
@@ -35,11 +35,12 @@ impl<T, const SIZES: usize> Default for Large<T, SIZES> {
 }
 
 impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
-    /// Replaces the shapes. Returns whether there is memory for their lists.
+    /// Replaces the shapes of a grid of `of` shapes. Returns whether their lists are short enough.
     pub(super) fn fill<'a>(
         &mut self,
         layout: &Layout,
         small: [T; 2],
+        of: usize,
         pieces: impl Iterator<Item = &'a [Item<T, SIZES>]> + Clone,
     ) -> Result<bool> {
         let Self { items, cells, ends, lists } = self;
@@ -63,7 +64,7 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         let mut total = 0;
         for end in &mut *ends {
             total += *end as usize;
-            if total > MAX_BANDS * len {
+            if total > MAX_ENTRIES * of {
                 return Ok(false);
             }
             *end = total as u32;

@@ -63,7 +63,8 @@ impl Layout {
         let axis = usize::from(extent[1] < extent[0]);
         let (start, [along, across]) = ([axis, 1 - axis], [extent[axis], extent[1 - axis]]);
         let least = start.map(|axis| distance[axis] * SLACK);
-        if !(least[0].min(least[1]) > MIN_DISTANCE && across.is_finite()) {
+        let usable = |least: f64| least > MIN_DISTANCE && least.is_finite();
+        if !(usable(least[0]) && usable(least[1]) && across.is_finite()) {
             return None;
         }
         // Cells of the least size for each shape.

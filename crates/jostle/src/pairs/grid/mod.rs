@@ -164,7 +164,8 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
             let choice = choose::<T, SIZES>(&rest[..], extent, None);
             scratch.result = std::mem::take(&mut self.pairs);
             let left = max_pairs - found.pairs.len();
-            let more = choice.and_then(|choice| self.level(&rest[..], choice, threads, left, scratch));
+            let more =
+                choice.and_then(|choice| self.level(&rest[..], choice, threads, left, scratch));
             self.rest = rest;
             let Some(more) = more else {
                 std::mem::swap(&mut self.rest, &mut self.large.items);
@@ -201,12 +202,13 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
             return Some(Err(error));
         }
         if SIZES != EQUAL {
-            match large.fill(&layout, small, partition.pieces(layout.bands)) {
+            match large.fill(&layout, small, len, partition.pieces(layout.bands)) {
                 Ok(true) => {}
                 Ok(false) => return None,
                 Err(error) => return Some(Err(error)),
             }
         }
+        // Of circles of one radius.
         let squared = (small[0] + small[0]) * (small[0] + small[0]);
         let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
         let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };

@@ -370,12 +370,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
 
     /// The sums of a size of one shape and of those of others.
     #[inline(always)]
-    fn sum(
-        &self,
-        one: &Item<T, SIZES>,
-        others: &Loaded<S::Block, SIZES>,
-        k: usize,
-    ) -> S::Block {
+    fn sum(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>, k: usize) -> S::Block {
         self.simd.add(self.simd.splat(one.sizes[k]), others.sizes[k])
     }
 
