@@ -79,8 +79,8 @@ class Commands:
                 frame.velocities[rows],
                 frame.radii[rows],
                 frame.densities[rows],
-                frame.movable[rows],
-                False if frame.sensors is None else frame.sensors[rows] != 0,
+                movable=frame.movable[rows],
+                sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
                 kinds=None if frame.kinds is None else frame.kinds[rows],
                 **_filters(frame, rows),
             )
