@@ -140,10 +140,10 @@ class WorldSimulation:
         return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        own_walls, begun_with = self._segments.own, self._initial.n
         return frame_of(
-            self.world, self._columns, own_walls, request, self.attractors, self.scene, begun_with
-        )
+            self.world, self._columns, request, scene=self.scene, attractors=self.attractors,
+            own_walls=self._segments.own, begun_with=self._initial.n,
+        )  # fmt: skip
 
     # Changing
 
