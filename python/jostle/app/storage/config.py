@@ -186,8 +186,11 @@ def line_of(text: str, key: Key) -> int:
 def _contains(entries: Any, key: Key) -> bool:
     """Return whether nested tables and lists have an entry with a key."""
     for part in key:
-        known = range(len(entries)) if isinstance(entries, list) else entries
-        if not isinstance(entries, list | dict) or part not in known:
+        if isinstance(entries, list):
+            known: Any = range(len(entries))
+        else:
+            known = entries if isinstance(entries, dict) else ()
+        if part not in known:
             return False
         entries = entries[part]
     return True
