@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{FARTHEST, Particles, wrap_angle};
+use crate::table::sparse_value;
 
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;
@@ -44,9 +45,9 @@ impl World {
             let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
             for (((position, residual), velocity), place) in columns {
                 let mut motion = motions.get(place);
-                let wall_pushes = &wall_pushes[place as usize];
-                if !(is_allowed(&motion) & (*wall_pushes == [0.0; MAX_WALLS])) {
-                    if !is_finite(&motion, wall_pushes) {
+                let wall_pushes = sparse_value(wall_pushes, place as usize);
+                if !(is_allowed(&motion) & (wall_pushes == [0.0; MAX_WALLS])) {
+                    if !is_finite(&motion, &wall_pushes) {
                         any.store(true, Ordering::Relaxed);
                     }
                     clamp(&mut motion);
@@ -72,13 +73,13 @@ impl World {
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |place: usize| self.scratch.motions.get(place as u32);
+        let wall_pushes = |place: usize| sparse_value(&self.persistent.wall_pushes, place);
         let spins = &self.scratch.spins;
         let spin = |place: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
         };
         let bad = |&place: &usize| {
-            !is_finite(&motion(place), &self.persistent.wall_pushes[place])
-                || !spin(place).is_finite()
+            !is_finite(&motion(place), &wall_pushes(place)) || !spin(place).is_finite()
         };
         let place = (0..self.rows.len())
             .filter(bad)
@@ -89,7 +90,7 @@ impl World {
             ("angular_velocities", &[spin(place)]),
             ("velocities", &velocity),
             ("positions", &position),
-            ("wall_impulses", &self.persistent.wall_pushes[place]),
+            ("wall_impulses", &wall_pushes(place)),
         ];
         let broken =
             columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));

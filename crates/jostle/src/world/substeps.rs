@@ -65,7 +65,8 @@ impl World {
 
     /// Whether gravity or forces may press inelastic particles against each other or against walls.
     pub(super) fn may_rest(&self) -> bool {
-        !self.is_elastic() && (self.is_pulled() || self.settings.gravity != [0.0; 2])
+        // Coefficients of restitution are read last, because there is one for each particle.
+        (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_elastic()
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
@@ -123,12 +124,13 @@ impl World {
         scratch.events.begin_step();
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
-        let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
+        let on_walls = if may_rest { particles.len() } else { 0 };
+        let with_friction = if has_friction { on_walls } else { 0 };
+        persistent.wall_pushes.resize(on_walls, Default::default());
         persistent.wall_frictions.resize(with_friction, Default::default());
         if may_rest {
             scratch.resting.begin_step(contacts, particles, has_friction);
         } else {
-            persistent.wall_pushes.fill(Default::default());
             scratch.wall_pushes.clear();
         }
         scratch.correction.begin_step(contacts, particles);
