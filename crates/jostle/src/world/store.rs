@@ -14,17 +14,19 @@ use crate::table::sparse_value;
 const STORED: usize = 1 << 14;
 
 impl World {
-    /// Loads positions and velocities of all particles for the sub-steps.
+    /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
+    /// the columns and writes all motions, so nothing is to be loaded.
     pub(super) fn load_motions(&mut self) {
         let threads = self.threads();
+        let are_read = self.may_rest() || self.is_pulled() || !self.particles.spins.is_empty();
         let Self { particles, scratch, .. } = self;
         scratch.motions.resize(particles.len());
         let motions = &scratch.motions;
-        parallel::for_rows(threads, particles.len(), |place| {
-            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
-            let residual = particles.residuals[place];
-            motions.set(place as u32, Motion { position, residual, velocity, ..Motion::default() });
-        });
+        if are_read {
+            parallel::for_rows(threads, particles.len(), |place| {
+                motions.set(place as u32, Motion::of(particles, place));
+            });
+        }
         scratch.spins.fill(&particles.spins);
     }
 

@@ -59,7 +59,7 @@ impl World {
     }
 
     /// Whether forces give kicks before and after the flights of a step.
-    fn is_pulled(&self) -> bool {
+    pub(super) fn is_pulled(&self) -> bool {
         self.has_accelerations() || springs(&self.forces).next().is_some()
     }
 
@@ -224,6 +224,7 @@ impl World {
             flow: of.flow,
             kicks: &scratch.kicks,
             is_first: true,
+            begins_step: substep == 0,
             halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
