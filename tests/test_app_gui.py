@@ -16,7 +16,7 @@ from jostle.app.draw import palette  # noqa: E402
 from jostle.app.draw.painter import Painter  # noqa: E402
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.gui.host import Gui  # noqa: E402
-from jostle.app.gui.shapes import Shapes, coverage, outlines_of  # noqa: E402
+from jostle.app.gui.software import Shapes, coverage, outlines_of  # noqa: E402
 
 SIZE = (400, 300)
 FRAME = 1 / 60

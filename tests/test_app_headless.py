@@ -12,7 +12,7 @@ pygame = pytest.importorskip("pygame")
 imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
 rich_console = pytest.importorskip("rich.console")
 
-from jostle.app import film_report  # noqa: E402
+from jostle.app import headless  # noqa: E402
 from jostle.app.draw.palette import GROUND  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
@@ -96,7 +96,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
     simulation = start(settings)
     film = make_film(simulation, 2, tmp_path, console, SIZE)
     console.file = io.StringIO()
-    console.print(film_report.film_report(simulation, film, settings))
+    console.print(headless.film_report(simulation, film, settings))
     return console.file.getvalue()
 
 
@@ -104,7 +104,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
 def test_table_sets_the_methods_side_by_side(
     tmp_path: Path, console, monkeypatch, method: str
 ) -> None:
-    monkeypatch.setattr(film_report, "PATIENCE", 0.01)
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
     table = table_of(Settings("article", 50, method=method), tmp_path, console)
     for words in ("particles", "50", "steps/s", "1,225", "touching", "quadtree",
                   "brute force", "article's tree", "×"):  # fmt: skip
@@ -112,7 +112,7 @@ def test_table_sets_the_methods_side_by_side(
 
 
 def test_table_without_particles_compares_nothing(tmp_path: Path, console, monkeypatch) -> None:
-    monkeypatch.setattr(film_report, "PATIENCE", 0.01)
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
     table = table_of(Settings("gas", 0), tmp_path, console)
     assert "nothing to compare" in table and "×" not in table
 
@@ -123,6 +123,6 @@ def test_table_says_when_a_method_was_not_timed_in_full(
     for name, value in [
         ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
     ]:  # fmt: skip
-        monkeypatch.setattr(film_report, name, value)
+        monkeypatch.setattr(headless, name, value)
     table = table_of(Settings("gas", 50), tmp_path, console)
     assert "scaled from 10" in table and "with only 15 particles" in table

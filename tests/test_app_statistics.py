@@ -10,8 +10,7 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
-from jostle.app.measure.statistics import EVERY, Series, Statistics
-from jostle.app.measure.traces import Traces
+from jostle.app.measure import EVERY, Series, Statistics, Traces
 from jostle.app.session import Session
 from jostle.app.simulate.article_simulation import ArticleSimulation
 from jostle.app.simulate.settings import Settings

@@ -264,7 +264,7 @@ def test_a_file_uses_only_files_above_it_in_the_table(package: Path) -> None:
 # The layers of the app: packages, and modules outside packages.
 LAYERS = (
     *("simulate", "draw", "measure", "act", "race", "runner", "storage", "session"),
-    *("gui", "panels", "window", "headless", "film_report", "ranks", "tour"),
+    *("gui", "panels", "window", "headless", "ranks", "tour"),
 )
 SIBLINGS_IN_APP = [("draw", "measure"), ("window", "headless")]
 

@@ -432,3 +432,14 @@ def test_ids_in_a_set_have_no_order() -> None:
 def test_refuses_other_types(call: Any) -> None:
     with pytest.raises(TypeError):
         call()
+
+
+def test_no_queries_have_no_lists() -> None:
+    tree = jostle.Quadtree([(0, 0), (1, 0)], radii=1.0)
+    for hits in (
+        tree.query_rect(np.zeros((0, 4))),
+        tree.query_circle(np.zeros((0, 2)), 1.0),
+        jostle.Quadtree(np.zeros((0, 2))).neighbors(1.0),
+        jostle.Space().neighbors(1.0),
+    ):
+        assert hits.lists() == []

@@ -89,7 +89,7 @@ class Hits(NamedTuple):
         >>> tree.query_circle([(0, 0), (3.5, 0), (9, 9)], 1.0).lists()
         [array([0]), array([1, 2]), array([], dtype=int64)]
         """
-        return np.split(self.ids, self.offsets[1:-1])
+        return np.split(self.ids, self.offsets[1:])[:-1]
 
 
 class Neighbors(NamedTuple):

@@ -5,7 +5,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use crate::particles::Spin;
+use crate::particles::{Particles, Spin};
 use crate::simd;
 
 /// The state of a particle during a step.
@@ -19,6 +19,19 @@ pub struct Motion {
     pub velocity: [f32; 2],
     /// Displacement during the last window, without position correction.
     pub displacement: [f32; 2],
+}
+
+impl Motion {
+    /// The motion of a particle as its columns tell, without a displacement.
+    #[inline(always)]
+    pub fn of(particles: &Particles, place: usize) -> Self {
+        Self {
+            position: particles.positions[place],
+            residual: particles.residuals[place],
+            velocity: particles.velocities[place],
+            ..Self::default()
+        }
+    }
 }
 
 /// A position from its float32 part and its residual.

@@ -14,7 +14,7 @@ session                 everything between the window and the simulation
 gui                     the host of ImGui; the keymap and the input of the window
 panels                  panels and menus, built with ImGui
 window                  the interactive loop
-headless, film_report   the run without a window, and its table
+headless                the run without a window, and its table
 ranks                   the run over the ranks of MPI
 tour                    scripted input that makes the pictures and videos of the documents
 ======================= ========================================================================

@@ -14,7 +14,7 @@ from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.picture import Picture
 from jostle.app.draw.view_options import ViewOptions
-from jostle.app.measure.statistics import Statistics
+from jostle.app.measure import Statistics
 from jostle.app.race import Race, refusal
 from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.engine import Engine, Hooks, Then

@@ -14,7 +14,7 @@ from jostle.app.act.messages import Messages
 from jostle.app.draw.camera import Camera, Size
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.view_options import TreeView, ViewOptions
-from jostle.app.measure.traces import Traces
+from jostle.app.measure import Traces
 from jostle.app.runner import Runner
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import Settings

@@ -62,8 +62,7 @@ def show(settings: Settings, steps: int | None, renderer: str, config: Config) -
 def record(settings: Settings, steps: int | None, out: Path, config: Config) -> None:
     """Record a video, and print the table."""
     from jostle.app.draw.view_options import ViewOptions
-    from jostle.app.film_report import film_report
-    from jostle.app.headless import SIZE, default_steps, make_film
+    from jostle.app.headless import SIZE, default_steps, film_report, make_film
 
     options = ViewOptions(**config.view_options) if config.view_options else None
     simulation = _start(settings, config)

@@ -107,6 +107,17 @@ impl Contact {
         self.totals = sum_of_impulses(self.totals, impulses);
     }
 
+    /// Adds the impulses of `next` if it is the same contact. Returns whether it is.
+    #[inline(always)]
+    fn absorb(&mut self, next: &Self) -> bool {
+        let is_same = self.key() == next.key();
+        if is_same {
+            self.touched |= next.touched;
+            self.count(next.totals);
+        }
+        is_same
+    }
+
     /// Updates normal and gap to the positions.
     pub fn measure(&mut self, motions: &Motions) {
         let [a, b] = self.places.map(|place| motions.position(place));
@@ -445,7 +456,10 @@ impl Contacts {
         }));
         sort(spare);
         list.clear();
-        if self.is_sorted {
+        if lanes.is_empty() {
+            std::mem::swap(list, spare);
+            list.dedup_by(|next, last| last.absorb(next));
+        } else if self.is_sorted {
             merge(lasting, spare, list);
         } else {
             unsorted.clear();
@@ -472,7 +486,6 @@ impl Contacts {
     pub fn remember(&mut self, places: usize) -> Option<&Contact> {
         let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
-        starts.resize(places + 1, 0);
         seconds.clear();
         impulses.clear();
         let mut overflow = None;
@@ -481,13 +494,13 @@ impl Contacts {
                 overflow = overflow.or(Some(contact));
             }
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
+                if starts.is_empty() {
+                    starts.resize(places + 1, 0);
+                }
                 starts[contact.places[0] as usize + 1] += 1;
                 seconds.push(contact.places[1]);
                 impulses.push([contact.impulse, contact.friction_impulse]);
             }
-        }
-        if seconds.is_empty() {
-            starts.clear();
         }
         for place in 1..starts.len() {
             starts[place] += starts[place - 1];
@@ -541,11 +554,7 @@ fn merge(first: impl Iterator<Item = Contact>, mut second: &[Contact], to: &mut 
 /// Appends a contact to a sorted list, or its impulses to the last contact if that is the same.
 #[inline(always)]
 fn append(next: Contact, to: &mut Vec<Contact>) {
-    match to.last_mut() {
-        Some(last) if last.key() == next.key() => {
-            last.touched |= next.touched;
-            last.count(next.totals);
-        }
-        _ => to.push(next),
+    if !to.last_mut().is_some_and(|last| last.absorb(&next)) {
+        to.push(next);
     }
 }

@@ -3,22 +3,21 @@
 //! equally, whatever their masses: otherwise the overlap of light particles between heavy ones
 //! would decrease very slowly.
 
+mod enclosure;
 mod pairs;
 
-use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::contacts::Contacts;
-use crate::container::{Container, size};
+use crate::container::Container;
 use crate::decomposition::Halo;
 use crate::error::Result;
-use crate::motion::{Motions, Scalars, Vectors, exact};
-use crate::pairs::Path;
+use crate::motion::{Motions, Scalars, Vectors};
 use crate::parallel::{self, Member, locked};
 use crate::particles::Particles;
-use crate::trajectory::{Vector, vector};
 use crate::walls::Around;
+use enclosure::Enclosure;
 use pairs::{Block, Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
@@ -43,9 +42,6 @@ const ITERATIONS: usize = 6;
 /// beyond [`SLOP`].
 const TOLERANCE: f32 = 0.001;
 
-/// Share of the square of a distance from walls within which rounding does not matter.
-const FREE: f32 = 0.99;
-
 /// Displacements in an iteration, one for so many particles, from which on it is worth to find those
 /// that are far from all walls first.
 const WORTH_LISTING: usize = 16;
@@ -55,9 +51,6 @@ const BLOCKS_OF_A_THREAD: usize = 64;
 
 /// Blocks of a colour that a thread moves apart at a time, at least.
 const BLOCKS: usize = 16;
-
-/// Smaller radii, as a share of the coordinates, count as this where discs are pushed out of walls.
-const WIDE: f64 = 1e-5;
 
 /// Directions for centres that coincide: sixteen points of the unit circle, in
 /// an order that separates neighbours.
@@ -122,48 +115,8 @@ impl Correction {
         (colours, halo): (usize, Option<Halo<'_>>),
         threads: Option<usize>,
     ) -> Result<()> {
-        let radii = &particles.radii;
-        let clamp = |place: u32| {
-            let position = motions.position(place);
-            let allowed = container.clamp(position, radii[place as usize]);
-            if allowed != position {
-                motions.set_position(place, allowed);
-            }
-            allowed
-        };
-        // Nearly all particles are in it, so that they need not be moved.
-        let inner = container.inner();
-        let move_inside = |index: usize| {
-            let position = motions.position(index as u32);
-            let is_inside = inner.contains(position, radii[index]) || !particles.movable[index];
-            if is_inside { position } else { clamp(index as u32) }
-        };
-        if !walls.is_empty() {
-            parallel::for_rows(threads, particles.len(), |index| {
-                let path = Path { position: move_inside(index), displacement: [0.0; 2] };
-                let [is_near, _] = walls.may_touch(index as u32, &path, 0.0, None);
-                if !is_near || !particles.movable[index] {
-                    return;
-                }
-                let by = pushed_out(walls, motions, index as u32, [0.0; 2]);
-                if by != [0.0; 2] {
-                    motions.displace(index as u32, by);
-                }
-            });
-        } else if container.has_walls() {
-            parallel::for_rows(threads, particles.len(), |index| _ = move_inside(index));
-        }
-        // The displacement that walls allow.
-        let inside = |place: u32, by: [f32; 2]| {
-            let position = motions.position(place);
-            let far = (by[0] * by[0] + by[1] * by[1]).sqrt() * (1.0 + 4.0 * f32::EPSILON);
-            let is_free = walls.is_empty() || walls.is_far(place, position, far);
-            let by = if is_free { by } else { pushed_out(walls, motions, place, by) };
-            let wanted = [0, 1].map(|k| position[k] + by[k]);
-            let allowed = container.clamp(wanted, radii[place as usize]);
-            let is_kept = |k: usize| allowed[k] == wanted[k];
-            [0, 1].map(|k| if is_kept(k) { by[k] } else { allowed[k] - position[k] })
-        };
+        let enclosure = Enclosure { motions, particles, container, walls };
+        enclosure.move_all_inside(threads);
         if colours == 0 {
             return Ok(());
         }
@@ -173,19 +126,17 @@ impl Correction {
         }
         self.measure(contacts, motions, particles.len(), threads);
         self.free_squares.resize(particles.len() + 1);
-        let (shared, places) = ((colours, halo), particles.len());
-        let free = |place: usize| free_square(place, motions, radii, (container, walls));
-        if !self.separate_all(contacts, (inside, free, places), shared, threads)? {
+        if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {
             return Ok(());
         }
         let displacements = &self.displacements;
-        parallel::for_rows(threads, particles.len(), |place| {
-            let place = place as u32;
-            let by = displacements.get(place);
+        parallel::for_rows(threads, particles.len(), |index| {
+            let index = index as u32;
+            let by = displacements.get(index);
             if by != [0.0; 2] {
-                motions.displace(place, by);
-                clamp(place);
-                displacements.set(place, [0.0; 2]);
+                motions.displace(index, by);
+                enclosure.clamp(index);
+                displacements.set(index, [0.0; 2]);
             }
         });
         Ok(())
@@ -196,20 +147,20 @@ impl Correction {
         &mut self,
         contacts: &Contacts,
         motions: &Motions,
-        places: usize,
+        len: usize,
         threads: Option<usize>,
     ) {
         let Self { displacements, positions, residuals, blocks, .. } = self;
         // One more for lanes without a pair.
         for vectors in [displacements, &mut *positions, &mut *residuals] {
-            vectors.resize(places + 1);
-            vectors.set(places as u32, [0.0; 2]);
+            vectors.resize(len + 1);
+            vectors.set(len as u32, [0.0; 2]);
         }
         let (positions, residuals) = (&*positions, &*residuals);
-        parallel::for_rows(threads, places, |place| {
-            let place = place as u32;
-            positions.set(place, motions.position(place));
-            residuals.set(place, motions.residual(place));
+        parallel::for_rows(threads, len, |index| {
+            let index = index as u32;
+            positions.set(index, motions.position(index));
+            residuals.set(index, motions.residual(index));
         });
         let of = &contacts.blocks.list;
         let threads = if of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { threads };
@@ -223,18 +174,16 @@ impl Correction {
     fn separate_all(
         &mut self,
         contacts: &Contacts,
-        (inside, free, places): (
-            impl Fn(u32, [f32; 2]) -> [f32; 2] + Sync + Send,
-            impl Fn(usize) -> f32 + Sync + Send,
-            usize,
-        ),
+        enclosure: &Enclosure<'_>,
         (colours, halo): (usize, Option<Halo<'_>>),
         threads: Option<usize>,
     ) -> Result<bool> {
-        let many = places / WORTH_LISTING;
+        let len = enclosure.particles.len();
+        let many = len / WORTH_LISTING;
         let moved: [AtomicUsize; ITERATIONS] = Default::default();
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
         let Self { displacements, free_squares, blocks, moved_many, .. } = &*self;
+        let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
         let stages = Stages { contacts, blocks, displacements, inside: &inside, colours, halo };
         let failed = Mutex::new(Ok(()));
         let run = |member: &Member<'_>| -> Result<()> {
@@ -242,8 +191,8 @@ impl Correction {
             for (iteration, count) in moved.iter().enumerate() {
                 let is_worth = if iteration == 0 { *moved_many } else { count_of(0) >= many };
                 if is_worth && !knows_free {
-                    for place in member.share(places) {
-                        free_squares.set(place as u32, free(place));
+                    for index in member.share(len) {
+                        free_squares.set(index as u32, enclosure.free_square(index as u32));
                     }
                     member.wait();
                     knows_free = true;
@@ -314,51 +263,4 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
         }
         Ok(())
     }
-}
-
-/// The square of a displacement that walls certainly allow: nearly that of the radius, if the particle
-/// is farther away from all walls. Nearly all are.
-#[inline(always)]
-fn free_square(
-    place: usize,
-    motions: &Motions,
-    radii: &[f32],
-    (container, walls): (&Container, Around<'_>),
-) -> f32 {
-    let (position, radius) = (motions.position(place as u32), radii[place]);
-    let is_free = (walls.is_empty() || walls.is_far(place as u32, position, radius))
-        && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));
-    if is_free { FREE * radius * radius } else { 0.0 }
-}
-
-thread_local! {
-    /// Scratch of [`pushed_out`], which many threads call.
-    static NEAR_WALLS: Cell<Vec<(u32, Vector)>> = const { Cell::new(Vec::new()) };
-}
-
-/// The displacement of a particle that is to move `by`, with the least change that lets it overlap
-/// no wall. Its centre crosses none; out of a deep overlap it is moved in several sub-steps.
-fn pushed_out(walls: Around<'_>, motions: &Motions, place: u32, by: [f32; 2]) -> [f32; 2] {
-    let radius = f64::from(walls.particles.radii[place as usize]);
-    let from = exact(motions.position(place), motions.residual(place));
-    let to: Vector = [0, 1].map(|k| from[k] + f64::from(by[k]));
-    // Points are moved away from walls, too.
-    let most = f64::from(MOST) * 2.0 * radius.max(WIDE * size(from, 0.0));
-    let area = [vector(|k| from[k].min(to[k])), vector(|k| from[k].max(to[k]))];
-    let mut is_free = true;
-    walls.each(place, area, 0.0, |wall, offset| {
-        let seen =
-            |position: Vector| walls.position_from(wall, vector(|k| position[k] - offset[k]), 0.0);
-        is_free &= !walls.walls.is_near(wall, area.map(seen), radius)
-            || walls.walls.is_free(wall, [from, to].map(seen), radius);
-    });
-    if is_free {
-        return by;
-    }
-    let mut near = NEAR_WALLS.take();
-    near.clear();
-    walls.each(place, area, most, |wall, offset| near.push((wall, offset)));
-    let allowed = walls.push_out(&near, [from, to], radius, most);
-    NEAR_WALLS.set(near);
-    if allowed == to { by } else { [0, 1].map(|k| (allowed[k] - from[k]) as f32) }
 }

@@ -96,8 +96,10 @@ impl Block {
         let range = self.range.start as usize..self.range.end as usize;
         let Particles { positions, residuals, .. } = arguments.window.flight.particles;
         arguments.neighbors.load(self.number);
-        cache::load(&positions[range.clone()]);
-        cache::load(&residuals[range.clone()]);
+        if !arguments.window.flight.begins_step {
+            cache::load(&positions[range.clone()]);
+            cache::load(&residuals[range.clone()]);
+        }
         cache::load(&arguments.reaches[range]);
     }
 
@@ -148,13 +150,18 @@ impl Block {
 
     /// Moves the discs of the block to the end of the window, by its own history.
     pub(super) fn move_discs(&self, window: &Window<'_>, course_of: &[u32]) {
-        for (index, &number) in self.range.clone().zip(course_of) {
-            match self.history.courses.get(number as usize) {
-                Some(course) => window.move_disc(index, &course.segment, course.stopped),
-                None if window.starts[index as usize].is_movable => {
-                    window.move_disc(index, &window.segment(index), None);
-                }
-                None => window.carry(index),
+        // All as if they had no events, and then those that have, because a branch for each would often be
+        // predicted wrongly.
+        for index in self.range.clone() {
+            if window.starts[index as usize].is_movable {
+                window.move_disc(index, &window.segment(index), None);
+            } else {
+                window.carry(index);
+            }
+        }
+        for (number, course) in (0..).zip(&self.history.courses) {
+            if course_of[(course.index - self.range.start) as usize] == number {
+                window.move_disc(course.index, &course.segment, course.stopped);
             }
         }
     }

@@ -202,7 +202,6 @@ impl Window<'_> {
 
     /// Lists the discs of a range that are not settled.
     pub fn list_unsettled(&self, range: Range<u32>, unsettled: &mut Vec<u32>) {
-        unsettled.clear();
         unsettled.resize(range.len(), 0);
         let mut count = 0;
         for index in range {

@@ -5,7 +5,7 @@ use crate::container::{Container, ROUNDING, size};
 use crate::decomposition::Halo;
 use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
-use crate::motion::{Motions, Spins, exact};
+use crate::motion::{Motion, Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, vector};
@@ -57,7 +57,7 @@ pub struct Flight<'a> {
     pub particles: &'a Particles,
     /// Which of them move.
     pub movable: &'a [bool],
-    /// Positions and velocities at the beginning of the window.
+    /// Positions and velocities at the beginning of the window, if it is not the first of the step.
     pub motions: &'a Motions,
     /// Angular velocities and angles at the beginning of the window.
     pub spins: &'a Spins,
@@ -73,6 +73,8 @@ pub struct Flight<'a> {
     pub kicks: &'a [Kick],
     /// Whether the window is the first of the sub-step.
     pub is_first: bool,
+    /// Whether it is the first of the step, in which discs begin as `particles` tell.
+    pub begins_step: bool,
     /// The container.
     pub container: Container,
     /// The walls.
@@ -111,10 +113,20 @@ impl Flight<'_> {
         self.kicks.is_empty() && self.spins.is_empty()
     }
 
+    /// The motion with which a disc begins the window.
+    #[inline(always)]
+    fn motion(&self, index: u32) -> Motion {
+        if self.begins_step {
+            Motion::of(self.particles, index as usize)
+        } else {
+            self.motions.get(index)
+        }
+    }
+
     /// The velocity with which a movable disc begins.
     #[inline(always)]
     fn velocity(&self, index: u32) -> Vector {
-        let velocity = self.motions.velocity(index).map(f64::from);
+        let velocity = self.motion(index).velocity.map(f64::from);
         match self.kicks.get(index as usize) {
             Some(kick) if self.is_first => vector(|k| velocity[k] + kick.before[k]),
             _ => velocity,
@@ -125,19 +137,20 @@ impl Flight<'_> {
     /// is damping, but such a disc is not damped.
     fn velocity_of_kinematic(&self, index: u32) -> [f32; 2] {
         let longer = self.flow.seconds / self.flow.duration;
-        self.motions.velocity(index).map(|v| (f64::from(v) * longer) as f32)
+        self.motion(index).velocity.map(|v| (f64::from(v) * longer) as f32)
     }
 
     /// Writes how all discs begin; those in `exhausted` stand still.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
-        let Self { particles, movable, motions, kicks, .. } = *self;
+        let Self { particles, movable, kicks, .. } = *self;
         let has_gravity = self.gravity != [0.0; 2];
         parallel::for_chunks(self.threads, starts, |first, starts| {
             for (start, index) in starts.iter_mut().zip(first..) {
+                let Motion { position, residual, .. } = self.motion(index as u32);
                 *start = Start {
-                    position: motions.position(index as u32),
-                    residual: motions.residual(index as u32),
+                    position,
+                    residual,
                     velocity: [0.0; 2],
                     radius: particles.radii[index],
                     is_movable: movable[index],
@@ -202,6 +215,9 @@ impl Window<'_> {
     /// Moves a disc that nothing accelerates to the end of the window.
     pub fn carry(&self, index: u32) {
         let Flight { particles, motions, spins, .. } = self.flight;
+        if self.flight.begins_step {
+            motions.set(index, self.flight.motion(index));
+        }
         if particles.is_static(index as usize) {
             return;
         }
@@ -459,8 +475,14 @@ impl Window<'_> {
     /// has while it moves along a segment to the end of the window.
     #[inline(always)]
     pub fn longest_square(&self, index: u32, segment: &Segment) -> f64 {
-        let Particles { positions, residuals, .. } = self.flight.particles;
-        let anchor = exact(positions[index as usize], residuals[index as usize]);
+        let anchor = if self.flight.begins_step {
+            // In the cache, for other reasons.
+            let Start { position, residual, .. } = self.starts[index as usize];
+            exact(position, residual)
+        } else {
+            let Particles { positions, residuals, .. } = self.flight.particles;
+            exact(positions[index as usize], residuals[index as usize])
+        };
         let square = |p: Vector| {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)

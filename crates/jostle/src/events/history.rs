@@ -115,7 +115,11 @@ impl History {
         let is_valid =
             |number: u32| course_of[courses[number as usize].index as usize] == mark | number;
         if self.has_removed {
-            self.bounces.retain(|bounce| is_valid(bounce.course));
+            // The disc of the course is one of the two. Bounces are sorted by their discs, so this reads
+            // `course_of` in order, and no course.
+            self.bounces.retain(|&Bounce { pair, course, .. }| {
+                pair.iter().any(|&disc| course_of.get(disc as usize) == Some(&(mark | course)))
+            });
         }
         let exhausted = self.stopped.iter().filter(|&&number| is_valid(number));
         self.exhausted.extend(exhausted.map(|&number| courses[number as usize].index));

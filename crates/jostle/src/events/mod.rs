@@ -114,6 +114,7 @@ impl Events {
             rest.walls.clock.elapsed += end * rest.walls.clock.rate;
             rest.bounded = false;
             rest.is_first = false;
+            rest.begins_step = false;
         }
     }
 

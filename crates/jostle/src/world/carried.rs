@@ -245,7 +245,10 @@ impl World {
         for of in kept.chunks_exact(Kept::SIZE).map(Kept::get) {
             let place = places[row_of(of.id)? as usize] as usize;
             let [pushes, frictions] = of.sides;
-            wall_pushes[place] = pushes;
+            if pushes != [0.0; MAX_WALLS] {
+                wall_pushes.resize(count, Default::default());
+                wall_pushes[place] = pushes;
+            }
             if frictions != [0.0; MAX_WALLS] {
                 wall_frictions.resize(count, Default::default());
                 wall_frictions[place] = frictions;
@@ -375,8 +378,8 @@ pub(super) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
 /// What is kept of the particle at a place.
 pub(super) fn kept_of(persistent: &Persistent, id: Id, place: usize) -> Kept {
     let Persistent { wall_pushes, wall_frictions, drifts } = persistent;
-    let frictions = sparse_value(wall_frictions, place);
-    Kept { id, sides: [wall_pushes[place], frictions], drift: sparse_value(drifts, place) }
+    let sides = [wall_pushes, wall_frictions].map(|column| sparse_value(column, place));
+    Kept { id, sides, drift: sparse_value(drifts, place) }
 }
 
 /// The contacts of sleeping islands with rows in place of ids, and the number of the island of each.

@@ -22,8 +22,8 @@ table! {
     #[derive(Clone, Debug, Default)]
     pub(super) struct Persistent {
         /// Warm starting: impulse over mass along the normal that each side of the container gave in the last
-        /// sub-step, at rest.
-        pub(super) wall_pushes: dense [f32; MAX_WALLS],
+        /// sub-step, at rest; empty if nothing can rest.
+        pub(super) wall_pushes: sparse [f32; MAX_WALLS],
         /// The same of friction; empty if no particle has friction.
         pub(super) wall_frictions: sparse [f32; MAX_WALLS],
         /// Sleeping: how each particle moved in the last quarters of a second; empty if nothing may fall
@@ -35,15 +35,16 @@ table! {
 impl Persistent {
     /// Removes the impulses of the sides of the container.
     pub(super) fn forget_sides(&mut self) {
-        self.wall_pushes.fill([0.0; MAX_WALLS]);
+        self.wall_pushes.clear();
         self.wall_frictions.clear();
     }
 
     /// The same for one place.
     pub(super) fn forget_sides_of(&mut self, place: usize) {
-        self.wall_pushes[place] = [0.0; MAX_WALLS];
-        if let Some(friction) = self.wall_frictions.get_mut(place) {
-            *friction = [0.0; MAX_WALLS];
+        for column in [&mut self.wall_pushes, &mut self.wall_frictions] {
+            if let Some(pushes) = column.get_mut(place) {
+                *pushes = [0.0; MAX_WALLS];
+            }
         }
     }
 }

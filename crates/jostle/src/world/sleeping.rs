@@ -19,7 +19,7 @@ use crate::forces::Force;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::space::Id;
-use crate::table::{Table, dense};
+use crate::table::{Table, dense, sparse_value};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
 const SLOW: f64 = 0.01;
@@ -358,7 +358,8 @@ impl World {
             let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
-        rests.extend(persistent.wall_pushes.iter().zip(&*rows).map(|(pushes, &row)| {
+        rests.extend(rows.iter().enumerate().map(|(place, &row)| {
+            let pushes = sparse_value(&persistent.wall_pushes, place);
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));

@@ -8,22 +8,25 @@ use crate::error::{Error, Result};
 use crate::motion::Motion;
 use crate::parallel;
 use crate::particles::{FARTHEST, Particles, wrap_angle};
+use crate::table::sparse_value;
 
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;
 
 impl World {
-    /// Loads positions and velocities of all particles for the sub-steps.
+    /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
+    /// the columns and writes all motions, so nothing is to be loaded.
     pub(super) fn load_motions(&mut self) {
         let threads = self.threads();
+        let are_read = self.may_rest() || self.is_pulled() || !self.particles.spins.is_empty();
         let Self { particles, scratch, .. } = self;
         scratch.motions.resize(particles.len());
         let motions = &scratch.motions;
-        parallel::for_rows(threads, particles.len(), |place| {
-            let (position, velocity) = (particles.positions[place], particles.velocities[place]);
-            let residual = particles.residuals[place];
-            motions.set(place as u32, Motion { position, residual, velocity, ..Motion::default() });
-        });
+        if are_read {
+            parallel::for_rows(threads, particles.len(), |place| {
+                motions.set(place as u32, Motion::of(particles, place));
+            });
+        }
         scratch.spins.fill(&particles.spins);
     }
 
@@ -44,9 +47,9 @@ impl World {
             let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
             for (((position, residual), velocity), place) in columns {
                 let mut motion = motions.get(place);
-                let wall_pushes = &wall_pushes[place as usize];
-                if !(is_allowed(&motion) & (*wall_pushes == [0.0; MAX_WALLS])) {
-                    if !is_finite(&motion, wall_pushes) {
+                let wall_pushes = sparse_value(wall_pushes, place as usize);
+                if !(is_allowed(&motion) & (wall_pushes == [0.0; MAX_WALLS])) {
+                    if !is_finite(&motion, &wall_pushes) {
                         any.store(true, Ordering::Relaxed);
                     }
                     clamp(&mut motion);
@@ -72,13 +75,13 @@ impl World {
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |place: usize| self.scratch.motions.get(place as u32);
+        let wall_pushes = |place: usize| sparse_value(&self.persistent.wall_pushes, place);
         let spins = &self.scratch.spins;
         let spin = |place: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
         };
         let bad = |&place: &usize| {
-            !is_finite(&motion(place), &self.persistent.wall_pushes[place])
-                || !spin(place).is_finite()
+            !is_finite(&motion(place), &wall_pushes(place)) || !spin(place).is_finite()
         };
         let place = (0..self.rows.len())
             .filter(bad)
@@ -89,7 +92,7 @@ impl World {
             ("angular_velocities", &[spin(place)]),
             ("velocities", &velocity),
             ("positions", &position),
-            ("wall_impulses", &self.persistent.wall_pushes[place]),
+            ("wall_impulses", &wall_pushes(place)),
         ];
         let broken =
             columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));

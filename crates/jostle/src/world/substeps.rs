@@ -59,13 +59,14 @@ impl World {
     }
 
     /// Whether forces give kicks before and after the flights of a step.
-    fn is_pulled(&self) -> bool {
+    pub(super) fn is_pulled(&self) -> bool {
         self.has_accelerations() || springs(&self.forces).next().is_some()
     }
 
     /// Whether gravity or forces may press inelastic particles against each other or against walls.
     pub(super) fn may_rest(&self) -> bool {
-        !self.is_elastic() && (self.is_pulled() || self.settings.gravity != [0.0; 2])
+        // Coefficients of restitution are read last, because there is one for each particle.
+        (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_elastic()
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
@@ -123,12 +124,13 @@ impl World {
         scratch.events.begin_step();
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
-        let with_friction = if may_rest && has_friction { particles.len() } else { 0 };
+        let on_walls = if may_rest { particles.len() } else { 0 };
+        let with_friction = if has_friction { on_walls } else { 0 };
+        persistent.wall_pushes.resize(on_walls, Default::default());
         persistent.wall_frictions.resize(with_friction, Default::default());
         if may_rest {
             scratch.resting.begin_step(contacts, particles, has_friction);
         } else {
-            persistent.wall_pushes.fill(Default::default());
             scratch.wall_pushes.clear();
         }
         scratch.correction.begin_step(contacts, particles);
@@ -222,6 +224,7 @@ impl World {
             flow: of.flow,
             kicks: &scratch.kicks,
             is_first: true,
+            begins_step: substep == 0,
             halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,

@@ -60,7 +60,7 @@ impl World {
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
         let outside = |position: &[f32; 2]| container.wrap(*position) != *position;
-        let is_any_outside = positions.iter().any(outside);
+        let is_any_outside = container.period().is_some() && positions.iter().any(outside);
         before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
         if is_any_outside {
             for (position, residual) in positions.iter_mut().zip(residuals) {

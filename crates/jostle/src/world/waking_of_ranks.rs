@@ -86,7 +86,6 @@ pub(super) fn islands_of_circles(bytes: &[u8], settings: Settings) -> Result<Asl
     all.simplify();
     sleepers.discs.particles = all;
     sleepers.discs.rows.resize(len, 0);
-    sleepers.discs.persistent.wall_pushes.resize(len, Default::default());
     let mut end = 0;
     for circles in circles.chunk_by(|a, b| a.0 == b.0) {
         let particles = end..end + circles.len() as u32;

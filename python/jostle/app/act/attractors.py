@@ -106,10 +106,6 @@ class Gravity:
     def set(self, value: Point) -> None:
         self._change(lambda old: value)
 
-    def set_downwards(self, strength: float) -> None:
-        """Set gravity to point down, or up where it is negative."""
-        self.set((0.0, strength))
-
     def scale(self, factor: float) -> None:
         """Multiply gravity; from 0, an increase sets a moderate value."""
 
@@ -128,11 +124,9 @@ class Gravity:
 
     def turn(self) -> None:
         """Turn gravity by 90°: down, left, up, right."""
-
-        def turned(old: Point) -> Point:
-            return (0.0, self._moderate()) if old == (0.0, 0.0) else (-old[1], old[0])
-
-        self._change(turned)
+        self._change(
+            lambda old: (0.0, self._moderate()) if old == (0.0, 0.0) else (-old[1], old[0])
+        )
 
     def _moderate(self) -> float:
         _, min_y, _, max_y = self._engine.view

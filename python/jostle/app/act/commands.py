@@ -79,8 +79,8 @@ class Commands:
                 frame.velocities[rows],
                 frame.radii[rows],
                 frame.densities[rows],
-                frame.movable[rows],
-                False if frame.sensors is None else frame.sensors[rows] != 0,
+                movable=frame.movable[rows],
+                sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
                 kinds=None if frame.kinds is None else frame.kinds[rows],
                 **_filters(frame, rows),
             )
@@ -122,11 +122,11 @@ class Commands:
 
     def scramble(self) -> None:
         """Move every particle to a random position inside the container."""
-        self._scatter(lambda count, view: {})
+        self._scatter()
 
     def dance(self) -> None:
         """Give every particle a random position, velocity and density, and so a random colour."""
-        self._scatter(self._party)
+        self._scatter(party=True)
 
     def _party(self, count: int, view: Rect) -> dict[str, NDArray[np.float64]]:
         angle = self._rng.uniform(0, 2 * math.pi, count)
@@ -136,14 +136,14 @@ class Commands:
             "densities": np.rint(self._rng.uniform(*DENSITIES, count)),
         }
 
-    def _scatter(self, more: Callable[[int, Rect], dict[str, NDArray[np.float64]]]) -> None:
-        """Move every movable particle, and change other columns by their number and the view."""
+    def _scatter(self, *, party: bool = False) -> None:
+        """Move every movable particle to a random position."""
 
         def work(simulation: Simulation) -> None:
             frame, view = simulation.frame(), simulation.view
             radii = frame.radii[frame.movable]
             places = scatter(self._rng, frame.container, view, radii)
-            columns = more(len(radii), view)
+            columns = self._party(len(radii), view) if party else {}
             simulation.change(frame.tags[frame.movable], positions=places, **columns)
 
         self._edit(work)

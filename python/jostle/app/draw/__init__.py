@@ -6,9 +6,8 @@ painter                 the interface of the painters
 stamps, points          discs drawn by the processor: cached pictures; discs of a pixel or two
 software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
-icon, screen            the icon of the window; the choice of the painter, and its window
-text                    names and numbers as text; text as pictures
-legend                  cards that explain colours
+screen                  the choice of the painter, its window and the icon of that
+text                    names and numbers as text; text as pictures; cards that explain colours
 subsampling             the choice of a few of many objects to draw
 view_options            the switches of the display
 colouring               the colour of each particle

@@ -11,9 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle.app.draw.legend import Legend
 from jostle.app.draw.palette import DISCS, FIRST_KIND, FIXED_SHADE, KINDS, SHADES
 from jostle.app.draw.subsampling import hashed
+from jostle.app.draw.text import Legend
 from jostle.app.draw.view_options import ColourBy
 from jostle.app.simulate.simulation import Frame
 

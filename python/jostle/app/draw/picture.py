@@ -17,7 +17,6 @@ from jostle.app.draw.base_layers import (
 )
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.legend import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.marks import (
     draw_attractors,
     draw_contacts,
@@ -29,6 +28,7 @@ from jostle.app.draw.marks import (
 )
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.scene_overlays import SceneOverlays
+from jostle.app.draw.text import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.trails import Trails
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.containers import bounds

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.legend import Card
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import ACCENT, TEXT_SOFT, repeated
-from jostle.app.draw.text import SMALL, scientific, share, word
+from jostle.app.draw.text import SMALL, Card, scientific, share, word
 from jostle.app.simulate.simulation import Frame
 
 PATH_POINTS = 1_200  # of the heavy particle's path; then every second one is removed

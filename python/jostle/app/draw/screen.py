@@ -9,8 +9,8 @@ import os
 
 import pygame
 
+from jostle.app.draw import palette
 from jostle.app.draw.camera import Size
-from jostle.app.draw.icon import icon
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.software import SoftwarePainter
 
@@ -27,6 +27,9 @@ else:
 FAILURES: tuple[type[Exception], ...] = (pygame.error,)
 if _MODERNGL:
     FAILURES += (moderngl.Error,)
+
+ICON = 64  # pixels, the side of the icon of the window
+FINE = 4 * ICON  # drawn larger and reduced, so that all edges are smooth
 
 
 class NoRendererError(Exception):
@@ -124,3 +127,17 @@ def _open_opengl(size: Size) -> OpenGLPainter:
         raise
     except Exception as error:  # exceptions depend on the driver
         raise NoRendererError(f"there is no OpenGL 3.3 here: {error}") from error
+
+
+def icon() -> pygame.Surface:
+    """Return the icon, `ICON` pixels wide and high: two discs that touch, in two quadrants."""
+    surface = pygame.Surface((FINE, FINE), pygame.SRCALPHA)
+    whole, middle = surface.get_rect(), FINE // 2
+    pygame.draw.rect(surface, palette.GROUND, whole, border_radius=FINE // 6)
+    for start, end in (((middle, 0), (middle, FINE)), ((0, middle), (FINE, middle))):
+        pygame.draw.line(surface, palette.WALL, start, end, FINE // 32)
+    # The distance of the centres is the sum of the radii, 0.42 of the size.
+    pygame.draw.circle(surface, palette.ACCENT, (0.355 * FINE, 0.355 * FINE), 0.24 * FINE)
+    lower = (0.355 + 0.42 / 2**0.5) * FINE
+    pygame.draw.circle(surface, palette.ATTRACTOR, (lower, lower), 0.18 * FINE)
+    return pygame.transform.smoothscale(surface, (ICON, ICON))

@@ -96,7 +96,9 @@ class SoftwarePainter:
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         if len(corners) == 0:
             return
-        whole = np.floor(_near(corners, self.size)).astype(np.intp).tolist()
+        width, height = self.size
+        near = np.clip(corners, -2.0, [width + 2.0, height + 2.0] * 2)
+        whole = np.floor(near).astype(np.intp).tolist()
         for (x0, y0, x1, y1), colour in zip(whole, colours.tolist(), strict=True):
             if filled:
                 self._canvas.fill(colour, (x0, y0, max(x1 - x0 - 1, 1), max(y1 - y0 - 1, 1)))
@@ -127,13 +129,6 @@ class SoftwarePainter:
 
     def release(self) -> None:
         """Release nothing: there is only memory."""
-
-
-def _near(corners: Floats, size: Size) -> NDArray[np.float64]:
-    """Clip rectangles just outside the canvas."""
-    width, height = size
-    low, high = np.array([-2.0, -2.0] * 2), np.array([width + 2.0, height + 2.0] * 2)
-    return np.clip(corners, low, high)
 
 
 def _draw_large(

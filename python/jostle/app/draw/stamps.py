@@ -26,16 +26,12 @@ _SHADES = len(DISCS)
 _CELLS = PLACES * PLACES
 
 
-def _places_of(radius: float) -> int:
-    return PLACES if radius < FINE_BELOW else 2 if radius < COARSE_BELOW else 1
-
-
 class Stamps:
     """The cache, filled on demand."""
 
     def __init__(self) -> None:
         radii = np.arange(_BUCKETS) / STEPS
-        self._places = np.array([_places_of(radius) for radius in radii])
+        self._places = np.select([radii < FINE_BELOW, radii < COARSE_BELOW], [PLACES, 2], 1)
         self._half = np.ceil(radii).astype(np.intp) + 1
         self._clear()
 

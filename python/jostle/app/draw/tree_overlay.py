@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.legend import Legend
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import HEAT, STAGE, blend, level_colour
+from jostle.app.draw.text import Legend
 from jostle.app.simulate.simulation import TreeBoxes
 
 SMALLEST = 3.0  # pixels; smaller boxes are not drawn

@@ -80,7 +80,12 @@ class Gui:
         io = imgui.get_io()
         io.set_ini_filename("")  # no settings file
         gui_style.apply()
-        self.drawing = _drawing_for(painter)  # draws ImGui's output on that canvas
+        # Draws ImGui's output on that canvas.
+        self.drawing = (
+            OpenGLGui(cast("OpenGLPainter", painter))
+            if painter.name == "opengl"
+            else SoftwareGui(painter)
+        )
         # Rectangles, in points, of the widgets and windows named by `mark` and `mark_window`.
         self.marks: dict[str, pygame.Rect] = {}
         self._owned: set[int] = set()  # buttons pressed in a panel
@@ -212,12 +217,6 @@ class Gui:
             self._dismiss = True
             return True
         return down and (io.want_text_input or (io.want_capture_keyboard and self.modal))
-
-
-def _drawing_for(painter: Painter) -> SoftwareGui | OpenGLGui:
-    if painter.name == "opengl":
-        return OpenGLGui(cast("OpenGLPainter", painter))
-    return SoftwareGui(painter)
 
 
 def _rect(low: imgui.ImVec2, high: imgui.ImVec2) -> pygame.Rect:

@@ -104,6 +104,7 @@ _COMMANDS = {
 # Commands that last while their key is down: the arrows, as directions on the screen, and Space.
 PANNING = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 HELD = {*PANNING, "attract"}
+SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")  # of `ViewOptions`
 
 
 def _switch(name: str) -> Command:
@@ -122,10 +123,8 @@ def _choose(tool: Tool) -> Command:
 
 
 HANDLERS: dict[str, Command] = {
-    "pointer": _choose(Tool.POINTER),
-    "wall": _choose(Tool.WALL),
-    "attractor": _choose(Tool.ATTRACTOR),
-    "brush": _choose(Tool.BRUSH),
+    **{tool.value: _choose(tool) for tool in Tool},
+    **{name: _switch(name) for name in SWITCHES},
     "create": lambda s: s.interaction.commands.create(s.interaction.at_cursor()),
     "clone": lambda s: s.interaction.commands.clone(s.interaction.targets()),
     "delete": lambda s: s.interaction.commands.delete(s.interaction.targets()),
@@ -147,12 +146,7 @@ HANDLERS: dict[str, Command] = {
     "method": lambda s: s.runner.switch_method(),
     "race": lambda s: s.runner.toggle_race(),
     "tree": lambda s: s.cycle("tree"),
-    "contacts": _switch("contacts"),
-    "forces": _switch("forces"),
-    "velocities": _switch("velocities"),
-    "trails": _switch("trails"),
     "clear trails": lambda s: s.runner.picture.trails.clear(),
-    "labels": _switch("labels"),
     "colours": lambda s: s.cycle("colour_by"),
     "panels": lambda s: s.toggle("panels"),
     "home": lambda s: s.camera.home(),

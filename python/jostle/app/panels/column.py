@@ -20,7 +20,6 @@ from jostle.app.panels import (
 from jostle.app.panels.widgets import at_right, colours, part, section, side_panel
 from jostle.app.session import Session
 from jostle.app.simulate.settings import METHODS
-from jostle.app.simulate.simulation import Frame
 
 TITLE = 21.0
 LIFE, FILTER = "Particle life", "Collision filter"
@@ -47,20 +46,15 @@ def build(session: Session, gui: Gui) -> None:
     with side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
         _title(session)
         playback_panel.build(session, gui)
+        # Sections that could change nothing in this scene.
+        needed = {LIFE: session.frame.matrix, FILTER: session.frame.categories}
+        absent = [title for title, column in needed.items() if column is None]
         for title, contents in SECTIONS:
-            if _is_absent(title, session.frame):
-                continue
-            if section(gui, title):
+            if title not in absent and section(gui, title):
                 with part(title):
                     contents(session, gui)
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)
-
-
-def _is_absent(title: str, frame: Frame) -> bool:
-    """Return whether the scene has nothing that a section could change."""
-    needed = {LIFE: frame.matrix, FILTER: frame.categories}
-    return title in needed and needed[title] is None
 
 
 def _title(session: Session) -> None:

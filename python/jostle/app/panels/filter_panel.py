@@ -7,7 +7,6 @@ from imgui_bundle import imgui
 from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import choice, hint, in_rows, label, soft
 from jostle.app.session import Session
-from jostle.app.simulate.simulation import Frame, Tags
 
 SHOWN = 8  # of 32 categories; the others stay as they are
 COLUMNS = {
@@ -28,7 +27,9 @@ def build(session: Session, gui: Gui) -> None:
     padding = 0.0, imgui.get_style().frame_padding.y
     imgui.push_style_var(imgui.StyleVar_.frame_padding, padding)
     for column, (words, about) in COLUMNS.items():
-        bits = _shown(session.frame, tags[:1], column, commands.new_filter[column])
+        rows = session.frame.rows(tags[:1])
+        new = commands.new_filter[column]
+        bits = int(getattr(session.frame, column)[rows[0]]) if len(rows) else new
         label(words)
         for bit, across in in_rows(range(SHOWN), SHOWN):
             on = bool(bits >> bit & 1)
@@ -36,9 +37,3 @@ def build(session: Session, gui: Gui) -> None:
                 commands.set_bit(tags, column, bit, on=not on)
             hint(about.format(bit, 1 << bit))
     imgui.pop_style_var()
-
-
-def _shown(frame: Frame, tags: Tags, column: str, new: int) -> int:
-    """Return the bit set of the selected particle, or that of new particles."""
-    rows = frame.rows(tags)
-    return int(getattr(frame, column)[rows[0]]) if len(rows) else new

@@ -87,6 +87,10 @@ def _of_background(session: Session, point: Point) -> list[Line]:
     can_fall = "gravity" in session.engine.adjustable
     placed, drawn = bool(attractors.placed), len(commands.drawn_walls) > 0
     invert, off = "invert gravity", "zero gravity"
+
+    def down(strength: float) -> None:
+        gravity.set((0.0, strength))
+
     return [
         Item("create", "New particle here", lambda: commands.create(point), key="create"),
         Item("attractor", "New attractor here", lambda: attractors.place(point)),
@@ -96,7 +100,7 @@ def _of_background(session: Session, point: Point) -> list[Line]:
         Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR), enabled=can_fall),
         Item("invert", "Invert gravity", gravity.invert, enabled=can_fall, key=invert),
         Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=off),
-        Number("gravity", "y", gravity.value[1], gravity.set_downwards, enabled=can_fall),
+        Number("gravity", "y", gravity.value[1], down, enabled=can_fall),
         None,
         Item("scramble", "Randomise positions", commands.scramble),
         Item("dance", "Dance party", commands.dance),

@@ -13,7 +13,7 @@ from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
 from jostle.app.draw.text import pairs_of, plural, scientific, share
 from jostle.app.gui.host import Gui
 from jostle.app.gui.style import RAISED, layout, rgba, vec
-from jostle.app.measure.traces import SPAN, Floats
+from jostle.app.measure import SPAN, Floats
 from jostle.app.panels.widgets import (
     Button,
     at_right,

@@ -3,10 +3,8 @@
 The modules, in reading order:
 
 ==========  ===================================================================
-statistics  the statistics of all ranks, for colours
-composite   the picture, to which each rank adds its discs
-stages      the time of stages, of waiting and of communication
-report      the table of numbers after a run
+composite   the picture, to which each rank adds its discs, with colours from all ranks
+stages      the time of stages, of waiting and of communication; the table after a run
 run         the loop over steps, with a progress bar
 ==========  ===================================================================
 """

@@ -22,8 +22,7 @@ from jostle.app.draw.camera import Size
 from jostle.app.draw.text import SMALL, TITLE, plural, scientific
 from jostle.app.headless import DEFAULT_SECONDS, EDGE, FRAME_RATE, SPACE, Row, sheet_of
 from jostle.app.ranks.composite import Composite
-from jostle.app.ranks.report import report
-from jostle.app.ranks.stages import StageTimes
+from jostle.app.ranks.stages import StageTimes, report
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Rect

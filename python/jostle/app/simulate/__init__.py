@@ -11,9 +11,8 @@ wall_segments           line segments: the walls inside a container
 placement               random directions, and free positions for discs
 emitters                nozzles that add drops
 world_frame             a world as a frame
-world_state             a world as bytes
 world_simulation        `jostle.World` as a `Simulation`
-article_state           the article's program as bytes
+article_state           the article's program as values and arrays, for saved states
 article_simulation      `jostle.article.Simulation` as a `Simulation`
 start                   a simulation from settings, from a state, or from one with other rules
 history                 rewinding: snapshots, and re-simulation of the steps between them

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 
 import jostle
 from jostle import article
-from jostle.app.simulate.article_state import ArticleState
-from jostle.app.simulate.packing import within
-from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline, Settings
+from jostle.app.simulate.article_state import FACTS, arrays_of, facts_of, program_of
+from jostle.app.simulate.packing import ATTRACTORS, COUNT, pack, particles_of, unpack, within
+from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
+    PLAIN,
     WIDTHS,
     Attractor,
     Energies,
@@ -30,7 +31,7 @@ from jostle.app.simulate.simulation import (
     TreeBoxes,
     find,
 )
-from jostle.app.simulate.validation import FARTHEST
+from jostle.app.simulate.validation import FARTHEST, Fields, read
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
@@ -38,6 +39,11 @@ GRAVITY = 0.5  # pixels per frame, added in each frame
 DEFAULT_N = 500
 WINDOW = (800, 500)  # pixels
 NO_WALLS = "The article's rules have no walls inside the window."
+
+# The values of a saved state; its arrays are tags, times of birth and those of the program.
+STATE_FIELDS = Fields(
+    {**FACTS, "settings": SETTINGS, "frames": COUNT, "next_tag": COUNT, "pulls": ATTRACTORS}
+)
 
 
 class ArticleSimulation:
@@ -206,16 +212,13 @@ class ArticleSimulation:
         velocities: ArrayLike,
         radii: ArrayLike,
         densities: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike | None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = EVERY_CATEGORY,
+        **columns: ArrayLike | None,
     ) -> Tags:
         """Add particles with whole numbers, as in the article; all are movable, without kinds."""
-        if np.any(sensors):
+        given: dict[str, Any] = {**PLAIN, **columns}
+        if np.any(given["sensors"]):
             raise ValueError("The article's particles cannot be sensors.")
-        if np.any(np.not_equal(categories, 1) | np.not_equal(masks, EVERY_CATEGORY)):
+        if any(np.not_equal(given[name], PLAIN[name]).any() for name in ("categories", "masks")):
             raise ValueError("The article's particles have no collision filter.")
         places = np.asarray(positions, np.float64).reshape(-1, 2)
         within("positions", places, -FARTHEST, FARTHEST)
@@ -270,16 +273,27 @@ class ArticleSimulation:
             self.program.drag_to(*point)
 
     def save(self) -> bytes:
-        return ArticleState(
-            self.settings, self.program, self.attractors, self._frames, self._tags, self._born,
-            self._next_tag,
-        ).save()  # fmt: skip
+        facts = {
+            "settings": asdict(self.settings),
+            **facts_of(self.program),
+            "frames": self._frames,
+            "next_tag": self._next_tag,
+            "pulls": [asdict(attractor) for attractor in self.attractors],
+        }
+        arrays = {**arrays_of(self.program), "tags": self._tags, "born": self._born}
+        return pack("article", facts, arrays)
 
     def load(self, state: bytes) -> None:
-        new = ArticleState.load(state)
-        self.settings, self.program, self.attractors = new.settings, new.program, new.attractors
-        self._frames, self._tags, self._born = new.frames, new.tags, new.born
-        self._next_tag = new.next_tag
+        """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
+        facts, arrays = unpack("article", state)
+        facts = read(facts, STATE_FIELDS)
+        settings, method, next_tag = facts["settings"], facts["method"], facts["next_tag"]
+        if settings.method != f"article-{method}":
+            raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
+        program = program_of(facts, arrays)
+        self._tags, self._born = particles_of(arrays, len(program.particles), next_tag)
+        self.settings, self.program, self.attractors = settings, program, facts["pulls"]
+        self._frames, self._next_tag = facts["frames"], next_tag
         self._take_size()
 
     def _take_size(self) -> None:

@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.packing import COUNT
 from jostle.app.simulate.placement import TRIES, in_disc
+from jostle.app.simulate.settings import PARTICLES
+from jostle.app.simulate.validation import Rule, real
 
 Floats = NDArray[np.floating]
 
@@ -14,19 +17,31 @@ GOLDEN = (
     0.6180339887498949  # the fractional parts of its multiples are distributed evenly over 0..1
 )
 STREAMS = 2 + 2 * TRIES  # random numbers per drop
+State = tuple[int, int, float]
+_PARTS = PARTICLES, COUNT, real(0, 1)
+STATE = Rule(
+    "[cap, emitted, debt], two whole numbers and one from 0 to 1",
+    lambda value: (
+        isinstance(value, list)
+        and len(value) == len(_PARTS)
+        and all(rule.fits(one) for rule, one in zip(_PARTS, value, strict=True))
+    ),
+)
 
 
 class Emitters:
     """The nozzles of the scene `emitters`, with at most `n` drops.
 
     The drops depend on the seed and on the number of drops so far, not on the lengths of the steps.
-    `emitted` and `debt` are the whole state.
+    `state` is the whole state.
     """
 
-    def __init__(self, n: int | None = None, seed: int = 0) -> None:
+    def __init__(self, n: int | None = None, seed: int = 0, state: State | None = None) -> None:
         self.cap = jostle.scenes.default_count("emitters") if n is None else n
         self.emitted = 0  # number of drops so far
         self.debt = 0.0  # fraction of the next drop that is due, 0 to 1
+        if state is not None:
+            self.cap, self.emitted, self.debt = state
         self._seed = seed
         nozzles = jostle.scenes.fountains(n)
         rates = np.array([nozzle.drops_per_second for nozzle in nozzles])
@@ -38,7 +53,7 @@ class Emitters:
         }
 
     @property
-    def state(self) -> tuple[int, int, float]:
+    def state(self) -> State:
         """Return the state: the cap, `emitted` and `debt`."""
         return self.cap, self.emitted, self.debt
 

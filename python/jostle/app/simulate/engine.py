@@ -283,9 +283,8 @@ class Engine:
         """Start a job with the waiting edits, and the requested step unless others are given."""
         edits, self._edits = self._edits, []
         single, self._single, self._stale = self._single and not self.error, False, False
-        if steps is None:
-            steps = partial(_repeat, int(single))
-        job = _Job(self.simulation, self.request, self.hooks, edits, steps)
+        make_steps = steps or (lambda step: step() if single else None)
+        job = _Job(self.simulation, self.request, self.hooks, edits, make_steps)
         self._job = self._worker.submit(job.run)
         if self.synchronous:
             self._collect()
@@ -306,8 +305,3 @@ class Engine:
 
 def _smoothed(mean: float, new: float) -> float:
     return mean + (new - mean) * (SMOOTH if mean else 1.0)
-
-
-def _repeat(count: int, step: Callable[[], None]) -> None:
-    for _ in range(count):
-        step()

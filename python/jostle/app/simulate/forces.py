@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 import jostle
 from jostle import life
 from jostle.app.simulate.particle_table import ParticleTable
-from jostle.app.simulate.simulation import Attractor
+from jostle.app.simulate.simulation import Attractor, Tags
 
 Forces = tuple[Any, ...]
 Attractors = tuple[Attractor, ...]
@@ -88,6 +88,14 @@ def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
 def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
     """Return a motor with some other arguments."""
     return jostle.Motor(**{name: getattr(motor, name) for name in ARGUMENTS} | changes)
+
+
+def renamed(attractors: Attractors, old: Tags, new: Tags) -> Attractors:
+    """Return attractors with the new tags of their particles."""
+    if np.array_equal(old, new):
+        return attractors
+    names = dict(zip(old.tolist(), new.tolist(), strict=True))
+    return tuple(replace(one, tag=names.get(one.tag, one.tag)) for one in attractors)
 
 
 class AttractorForces:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.settings import TRUTH, VECTOR, Polyline, Settings
+from jostle.app.simulate.settings import EVERY_CATEGORY, TRUTH, VECTOR, Polyline, Settings
 from jostle.app.simulate.settings import Rect as Rect
 from jostle.app.simulate.validation import limited, or_none, real, whole
 
@@ -171,6 +171,10 @@ class Attractor:
     passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
 
+# Columns of particles that `Simulation.add` is given beside their densities.
+PLAIN: dict[str, Any] = {
+    "movable": True, "sensors": False, "kinds": None, "categories": 1, "masks": EVERY_CATEGORY
+}  # fmt: skip
 # The shape of one value of each column that `Simulation.change` sets.
 WIDTHS: dict[str, tuple[int, ...]] = {
     "positions": (2,), "velocities": (2,), "densities": (), "movable": (), "categories": (),
@@ -222,29 +226,18 @@ class Simulation(Protocol):
         velocities: ArrayLike,
         radii: ArrayLike,
         densities: ArrayLike = ...,
-        movable: ArrayLike = ...,
-        sensors: ArrayLike = ...,
-        kinds: ArrayLike | None = ...,
-        categories: ArrayLike = ...,
-        masks: ArrayLike = ...,
+        **columns: ArrayLike | None,
     ) -> Tags:
-        """Add particles; return their tags."""
+        """Add particles, with other columns than those of `PLAIN`; return their tags."""
 
     def remove(self, tags: ArrayLike) -> None:
         """Remove particles; tags that do not exist are ignored."""
 
-    def change(
-        self,
-        tags: ArrayLike,
-        *,
-        positions: ArrayLike | None = None,
-        velocities: ArrayLike | None = None,
-        densities: ArrayLike | None = None,
-        movable: ArrayLike | None = None,
-        categories: ArrayLike | None = None,
-        masks: ArrayLike | None = None,
-    ) -> None:
-        """Set columns of particles; rows of tags that do not exist are ignored."""
+    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
+        """Set columns of particles, which `WIDTHS` names; None leaves one as it is.
+
+        Rows of tags that do not exist are ignored.
+        """
 
     def add_wall(self, line: Polyline) -> None:
         """Add line segments that a user draws."""

@@ -80,7 +80,7 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
     densities = rng.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread
     simulation.add(
-        places, velocities, radii, densities, group.movable, group.sensor,
+        places, velocities, radii, densities, movable=group.movable, sensors=group.sensor,
         categories=group.categories, masks=group.masks,
     )  # fmt: skip
 

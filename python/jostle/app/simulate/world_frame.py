@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,6 @@ from jostle import life
 from jostle.app.simulate.forces import Forces, pair_force
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import (
-    Attractor,
     Energies,
     Frame,
     FrameContacts,
@@ -21,15 +22,9 @@ from jostle.app.simulate.simulation import (
 
 
 def frame_of(
-    world: jostle.World,
-    columns: ParticleTable,
-    own_walls: int,
-    request: FrameRequest,
-    attractors: tuple[Attractor, ...],
-    scene: str,
-    begun_with: int | None,
+    world: jostle.World, columns: ParticleTable, request: FrameRequest, **more: Any
 ) -> Frame:
-    """Return the present state of a world."""
+    """Return the present state of a world; `more` are fields that the world does not have."""
     forces = world.forces
     pair = pair_force(forces)
     return Frame(
@@ -42,21 +37,20 @@ def frame_of(
         born=columns.born,
         container=world.container,
         stats=_stats(world),
-        energies=_energies(world) if request.energies else None,
+        energies=Energies(world.kinetic_energy, world.potential_energy, world.momentum)
+        if request.energies
+        else None,
         tree=_tree_boxes(world) if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
-        attractors=attractors,
         angles=world.angles if columns.turns else None,
-        scene=scene,
-        begun_with=begun_with,
         walls=world.walls,
-        own_walls=own_walls,
         sensors=_sensors(world, columns) if columns.sensors.any() else None,
         kinds=None if pair is None else pair.kinds,
         matrix=None if pair is None else life.matrix_of(pair),
         categories=columns.categories,
         masks=columns.masks,
+        **more,
     )
 
 
@@ -78,10 +72,6 @@ def _stats(world: jostle.World) -> StepStats:
         kinetic_energy=world.kinetic_energy,
         stage_times=dict(world.profile),
     )
-
-
-def _energies(world: jostle.World) -> Energies:
-    return Energies(world.kinetic_energy, world.potential_energy, world.momentum)
 
 
 def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,22 @@ from jostle.app.simulate.containers import (
     minimum_image,
     moved_inside,
 )
-from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.forces import AttractorForces, kind_count, set_matrix
+from jostle.app.simulate.emitters import STATE, Emitters
+from jostle.app.simulate.forces import AttractorForces, kind_count, renamed, set_matrix
+from jostle.app.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    blob,
+    bytes_of,
+    pack,
+    particles_of,
+    unpack,
+)
 from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.placement import free_positions
-from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline, Settings, too_slow
+from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
+    PLAIN,
     WIDTHS,
     Attractor,
     Frame,
@@ -33,9 +43,9 @@ from jostle.app.simulate.simulation import (
     Rect,
     Tags,
 )
+from jostle.app.simulate.validation import Fields, fields_of, or_none, read, rect, shown
 from jostle.app.simulate.wall_segments import WallSegments
 from jostle.app.simulate.world_frame import frame_of
-from jostle.app.simulate.world_state import WorldState
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
@@ -52,6 +62,20 @@ ADJUSTABLE = frozenset(
     | {"matrix"}
 )
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
+
+# The values of a saved state; its arrays are tags, times of birth and the world's snapshot.
+STATE_FIELDS = Fields(
+    {
+        "settings": SETTINGS,
+        "view": rect(),
+        "next_tag": COUNT,
+        "own_forces": COUNT,
+        "pulls": ATTRACTORS,
+        "home": fields_of(InitialRegion),
+        "emitters": or_none(STATE),
+        "own_walls": COUNT,
+    }
+)
 
 
 class WorldSimulation:
@@ -116,10 +140,10 @@ class WorldSimulation:
         return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
-        own_walls, begun_with = self._segments.own, self._initial.n
         return frame_of(
-            self.world, self._columns, own_walls, request, self.attractors, self.scene, begun_with
-        )
+            self.world, self._columns, request, scene=self.scene, attractors=self.attractors,
+            own_walls=self._segments.own, begun_with=self._initial.n,
+        )  # fmt: skip
 
     # Changing
 
@@ -219,31 +243,26 @@ class WorldSimulation:
         velocities: ArrayLike,
         radii: ArrayLike,
         densities: ArrayLike = 1.0,
-        movable: ArrayLike = True,
-        sensors: ArrayLike = False,
-        kinds: ArrayLike | None = None,
-        categories: ArrayLike = 1,
-        masks: ArrayLike = EVERY_CATEGORY,
+        **columns: ArrayLike | None,
     ) -> Tags:
         """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
+        given: dict[str, Any] = {**PLAIN, **columns}
         with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
-        count = kind_count(self.world)
-        if count is None:
-            kinds = None
-        elif kinds is None:
+        kinds, count = given["kinds"], kind_count(self.world)
+        if kinds is None and count is not None:
             kinds = (len(self.world) + np.arange(len(places))) % count
         tags = self.world.add(
             places,
             np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
             radii,
             densities=densities,
-            movable=np.asarray(movable),
-            sensors=np.asarray(sensors),
+            movable=np.asarray(given["movable"]),
+            sensors=np.asarray(given["sensors"]),
             friction=self._columns.friction,
-            kinds=kinds,
-            categories=np.asarray(categories, np.uint32),
-            masks=np.asarray(masks, np.uint32),
+            kinds=None if count is None else kinds,
+            categories=np.asarray(given["categories"], np.uint32),
+            masks=np.asarray(given["masks"], np.uint32),
         )
         self._columns.update(self.world)
         return tags
@@ -311,13 +330,44 @@ class WorldSimulation:
         return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
-        return WorldState(
-            self.settings, self.view, self._initial, self.world, self._columns, self._segments,
-            self._attractions, self.emitters,
-        ).save()  # fmt: skip
+        columns, emitters = self._columns, self.emitters
+        facts = {
+            "settings": asdict(self.settings),
+            "view": self.view,
+            "next_tag": columns.next_tag,
+            "own_forces": self._attractions.own,
+            "pulls": [asdict(attractor) for attractor in self.attractors],
+            "home": asdict(self._initial),
+            "emitters": emitters and emitters.state,
+            "own_walls": self._segments.own,
+        }
+        snapshot = blob(self.world.snapshot())
+        return pack("world", facts, {"tags": columns.tags, "born": columns.born, "world": snapshot})
 
     def load(self, state: bytes) -> None:
-        new = WorldState.load(state)
-        self.settings, self.view, self._initial = new.settings, new.view, new.home
-        self.world, self._columns, self._segments = new.world, new.columns, new.segments
-        self._attractions, self.emitters = new.attractions, new.emitters
+        """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
+        facts, arrays = unpack("world", state)
+        facts = read({"own_walls": 0, **facts}, STATE_FIELDS)  # older files have no walls
+        world = jostle.World.restore(bytes_of(arrays, "world"))
+        settings, initial = facts["settings"], facts["home"]
+        if world.method != settings.method:
+            raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
+        for name, there in (("own_forces", len(world.forces)), ("own_walls", len(world.walls))):
+            if facts[name] > there:
+                what = name.removeprefix("own_")
+                raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
+        tags, born = particles_of(arrays, len(world), facts["next_tag"])
+        emitters = _emitters_of(facts["emitters"], initial.n, settings)
+        columns = ParticleTable(world, born, facts["next_tag"])
+        attractors = renamed(facts["pulls"], tags, columns.tags)  # in older files tags are not ids
+        self._attractions = AttractorForces(world, columns, facts["own_forces"], attractors)
+        self._segments = WallSegments(world, facts["own_walls"])
+        self.settings, self.view, self._initial = settings, facts["view"], initial
+        self.world, self._columns, self.emitters = world, columns, emitters
+
+
+def _emitters_of(state: Any, n: int | None, settings: Settings) -> Emitters | None:
+    """Return the emitters in a state, for the scene's initial number of particles."""
+    if (state is None) != (settings.scene != "emitters"):
+        raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
+    return None if state is None else Emitters(n, settings.seed, state)

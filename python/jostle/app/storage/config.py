@@ -1,7 +1,7 @@
 """A scene described in a TOML file, for `jostle run --config`; docs/files.md lists its entries.
 
-Entries that are unknown or wrong are refused with name and line. Reading a file and finding a line
-take time proportional to its length.
+Entries that are unknown or wrong are refused with name and line. Reading a file takes time
+proportional to its length, and finding a line that of reading it some ten times: it is a bisection.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from __future__ import annotations
 import importlib
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -109,8 +110,9 @@ def _name(key: Key) -> str:
 
 # ---- TOML ----------------------------------------------------------------------------------------
 
-# Tokens for finding a line: strings and comments, whose contents are skipped, brackets, = and
-# separators. An open string extends to the end of the text or line, so no text is read twice.
+# Tokens for finding the ends of statements: strings and comments, whose contents are skipped,
+# brackets, = and separators. An open string extends to the end of the text or line, so no text is
+# read twice.
 _TOKEN = re.compile(
     r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
     r"|'''.*?(?:'{3,5}|\Z)"
@@ -120,7 +122,6 @@ _TOKEN = re.compile(
     r"|[\[\]{}=,\n]",
     re.DOTALL,
 )
-_BARE = re.compile(r"\s*([\w-]+(?:\.[\w-]+)*)\s*")
 
 
 def _parsed(name: str, text: str) -> dict[str, Any]:
@@ -165,66 +166,34 @@ def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
 
 
 def line_of(text: str, key: Key) -> int:
-    """Return the line, from 1, that sets a key of a TOML text, or its nearest outer table."""
-    table: Key = ()
-    numbers: dict[Key, int] = {}  # number of the last table in each array of tables
-    most, found = 0, 1
-    for line, words in _heads(text):
-        if words.startswith("[["):
-            *around, last = _names(words[2:-2])
-            array = (*_numbered(around, numbers), last)
-            numbers[array] = numbers.get(array, -1) + 1
-            table = here = (*array, numbers[array])
-        elif words.startswith("["):
-            table = here = _numbered(_names(words[1:-1]), numbers)
+    """Return the line, from 1, that sets a key of a TOML text, or its nearest outer table.
+
+    It is the first line of the statement at whose end the text so far contains the key.
+    """
+    entries = _reader().loads(text)
+    while not _contains(entries, key):
+        key = key[:-1]
+    # The end of each statement, blank line or comment, and the line after it.
+    ends = [
+        (token.end(), line + 1)
+        for token, line, depth in _tokens(text)
+        if token[0] == "\n" and not depth
+    ]
+    found = bisect_left(ends, True, key=lambda end: _contains(_reader().loads(text[: end[0]]), key))
+    return ends[found - 1][1] if found else 1
+
+
+def _contains(entries: Any, key: Key) -> bool:
+    """Return whether nested tables and lists have an entry with a key."""
+    for part in key:
+        if isinstance(entries, list):
+            known: Any = range(len(entries))
         else:
-            here = table + _names(words)
-        if (shared := _shared(here, key)) > most:
-            most, found = shared, line
-            if most == len(key):
-                break
-    return found
-
-
-def _heads(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the text before each =, and each table in brackets, with its line."""
-    begin, told = 0, False
-    for token, line, depth in _tokens(text):
-        mark = token[0]
-        if depth or mark[0] not in "=]}#\n":
-            continue
-        if mark in "=]" and not told:
-            yield line, text[begin : token.start() if mark == "=" else token.end()].strip()
-            told = True
-        elif mark[0] in "#\n":
-            begin, told = token.end(), False
-
-
-def _names(words: str) -> tuple[str, ...]:
-    """Return the parts of a key."""
-    if bare := _BARE.fullmatch(words):
-        return tuple(bare[1].split("."))
-    names, inner = [], _reader().loads(f"{words} = 0")
-    while inner:
-        name, inner = next(iter(inner.items()))
-        names.append(name)
-    return tuple(names)
-
-
-def _numbered(names: Iterable[str], numbers: Mapping[Key, int]) -> Key:
-    """Return a key with the number of the last table after each array of tables in it."""
-    key: Key = ()
-    for name in names:
-        key = (*key, name)
-        if key in numbers:
-            key = (*key, numbers[key])
-    return key
-
-
-def _shared(one: Key, other: Key) -> int:
-    """Return the number of leading parts that two keys share."""
-    pairs = zip(one, other, strict=False)
-    return next((n for n, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
+            known = entries if isinstance(entries, dict) else ()
+        if part not in known:
+            return False
+        entries = entries[part]
+    return True
 
 
 # Messages of the reader that do not say what to change.

@@ -104,6 +104,7 @@ impl World {
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.rows = rows;
+        world.persistent.wall_pushes.resize(len, [0.0; MAX_WALLS]);
         get_wall_pushes(&mut from, &mut world.persistent.wall_pushes, 0.0)?;
         if version > 3 {
             world.persistent.wall_frictions.resize(len, [0.0; MAX_WALLS]);
