@@ -62,7 +62,8 @@ const SCENES: &[(&str, Make)] = &[
         square(halves, COVERED, random, Kind::Rectangles)
     }),
     ("crossed", |n, random| {
-        let halves = (0..n).map(|row| if row % 2 == 0 { [25.0, 0.5, 0.0] } else { [0.5, 25.0, 0.0] });
+        let halves =
+            (0..n).map(|row| if row % 2 == 0 { [25.0, 0.5, 0.0] } else { [0.5, 25.0, 0.0] });
         square(halves.collect(), COVERED, random, Kind::Rectangles)
     }),
     ("giant", |n, random| {

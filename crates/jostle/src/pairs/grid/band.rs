@@ -39,16 +39,17 @@ impl<T, const SIZES: usize> Default for Band<T, SIZES> {
 }
 
 impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
-    /// Replaces the shapes by `items` and by the last row of the band before.
+    /// Replaces the shapes by `items` of some number of rows and by the last row of the band before.
     pub(super) fn fill<'a>(
         &mut self,
         layout: &Layout,
+        rows: usize,
         last: &Self,
         items: impl Iterator<Item = &'a [Item<T, SIZES>]> + Clone,
     ) -> Result<()> {
         let stride = layout.stride as usize;
         let own = 1 + stride;
-        let end = own + layout.rows() * stride;
+        let end = own + rows * stride;
         self.starts.clear();
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();

@@ -36,7 +36,7 @@ pub(super) struct Layout {
     /// The smallest coordinates along a row and across it.
     start: [f64; 2],
     /// Cells for each unit along a row and across it.
-    pub(super) per_unit: [f64; 2],
+    per_unit: [f64; 2],
     /// Number of cells of a row, and number of rows.
     cells: [u32; 2],
     /// From one row to the next, with an empty cell between them.
@@ -89,9 +89,20 @@ impl Layout {
         fits.then_some(Self { axis, start, per_unit, cells, stride, row_bits, bits, bands })
     }
 
-    /// Rows of a band.
+    /// Rows of a band, except the last one.
     pub(super) fn rows(&self) -> usize {
         1 << self.row_bits
+    }
+
+    /// Rows of the band with some number.
+    pub(super) fn rows_of(&self, band: usize) -> usize {
+        self.rows().min(self.cells[1] as usize - (band << self.row_bits))
+    }
+
+    /// Width and height of a cell.
+    pub(super) fn cell_size(&self) -> [f64; 2] {
+        let [along, across] = self.per_unit.map(|per_unit| 1.0 / per_unit);
+        if self.axis == 0 { [along, across] } else { [across, along] }
     }
 
     /// The keys of some centres: the leading bits are the number of the band, the others that of the

@@ -18,7 +18,6 @@ mod sizes;
 
 use std::ops::Range;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Found;
 use super::output::{Budget, Output, Pair, PairScratch};
@@ -183,8 +182,8 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         Ok(())
     }
 
-    /// The pairs of the small shapes of a grid, and of a small and a large one. None if they are so
-    /// uneven that the tree is faster.
+    /// The pairs of the small shapes of a grid, and of a small and a large one. None if there are so many
+    /// large ones that the tree is faster.
     fn level(
         &mut self,
         input: &(impl Input<T, SIZES> + ?Sized),
@@ -212,22 +211,16 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         let squared = (small[0] + small[0]) * (small[0] + small[0]);
         let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
         let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };
-        let is_slow = AtomicBool::new(false);
         let budget = Budget::new(max_pairs);
-        let found = budget.find(threads, tasks, &unchanged, scratch, |task, output| {
+        Some(budget.find(threads, tasks, &unchanged, scratch, |task, output| {
             let of = |task: usize| layout.bands * task / tasks;
             let mut bands = locked(&self.bands).pop().unwrap_or_default();
-            if !self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output) {
-                is_slow.store(true, Ordering::Relaxed);
-                output.fail(Error::Interrupted);
-            }
+            self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output);
             locked(&self.bands).push(bands);
-        });
-        if is_slow.load(Ordering::Relaxed) { None } else { Some(found) }
+        }))
     }
 
-    /// Finds the pairs of the shapes in some bands, with those of the row before them. Returns whether
-    /// that is not slower than the tree.
+    /// Finds the pairs of the shapes in some bands, with those of the row before them.
     fn search(
         &self,
         layout: &Layout,
@@ -235,27 +228,24 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         bands: Range<usize>,
         scratch: &mut [Band<T, SIZES>; 2],
         output: &mut Output<'_>,
-    ) -> bool {
+    ) {
         scratch.iter_mut().for_each(Band::clear);
         for number in bands.start.saturating_sub(1)..bands.end {
             scratch.swap(0, 1);
             let [last, band] = scratch;
-            let pieces = self.partition.pieces(number);
-            if let Err(error) = band.fill(layout, last, pieces) {
-                output.fail(error);
-                return true;
+            if let Err(error) =
+                band.fill(layout, layout.rows_of(number), last, self.partition.pieces(number))
+            {
+                return output.fail(error);
             }
             if output.is_over(band.places().len()) {
-                return true;
+                return;
             }
-            let large = &self.large;
-            if number >= bands.start
-                && !T::with_widest(Search { band, layout, number, large, squared, output })
-            {
-                return false;
+            if number >= bands.start {
+                let large = &self.large;
+                T::with_widest(Search { band, layout, number, large, squared, output });
             }
         }
-        true
     }
 
     /// Allocated bytes, used or not.

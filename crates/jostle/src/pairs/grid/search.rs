@@ -26,14 +26,7 @@ const MAX_HITS: usize = 512;
 /// Number of blocks that [`FEW`] candidates in two ranges may have.
 const FEW_BLOCKS: usize = FEW / LANES + 1;
 
-/// Number of tests for each shape and for each pair of a band after which the tree is used instead.
-const MAX_TESTS: u64 = 128;
-
-/// Number of tests that a band may have in any case.
-const FREE_TESTS: u64 = 1 << 16;
-
-/// The search for the pairs of the shapes of a band. The result is whether it is not slower than the tree,
-/// in which it may end early.
+/// The search for the pairs of the shapes of a band.
 pub(super) struct Search<'a, 'b, T, const SIZES: usize> {
     pub(super) band: &'a Band<T, SIZES>,
     pub(super) layout: &'a Layout,
@@ -45,57 +38,33 @@ pub(super) struct Search<'a, 'b, T, const SIZES: usize> {
     pub(super) output: &'a mut Output<'b>,
 }
 
-/// Numbers of tests and of pairs of a band, and of shapes that were tested.
-#[derive(Clone, Copy, Default)]
-struct Counts {
-    shapes: u64,
-    tests: u64,
-    pairs: u64,
-}
-
-impl Counts {
-    /// Whether there are too many tests.
-    #[inline(always)]
-    fn is_slow(&self) -> bool {
-        self.tests > MAX_TESTS * (self.shapes + self.pairs) + FREE_TESTS
-    }
-}
-
 impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
-    type Out = bool;
+    type Out = ();
 
     #[inline(always)]
-    fn run<S: Simd<T>>(self, simd: S) -> bool {
+    fn run<S: Simd<T>>(self, simd: S) {
         let Self { band, layout, number, large, squared, output } = self;
         let tester = Tester { simd, band, squared };
         let stride = layout.stride as usize;
         let places = band.places();
-        let mut counts = Counts::default();
         let mut hits = Hits { list: [[0; 3]; MAX_HITS], count: 0 };
         let mut first = places.start;
         while first < places.end {
             if output.is_over(AT_A_TIME * LANES) {
-                return true;
+                return;
             }
-            first = tester.test_some(stride, first..places.end, &mut hits, &mut counts, output);
-            if SIZES != EQUAL && counts.is_slow() {
-                return false;
+            first = tester.test_some(stride, first..places.end, &mut hits, output);
+        }
+        if SIZES == EQUAL || places.is_empty() {
+            return;
+        }
+        for (item, &[columns, rows]) in large.of_band(number) {
+            let cells = tester.rows(layout, number, columns, rows);
+            tester.test_large(item, cells, &mut hits, output);
+            if output.is_over(LANES) {
+                return;
             }
         }
-        if SIZES != EQUAL && !places.is_empty() {
-            for (item, &[columns, rows]) in large.of_band(number) {
-                let cells = tester.rows(layout, number, columns, rows);
-                tester.test_large(item, cells, &mut hits, &mut counts, output);
-                if output.is_over(LANES) {
-                    return true;
-                }
-                if counts.is_slow() {
-                    return false;
-                }
-            }
-        }
-        output.tests += counts.tests;
-        true
     }
 }
 
@@ -138,13 +107,12 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         stride: usize,
         places: Range<usize>,
         hits: &mut Hits,
-        counts: &mut Counts,
         output: &mut Output<'_>,
     ) -> usize {
         let Self { simd, band, .. } = *self;
         let Some(mut room) = output.room(AT_A_TIME * LANES) else { return places.end };
         let end = places.end.min(places.start + AT_A_TIME);
-        let mut count = 0;
+        let (mut count, mut tests) = (0, 0);
         let mut place = places.start;
         while place < end {
             let cell = band.cells[place] as usize;
@@ -152,7 +120,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             let ahead = place + 1..start(cell + 2);
             let above = start(cell - stride - 1)..start(cell - stride + 2);
             if ahead.len().max(above.len()) <= HALF {
-                counts.tests += (ahead.len() + above.len()) as u64;
+                tests += (ahead.len() + above.len()) as u64;
                 let lanes = first_lanes(ahead.len()) | first_lanes(above.len()) << HALF;
                 let one = self.one(place);
                 let bits = self.near(&one, &self.load_halves([ahead.start, above.start])) & lanes;
@@ -166,18 +134,17 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             // The others of a cell have the same candidates.
             let cell = place..start(cell + 1);
             output.accept(count);
-            counts.pairs += count as u64;
             count = 0;
             if ahead.len() + above.len() <= FEW {
-                counts.tests += (cell.len() * (ahead.len() + above.len() + 1)) as u64;
-                counts.tests -= (cell.len() * (cell.len() + 1) / 2) as u64;
-                self.test_cell(cell.clone(), ahead.end, above, hits, counts, output);
+                tests += (cell.len() * (ahead.len() + above.len() + 1)) as u64;
+                tests -= (cell.len() * (cell.len() + 1) / 2) as u64;
+                self.test_cell(cell.clone(), ahead.end, above, hits, output);
             } else {
                 for place in cell.clone() {
                     let one = self.one(place);
-                    counts.tests += (ahead.end - place - 1 + above.len()) as u64;
-                    self.test_long(&one, place + 1..ahead.end, counts, output);
-                    self.test_long(&one, above.clone(), counts, output);
+                    tests += (ahead.end - place - 1 + above.len()) as u64;
+                    self.test_long(&one, place + 1..ahead.end, output);
+                    self.test_long(&one, above.clone(), output);
                     if output.is_over(0) {
                         return places.end;
                     }
@@ -187,8 +154,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             let Some(more) = output.room(AT_A_TIME * LANES) else { return places.end };
             room = more;
         }
-        counts.shapes += (place - places.start) as u64;
-        counts.pairs += count as u64;
+        output.tests += tests;
         output.accept(count);
         place
     }
@@ -201,7 +167,6 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         end: usize,
         above: Range<usize>,
         hits: &mut Hits,
-        counts: &mut Counts,
         output: &mut Output<'_>,
     ) {
         for start in above.clone().step_by(LANES) {
@@ -221,12 +186,12 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
                 hits.add(one.row, start, self.near(&one, &others) & lanes & later);
             }
         }
-        self.emit(hits, counts, output);
+        self.emit(hits, output);
     }
 
     /// Writes the pairs of all hits, and removes these.
     #[inline(always)]
-    fn emit(&self, hits: &mut Hits, counts: &mut Counts, output: &mut Output<'_>) {
+    fn emit(&self, hits: &mut Hits, output: &mut Output<'_>) {
         let Self { simd, band, .. } = *self;
         let some = &hits.list[..hits.count.min(MAX_HITS)];
         hits.count = 0;
@@ -239,7 +204,6 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             simd.ordered_pairs(row, ids, bits, to);
             count += bits.count_ones() as usize;
         }
-        counts.pairs += count as u64;
         output.accept(count);
     }
 
@@ -269,15 +233,13 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         one: &Item<T, SIZES>,
         rows: impl Iterator<Item = [usize; 2]>,
         hits: &mut Hits,
-        counts: &mut Counts,
         output: &mut Output<'_>,
     ) {
-        counts.shapes += 1;
         for cells in rows {
             let [start, end] = cells.map(|cell| self.band.starts[cell] as usize);
-            counts.tests += (end - start) as u64;
+            output.tests += (end - start) as u64;
             if end - start > FEW {
-                self.test_long(one, start..end, counts, output);
+                self.test_long(one, start..end, output);
                 continue;
             }
             for start in (start..end).step_by(LANES) {
@@ -285,10 +247,10 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
                 hits.add(one.row, start, self.near(one, &others) & first_lanes(end - start));
             }
             if hits.count > MAX_HITS - FEW_BLOCKS {
-                self.emit(hits, counts, output);
+                self.emit(hits, output);
             }
         }
-        self.emit(hits, counts, output);
+        self.emit(hits, output);
     }
 
     /// The shape at a place.
@@ -304,13 +266,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
 
     /// Tests a shape against many.
     #[inline(always)]
-    fn test_long(
-        &self,
-        one: &Item<T, SIZES>,
-        others: Range<usize>,
-        counts: &mut Counts,
-        output: &mut Output<'_>,
-    ) {
+    fn test_long(&self, one: &Item<T, SIZES>, others: Range<usize>, output: &mut Output<'_>) {
         for first in others.clone().step_by(ROW_TESTS) {
             let some = first..others.end.min(first + ROW_TESTS);
             if output.is_over(some.len()) {
@@ -318,7 +274,6 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             }
             let Some(room) = output.room(some.len()) else { return };
             let count = self.test_blocks(one, some, room);
-            counts.pairs += count as u64;
             output.accept(count);
         }
     }
