@@ -92,6 +92,12 @@ const SCENES: &[(&str, Make)] = &[
         }
         scene
     }),
+    ("clumps", |n, random| clumps(n, 24, random)),
+    ("two-sizes", |n, random| {
+        let size = |row: usize| if row % 33 == 3 { 15.0 } else { 0.5 };
+        let radii = (0..n).map(|row| [size(row) * (1.0 + 0.5 * unit(random)); 3]).collect();
+        square(radii, COVERED, random, Kind::Circles)
+    }),
     ("line", |n, random| {
         let radii = (0..n).map(|_| [0.5 + 0.5 * unit(random); 3]).collect();
         let centers = (0..n).map(|row| [row as f64, 7.0]).collect();
@@ -211,6 +217,17 @@ fn clusters(sizes: Vec<[f64; 3]>, random: &mut Random, kind: Kind) -> Scene {
         [0, 1].map(|k| middles[row % 12][k] + offset[k] * width(row % 12))
     });
     Scene { centers: centers.collect(), sizes, kind }
+}
+
+/// Groups of `k` circles in squares of width 0.5; most circles are small.
+fn clumps(n: usize, k: usize, random: &mut Random) -> Scene {
+    let count = n.div_ceil(k);
+    let side = (count as f64 * 4.0).sqrt();
+    let at: Vec<[f64; 2]> =
+        (0..count).map(|_| [unit(random) * side, unit(random) * side]).collect();
+    let centers = (0..n).map(|row| at[row % count].map(|v| v + 0.5 * unit(random))).collect();
+    let sizes = (0..n).map(|_| [1e-3 + 0.5 * unit(random).powi(8); 3]).collect();
+    Scene { centers, sizes, kind: Kind::Circles }
 }
 
 /// Half sizes whose sides are between 1 and `largest`, uniform in the logarithm; radii of a tenth.

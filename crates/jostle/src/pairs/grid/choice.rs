@@ -8,7 +8,7 @@ use crate::simd::LANES;
 
 /// Shapes for each one of the sample, and limits of its size.
 const FOR_EACH_SAMPLED: usize = 64;
-const SAMPLES: [usize; 2] = [32, 4096];
+const SAMPLES: [usize; 2] = [16, 4096];
 
 /// The fractions of the sample that may be small. If a tenth of the shapes are large, so many fit into a
 /// cell of their size that a smaller cell gains little.
@@ -17,12 +17,14 @@ const FRACTIONS: [f64; 4] = [1.0, 0.98, 0.95, 0.9];
 /// The largest of a sample times this is the largest small shape, if all are small.
 const MARGIN: f64 = 1.0 + 1.0 / 16.0;
 
-/// Times as multiples of that of a test of a shape against one block of others: to sort a small shape, and to
-/// sort a large shape and list the bands that it may reach.
+/// Times as multiples of that of a test of a shape against one block of others, measured with AVX-512
+/// (`docs/benchmarks-notes.md`): to sort a small shape; to sort a large one, list the bands that it may reach
+/// and sort it again for a grid of larger cells.
 const SHAPE: f64 = 8.0;
 const LARGE: f64 = 50.0;
 
-/// The time for each shape of a tree, in the same unit.
+/// The time of a tree for each shape, in the same unit. A grid that takes as long has about 24 shapes in a
+/// cell, or a seventh of its shapes are large.
 const TREE: f64 = 16.0;
 
 /// Number of cells whose shapes are tested against one: half of its own and four others.
@@ -50,6 +52,7 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
     let sample = Sample::of(input);
     let mut best: Option<(f64, Choice<T>)> = None;
     for fraction in FRACTIONS {
+        // A grid with fewer small shapes takes at least this time.
         let least = fraction * SHAPE + (1.0 - fraction) * LARGE;
         if best.as_ref().is_some_and(|best| best.0 < least + blocks(0.0)) {
             break;
