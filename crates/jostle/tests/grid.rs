@@ -200,6 +200,19 @@ fn shapes_that_no_grid_fits_agree() {
     assert!(find(&shapes, 1).1 == brute(&shapes));
 }
 
+/// The sample has shapes of both kinds, however they take turns.
+#[test]
+fn a_pattern_of_the_rows_does_not_matter() {
+    for count in (600..2600).step_by(100) {
+        let mut shapes =
+            mixed::<f64>(2, count, Sizes::Rectangles, 2.0, 11.0 * (count as f32).sqrt());
+        let half = |row: usize| if row % 2 == 0 { [25.0, 0.5] } else { [0.5, 25.0] };
+        shapes.half_sizes = Some(Each::Rows((0..count).map(half).collect()));
+        let found = pairs::find(&shapes, None, Some(1), DEFAULT_MAX_PAIRS).unwrap();
+        assert!(found.tests < 200 * count as u64, "{count}: {}", found.tests);
+    }
+}
+
 /// A sparse scene would have many empty cells, and a cell of points no size.
 #[test]
 fn other_shapes_are_searched_by_a_tree() {

@@ -431,7 +431,7 @@ mod tests {
             }
         }
         fn item(&self, index: usize, key: u32) -> Item<f64> {
-            Item { key, row: index as u32, center: [index as f64; 2] }
+            Item { key, row: index as u32, center: [index as f64; 2], sizes: [] }
         }
     }
 

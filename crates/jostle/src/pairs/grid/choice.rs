@@ -8,7 +8,7 @@ use crate::simd::LANES;
 
 /// Shapes for each one of the sample, and limits of its size.
 const FOR_EACH_SAMPLED: usize = 64;
-const SAMPLES: [usize; 2] = [16, 4096];
+const SAMPLES: [usize; 2] = [32, 4096];
 
 /// The fractions of the sample that may be small. If a tenth of the shapes are large, so many fit into a
 /// cell of their size that a smaller cell gains little.
@@ -81,8 +81,8 @@ impl Sample {
     fn of<T: Scalar, const SIZES: usize>(input: &(impl Input<T, SIZES> + ?Sized)) -> Self {
         let len = input.len();
         let count = (len / FOR_EACH_SAMPLED).clamp(SAMPLES[0], SAMPLES[1]).min(len);
-        let step = |index: usize| (index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
-        let at = |index: usize| (step(index) * len as u64 >> 32) as usize;
+        // One from each of `count` ranges of rows, at a place in it from a hash.
+        let at = |index: usize| index * len / count + hash(index) as usize % (len / count);
         let shapes = (0..count).map(|index| {
             let Item { center, sizes, .. } = input.item(at(index));
             (center.map(T::to_f64), reach_of(&sizes).map(T::to_f64))
@@ -123,6 +123,12 @@ impl Sample {
         }
         Some((time, Choice { layout, small }))
     }
+}
+
+/// A number without a pattern.
+fn hash(index: usize) -> u32 {
+    let word = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    ((word ^ word >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32
 }
 
 /// Number of blocks that have some number of shapes.
