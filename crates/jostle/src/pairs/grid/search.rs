@@ -258,8 +258,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
     fn one(&self, place: usize) -> Item<T, SIZES> {
         let band = self.band;
         let mut sizes = [T::ZERO; SIZES];
-        for k in 0..SIZES {
-            sizes[k] = band.sizes[k][place];
+        for (size, column) in sizes.iter_mut().zip(&band.sizes) {
+            *size = column[place];
         }
         Item { key: 0, row: band.ids[place], center: [band.x[place], band.y[place]], sizes }
     }
@@ -341,8 +341,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
     fn load_block(&self, start: usize) -> Loaded<S::Block, SIZES> {
         let Self { simd, band, .. } = *self;
         let mut sizes = [simd.splat(T::ZERO); SIZES];
-        for k in 0..SIZES {
-            sizes[k] = simd.load(block(&band.sizes[k], start));
+        for (size, column) in sizes.iter_mut().zip(&band.sizes) {
+            *size = simd.load(block(column, start));
         }
         let (x, y) = (simd.load(block(&band.x, start)), simd.load(block(&band.y, start)));
         Loaded { x, y, sizes }
@@ -353,9 +353,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
     fn load_halves(&self, [low, high]: [usize; 2]) -> Loaded<S::Block, SIZES> {
         let Self { simd, band, .. } = *self;
         let mut sizes = [simd.splat(T::ZERO); SIZES];
-        for k in 0..SIZES {
-            let column = &band.sizes[k];
-            sizes[k] = simd.load_halves(half(column, low), half(column, high));
+        for (size, column) in sizes.iter_mut().zip(&band.sizes) {
+            *size = simd.load_halves(half(column, low), half(column, high));
         }
         let x = simd.load_halves(half(&band.x, low), half(&band.x, high));
         let y = simd.load_halves(half(&band.y, low), half(&band.y, high));
