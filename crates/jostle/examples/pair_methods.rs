@@ -62,8 +62,8 @@ const SCENES: &[(&str, Make)] = &[
         square(halves, COVERED, random, Kind::Rectangles)
     }),
     ("crossed", |n, random| {
-        let halves =
-            (0..n).map(|row| if row % 2 == 0 { [25.0, 0.5, 0.0] } else { [0.5, 25.0, 0.0] });
+        let halves = (0..n)
+            .map(|row| if row.is_multiple_of(2) { [25.0, 0.5, 0.0] } else { [0.5, 25.0, 0.0] });
         square(halves.collect(), COVERED, random, Kind::Rectangles)
     }),
     ("giant", |n, random| {
@@ -79,7 +79,8 @@ const SCENES: &[(&str, Make)] = &[
         square(radii, COVERED, random, Kind::Circles)
     }),
     ("coincident", |n, _| {
-        let radii = (0..n).map(|row| [0.0, 0.0, if row % 64 == 0 { 1e-3 } else { 0.0 }]).collect();
+        let radii =
+            (0..n).map(|row| [0.0, 0.0, if row.is_multiple_of(64) { 1e-3 } else { 0.0 }]).collect();
         let centers = (0..n).map(|row| [(row / 64 % 100) as f64, (row / 6400) as f64]).collect();
         Scene { centers, sizes: radii, kind: Kind::Circles }
     }),

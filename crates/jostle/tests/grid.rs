@@ -192,7 +192,7 @@ fn shapes_that_no_grid_fits_agree() {
     let small = Each::Rows(halves.clone());
     let (by_tree, found) = find(&shapes, 2);
     assert!(by_tree && found == brute(&shapes));
-    let huge = |row: usize| [f64::MAX * 0.9, if row % 9 == 0 { 50.0 } else { 1.0 }];
+    let huge = |row: usize| [f64::MAX * 0.9, if row.is_multiple_of(9) { 50.0 } else { 1.0 }];
     shapes.half_sizes = Some(Each::Rows((0..6_000).map(huge).collect()));
     assert!(find(&shapes, 1).1 == brute(&shapes));
     shapes.radii = Each::Rows((0..6_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
@@ -206,7 +206,7 @@ fn a_pattern_of_the_rows_does_not_matter() {
     for count in (600..2600).step_by(100) {
         let mut shapes =
             mixed::<f64>(2, count, Sizes::Rectangles, 2.0, 11.0 * (count as f32).sqrt());
-        let half = |row: usize| if row % 2 == 0 { [25.0, 0.5] } else { [0.5, 25.0] };
+        let half = |row: usize| if row.is_multiple_of(2) { [25.0, 0.5] } else { [0.5, 25.0] };
         shapes.half_sizes = Some(Each::Rows((0..count).map(half).collect()));
         let found = pairs::find(&shapes, None, Some(1), DEFAULT_MAX_PAIRS).unwrap();
         assert!(found.tests < 200 * count as u64, "{count}: {}", found.tests);
