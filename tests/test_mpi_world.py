@@ -16,6 +16,8 @@ CASES = (
     "parts",
     "events",
     "forces",
+    "merging",
+    "settings",
     "calls_of_sleepers",
     "rebalancing",
 )

@@ -18,12 +18,13 @@ from jostle._core import RankError, begin_hash, hash_records
 
 from . import edits
 from .attributes import Column, Setting
-from .events import events_of
+from .events import events_of, new_ids
 from .exchange import (
     deliver,
     duplicate_of,
     first_id,
     from_all,
+    joined,
     raise_together,
     together,
     totals,
@@ -60,9 +61,9 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `momentum`, `events` and `collisions`. The particles of all ranks have the same states, in bits,
-    as those of one `jostle.World` with all of them, whatever the number of ranks and the
-    distribution.
+    `momentum`, `events`, `renumbered` and `collisions`. The particles of all ranks have the same
+    states, in bits, as those of one `jostle.World` with all of them, whatever the number of ranks
+    and the distribution.
 
     Parameters
     ----------
@@ -94,8 +95,8 @@ class World:
 
     Notes
     -----
-    Not supported are merging, and forces other than `PairForce`, `Flocking`, `Thermostat`,
-    `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
+    Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
+    `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
     rank's particles; there may be two.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
@@ -436,8 +437,29 @@ class World:
     forces = Setting[list[Any]](
         "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
     )
+    on_touch = Setting[str]("What happens to particles that touch, see `jostle.World.on_touch`.")
     substeps = Setting[int | None]("Sub-steps of a step, see `jostle.World.substeps`.")
     sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
+    track_events = Setting[bool]("Whether `events` are tracked, see `jostle.World.track_events`.")
+    method = Setting[str]('How pairs are found: "quadtree" or "brute".')
+    leaf_capacity = Setting[int]("Particles of a box of the tree that is not split, at most.")
+    max_depth = Setting[int]("Subdivisions of the tree, at most.")
+
+    @property
+    def threads(self) -> int | None:
+        """Number of threads of this rank; None for all cores. Not collective."""
+        threads: int | None = self._core.threads
+        return threads
+
+    @threads.setter
+    def threads(self, value: int | None) -> None:
+        self._core.threads = value
+
+    @property
+    def stats(self) -> jostle.WorldStats:
+        """Size of the tree of this rank's particles and ghosts, and tests in the last step."""
+        stats: jostle.WorldStats = self._core.stats
+        return stats
 
     @property
     def profile(self) -> dict[str, float]:
@@ -518,6 +540,17 @@ class World:
             if not self._core.track_events:
                 raise RuntimeError("events are not tracked; make the world with track_events=True")
         return events_of(self._comm, *self._core._own_touches())
+
+    @property
+    @collective
+    def renumbered(self) -> NDArray[np.int64] | None:
+        """The new id of each id after the last call of `step`, the same on all ranks.
+
+        None if no particles merged; see `jostle.World.renumbered`. It is the only array with a
+        number for each id that was ever given.
+        """
+        pairs = joined(self._comm, self._core._own_renumbering().reshape(-1)).reshape(-1, 2)
+        return new_ids(self._comm, pairs, *self._core._own_ids()) if len(pairs) else None
 
     @property
     @collective

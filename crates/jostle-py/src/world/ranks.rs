@@ -154,6 +154,11 @@ impl PyWorld {
         all.into_iter().map(|pairs| table(py, pairs)).collect()
     }
 
+    /// The old and the new ids of own particles that merged. For `jostle.mpi`.
+    fn _own_renumbering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        table(py, self.long(py, |state| state.world.own_renumbering())?)
+    }
+
     /// A world like this one with the particles of records. For `jostle.mpi`.
     fn _of_records(&self, py: Python<'_>, records: &[u8]) -> PyResult<Self> {
         let world = self.long(py, |state| state.world.of_records(records))?;

@@ -240,6 +240,15 @@ pub fn add_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
     }
 }
 
+/// Replaces the kinds of a row in the forces between kinds.
+pub fn put_kinds(forces: &mut [Force], row: usize, kinds: Kinds) {
+    let pairs = forces.iter_mut().filter_map(|force| match force {
+        Force::Pair(pair) => Some(pair),
+        _ => None,
+    });
+    pairs.zip(kinds).for_each(|(pair, kind)| pair.kinds[row] = kind);
+}
+
 /// The kinds of a row in the forces between kinds.
 pub fn kinds_of(forces: &[Force], row: usize) -> Kinds {
     let mut kinds = Kinds::default();

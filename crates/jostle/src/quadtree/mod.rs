@@ -134,6 +134,11 @@ impl<T: Scalar> Quadtree<T> {
         self.order.extent = extent;
     }
 
+    /// The AABB of the grid, if it is given.
+    pub fn extent(&self) -> Option<[[T; 2]; 2]> {
+        self.order.extent
+    }
+
     /// Lets later builds order two shapes by their centres alone, whatever others there are.
     pub fn set_nested(&mut self) {
         self.order.is_nested = true;

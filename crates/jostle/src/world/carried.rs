@@ -98,7 +98,7 @@ impl Push {
     pub(super) const SIZE: usize = 28;
 
     /// Those of a wall.
-    fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
+    pub(super) fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
         Self { id, wall, impulses, pushes }
     }
 

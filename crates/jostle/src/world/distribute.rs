@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::World;
 use super::asleep::Asleep;
 use super::domain::Domain;
-use super::{OnTouch, World};
 use crate::decomposition::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::error::{Error, Result};
 use crate::forces::{self, Force, Kinds};
@@ -74,6 +74,9 @@ impl World {
             steps: 0,
             repeats: 0,
             widening: 1.0,
+            widened: 1.0,
+            further: HashMap::new(),
+            is_static: false,
             work: 1.0,
             rebalance_every: None,
             is_stale: true,
@@ -86,10 +89,6 @@ impl World {
 
     /// Refuses what a distributed world cannot do.
     pub fn check_distributable(&self) -> Result<()> {
-        if self.settings.on_touch == OnTouch::Merge {
-            let rule = "particles of different ranks do not merge";
-            return Err(Error::of("on_touch", "merge", rule));
-        }
         for (index, force) in self.forces.iter().enumerate() {
             let name = match force {
                 Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,

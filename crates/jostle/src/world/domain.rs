@@ -41,6 +41,18 @@ pub(super) struct Announced {
     pub(super) distance: f32,
 }
 
+/// Particles that get further than announced are announced this much further.
+const FURTHER: f32 = 1.25;
+
+/// What merging particles change, for [`World::undo`](super::World::undo).
+#[derive(Debug)]
+pub(super) struct Count {
+    ids: Vec<Id>,
+    own: usize,
+    total: usize,
+    awake: usize,
+}
+
 /// A hash of the contact of an own particle with a ghost.
 pub(super) struct PairDigest {
     /// The rows of both.
@@ -116,8 +128,13 @@ pub(super) struct Domain {
     pub(super) steps: u64,
     /// Steps that were repeated because ghosts were missing.
     pub(super) repeats: u64,
-    /// Factor of the margin with which the next step begins, the same on all ranks.
+    /// Factor of the margin with which the next step begins, the same on all ranks, and that of this step.
     pub(super) widening: f64,
+    pub(super) widened: f64,
+    /// Distances that own particles got further in this step than announced.
+    pub(super) further: HashMap<Id, f32>,
+    /// Whether the ghosts are only those that are near own particles now.
+    pub(super) is_static: bool,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
     /// Steps after which domains are chosen anew; None if the imbalance decides.
@@ -192,6 +209,34 @@ impl Domain {
     /// Whether any particle of any rank has friction.
     pub(super) fn has_friction(&self) -> bool {
         self.has_friction
+    }
+
+    /// Notes the distances of particles that have got further than announced.
+    pub(super) fn note_further(&mut self) {
+        let Self { far, further, ids, .. } = self;
+        for (row, distance) in far.drain(..) {
+            let known = further.entry(ids[row as usize]).or_insert(0.0);
+            *known = known.max(distance * FURTHER);
+        }
+    }
+
+    /// The ids of all rows, and how many particles there are.
+    pub(super) fn count(&self) -> Count {
+        let Self { own, total, awake, .. } = *self;
+        Count { ids: self.ids.clone(), own, total, awake }
+    }
+
+    /// Restores these.
+    pub(super) fn restore(&mut self, Count { ids, own, total, awake }: Count) {
+        (self.ids, self.own, self.total, self.awake) = (ids, own, total, awake);
+    }
+
+    /// The rank that owns the particle in a row.
+    pub(super) fn rank_of(&self, row: u32) -> usize {
+        match (row as usize).checked_sub(self.own) {
+            Some(ghost) => self.ghost_ranks[ghost] as usize,
+            None => locked(&self.group).rank(),
+        }
     }
 
     /// Notes how many ghosts came from each rank.

@@ -53,7 +53,7 @@ impl World {
             (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
         });
         self.shorten_renumbering();
-        Ok(())
+        self.end_given_of_none()
     }
 
     /// Removes rows, so that the others move up; returns how many remain before each.
@@ -69,9 +69,6 @@ impl World {
         self.keep(&keep);
         self.ids.remove(gone);
         retain_unless(&mut self.given, gone);
-        if self.given.iter().all(|given| *given == [0.0; 2]) {
-            self.given.clear();
-        }
         forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);

@@ -68,6 +68,15 @@ impl World {
         }
     }
 
+    /// Ends the given accelerations if they accelerate no particle, of any rank.
+    pub(super) fn end_given_of_none(&mut self) -> Result<()> {
+        let is_given = self.given.iter().any(|given| *given != [0.0; 2]);
+        if !self.given.is_empty() && !self.any_of_all(is_given)? {
+            self.given.clear();
+        }
+        Ok(())
+    }
+
     /// Whether anything accelerates particles, apart from gravity and springs.
     pub(super) fn has_accelerations(&self) -> bool {
         !self.given.is_empty() || forces::pull(&self.forces)

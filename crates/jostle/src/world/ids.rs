@@ -151,6 +151,12 @@ impl World {
         Ok(Some(new))
     }
 
+    /// Of a distributed world: the old and the new id of particles that were own ones when they merged. The
+    /// new one may have merged since, on another rank.
+    pub fn own_renumbering(&self) -> Vec<[Id; 2]> {
+        self.renumbered.clone().unwrap_or_default()
+    }
+
     /// Records that particles merged: the old id and the new one of each, by old ids.
     pub(super) fn record_renumbering(&mut self, merged: Vec<[Id; 2]>) {
         let mut all = self.renumbered.take().unwrap_or_default();

@@ -6,9 +6,10 @@
 //! a limited number of iterations.
 
 use super::edits::renumber;
-use super::{StepScratch, World};
+use super::{OnTouch, StepScratch, World};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
 use crate::forces;
 use crate::motion::Motions;
 use crate::parallel;
@@ -18,7 +19,7 @@ use crate::space::Id;
 use crate::table::Table;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
-const ROUNDS: usize = 16;
+pub(super) const ROUNDS: usize = 16;
 
 /// A candidate pair of particles that may merge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -87,27 +88,40 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
 
 impl World {
     /// Merges the particles that touched, and those that merged particles then overlap.
-    pub(super) fn merge(&mut self) {
+    pub(super) fn merge(&mut self) -> Result<()> {
+        if self.settings.on_touch != OnTouch::Merge {
+            return Ok(());
+        }
         let candidates = std::mem::take(&mut self.scratch.candidate_merges);
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
         let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.places).collect();
         self.scratch.candidate_merges = candidates;
+        if self.domain.is_some() {
+            return self.merge_with_other_ranks(touching);
+        }
         for _ in 0..ROUNDS {
             self.record_pairs(&touching);
-            if touching.is_empty() || !self.merge_touching(&touching) {
-                return;
+            if touching.is_empty() || !self.merge_touching(&touching)? {
+                return Ok(());
             }
             // If there are too many pairs to list, the next step returns the error.
-            let Ok((overlaps, tests)) = self.overlapping() else { return };
-            self.stats.tests += tests;
-            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
-            touching = overlaps.into_iter().map(|overlap| overlap.places).collect();
-            touching.retain(|&[a, b]| !is_sensor(a) && !is_sensor(b));
+            let Ok(overlaps) = self.pairs_to_merge() else { return Ok(()) };
+            touching = overlaps;
         }
+        Ok(())
+    }
+
+    /// The pairs of places that overlap and may merge.
+    pub(super) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
+        let (overlaps, tests) = self.overlapping()?;
+        self.stats.tests += tests;
+        let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
+        let pairs = overlaps.into_iter().map(|overlap| overlap.places);
+        Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
     }
 
     /// Merges each island of these pairs of places; returns whether any merged.
-    fn merge_touching(&mut self, touching: &[[u32; 2]]) -> bool {
+    fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
         let mut groups = DisjointSets::default();
         groups.reset(self.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
@@ -137,9 +151,9 @@ impl World {
             self.rows.swap(places[0], places[holder]);
         }
         if any {
-            self.close_up(&heirs);
+            self.close_up(&heirs)?;
         }
-        any
+        Ok(any)
     }
 
     /// The smallest row of merging particles gets the sum of their given forces over their mass.
@@ -147,16 +161,12 @@ impl World {
         if self.given.is_empty() {
             return;
         }
-        let (mut mass, mut sum) = (0.0, [0.0; 2]);
-        for &place in places {
-            let own = f64::from(self.particles.masses[place]);
-            let given = self.given[self.rows[place] as usize];
-            mass += own;
-            sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
-        }
+        let of =
+            |&place: &usize| (self.particles.masses[place], self.given[self.rows[place] as usize]);
+        let joint = joint_acceleration(places.iter().map(of));
         let rows = places.iter().map(|&place| self.rows[place]);
         let first = rows.fold(u32::MAX, u32::min);
-        self.given[first as usize] = sum.map(|force| (force / mass) as f32);
+        self.given[first as usize] = joint;
     }
 
     /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.
@@ -164,19 +174,15 @@ impl World {
         let (masses, rows) = (&self.particles.masses, &self.rows);
         let first = places.iter().fold(u32::MAX, |first, &place| first.min(rows[place]));
         forces::change_kinds(&mut self.forces, |kinds| {
-            let order = |a: &&usize, b: &&usize| {
-                let kind = |place: usize| kinds[rows[place] as usize];
-                let by_mass = masses[**a].total_cmp(&masses[**b]);
-                by_mass.then_with(|| kind(**b).cmp(&kind(**a)))
-            };
-            if let Some(&heaviest) = places.iter().max_by(order) {
-                kinds[first as usize] = kinds[rows[heaviest] as usize];
+            let of = |&place: &usize| (masses[place], kinds[rows[place] as usize]);
+            if let Some(kind) = kind_of_heaviest(places.iter().map(of)) {
+                kinds[first as usize] = kind;
             }
         });
     }
 
     /// Removes the rows that became others.
-    fn close_up(&mut self, heirs: &[u32]) {
+    fn close_up(&mut self, heirs: &[u32]) -> Result<()> {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
         let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
         let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
@@ -192,6 +198,7 @@ impl World {
             Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
         self.record_renumbering(merged);
+        self.end_given_of_none()
     }
 
     /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
@@ -211,9 +218,26 @@ impl World {
     }
 }
 
+/// The sum of the given forces on merging particles over their mass, from masses and accelerations.
+pub(super) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
+    let (mut mass, mut sum) = (0.0, [0.0; 2]);
+    for (own, given) in all {
+        let own = f64::from(own);
+        mass += own;
+        sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
+    }
+    sum.map(|force| (force / mass) as f32)
+}
+
+/// The kind of the heaviest of merging particles, from masses and kinds; the smallest of several.
+pub(super) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
+    let order = |a: &(f32, u8), b: &(f32, u8)| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(&a.1));
+    all.max_by(order).map(|(_, kind)| kind)
+}
+
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
 /// would not be valid or not fit into the container.
-fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Particles> {
+pub(super) fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Particles> {
     let origin = all.positions[places[0]].map(f64::from);
     let mut mass = 0.0f64;
     let mut square = 0.0f64;

@@ -20,10 +20,12 @@ mod drive;
 mod edits;
 mod edits_of_ranks;
 mod force_step;
+mod ghosts;
 mod given;
 mod ids;
 mod islands;
 mod merge;
+mod merge_of_ranks;
 mod migration;
 mod record;
 mod reductions;
@@ -234,6 +236,10 @@ struct StepScratch {
     overlap_parts: Vec<Vec<[u32; 2]>>,
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
+    /// Of a distributed one: the particles at the beginning of a part of the step, by places.
+    starts: Particles,
+    /// Of a distributed one: whether the ranks agree on a part of the step.
+    agreement: Option<shared::Agreement>,
     kicks: Vec<Kick>,
     hot_walls: HotWalls,
     forces: ForceScratch,

@@ -137,6 +137,7 @@ impl World {
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.scratch.exhausted.clear();
         self.scratch.meets_sleepers = false;
+        self.scratch.agreement = None;
         self.stats = Stats::default();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
@@ -148,8 +149,9 @@ impl World {
             let substeps = substeps.max(1).div_ceil(parts);
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
+                self.renew_ghosts(part)?;
                 self.step_once(part, substeps, watch)?;
-                if self.scratch.meets_sleepers {
+                if self.scratch.meets_sleepers || self.must_repeat() {
                     return Ok(());
                 }
             }
@@ -203,8 +205,9 @@ impl World {
             OnTouch::Bounce => self.parts_with_few_candidates(dt),
             // Merging particles touch only their nearest images.
             OnTouch::Merge => {
-                let longest = self.longest_displacement(dt);
-                Ok((longest / self.settings.container.max_displacement()).ceil().max(1.0) as usize)
+                let [longest] = self.largest_of_all([f64::from(self.longest_displacement(dt))])?;
+                Ok((longest as f32 / self.settings.container.max_displacement()).ceil().max(1.0)
+                    as usize)
             }
         }
     }
@@ -236,6 +239,7 @@ impl World {
         watch(Stage::Pairs);
         interrupt::check()?;
         self.reorder();
+        self.keep_starts();
         self.find_shared();
         self.make_contacts()?;
         self.find_near_walls(dt)?;
@@ -246,11 +250,15 @@ impl World {
         if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
+        self.compare_before_merging()?;
+        if self.must_repeat() {
+            return Ok(());
+        }
         self.walls.end_step(f64::from(dt));
         self.collect_touches();
         self.store_motions()?;
         self.break_springs();
-        self.merge();
+        self.merge()?;
         watch(Stage::Store);
         Ok(())
     }

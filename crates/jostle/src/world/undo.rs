@@ -1,6 +1,7 @@
 //! Rollback: restores the state before a step that is refused or interrupted.
 
 use super::discs::Discs;
+use super::domain::Count;
 use super::ids::Ids;
 use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
@@ -31,6 +32,8 @@ pub(super) struct Before {
     recorded: usize,
     /// Those before the first merger of the step.
     pub(super) ids: Option<Ids>,
+    /// The same of a distributed world.
+    pub(super) count: Option<Count>,
     renumbered: Option<Vec<[Id; 2]>>,
 }
 
@@ -55,7 +58,7 @@ impl World {
         before.stats = self.stats;
         before.recorded = self.record.during.len();
         self.scratch.collisions = Collisions::default();
-        before.ids = None;
+        (before.ids, before.count) = (None, None);
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
@@ -94,6 +97,9 @@ impl World {
         self.record.during.truncate(before.recorded);
         if let Some(ids) = before.ids.take() {
             self.ids = ids;
+        }
+        if let (Some(count), Some(domain)) = (before.count.take(), &mut self.domain) {
+            domain.restore(count);
         }
         self.renumbered = before.renumbered.take();
     }
