@@ -162,6 +162,91 @@ def test_forces() -> None:
         refuse(make, "forces is not the same")
 
 
+def test_given() -> None:
+    """Accelerations and forces that the caller gives move with particles to other ranks."""
+    rest = {**REST, "sleeping": True}
+    for name, world in (
+        ("gas", gas(200)),
+        ("pile", gas(150, **rest)),
+        ("merging", gas(200, on_touch="merge", movable=np.arange(200) % 9 > 0)),
+    ):
+        ours = scattered(world, unevenly)
+        ours.substeps = None  # given accelerations need more
+        ours._core._rebalance_every(3)
+        for call in range(4):
+            by_id = np.random.default_rng(call).normal(0, 300, (int(world.ids.max()) + 1, 2))
+            by_id[:: call + 2] = 0.0
+            world.accelerations = by_id[world.ids]
+            ours.accelerations = by_id[ours.ids]
+            expected = by_id[ours.ids].astype(np.float32) * ours.movable[:, None]
+            assert np.array_equal(ours.accelerations, expected)
+            # Each rank gives forces on particles of any rank, some of them twice.
+            ids = world.ids[np.arange(30) * 7 % 20]
+            own = ids[comm().rank :: comm().size]
+            all_ids = np.concatenate([ids[rank :: comm().size] for rank in range(comm().size)])
+            world.force(all_ids, by_id[all_ids])
+            ours.force(own, by_id[own])
+            alone = ours.gather() if call == 1 else None
+            for one in (world, ours, *([] if alone is None else [alone])):
+                one.step(1 / 60, 5)
+            assert ours.state_hash() == world.state_hash(), (name, call)
+            assert alone is None or alone.state_hash() == world.state_hash(), name
+            assert not ours.accelerations.any()
+        ours.step(1 / 60, 5)
+        world.step(1 / 60, 5)
+        assert ours.state_hash() == world.state_hash(), name
+    is_last = comm().rank == comm().size - 1
+    refuse(lambda: setattr(ours, "accelerations", np.zeros((1, 2))), "accelerations must have")
+    wrong = np.full((len(ours), 2), np.nan if is_last else 0.0)
+    refuse(lambda: setattr(ours, "accelerations", wrong), "accelerations[0] is (nan, nan)")
+    refuse(lambda: ours.force(10**6 if is_last else [], (0, 1) if is_last else []), "1000000")
+    first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
+    refuse(lambda: ours.force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be")
+    assert not ours.accelerations.any()
+    world.step(1 / 60)
+    ours.step(1 / 60)
+    assert ours.state_hash() == world.state_hash()
+
+
+def test_energy() -> None:
+    """The potential energy of gravity and of forces between kinds."""
+    for name in ("fluid", "pile"):
+        world = jostle.scenes.create(name, n=250, seed=2)
+        ours = scattered(world, unevenly)
+        for _ in range(3):
+            for one in (world, ours):
+                one.step(1 / 60, 2)
+            energy = world.potential_energy
+            assert energy != 0.0
+            assert abs(ours.potential_energy - energy) <= 1e-10 * abs(energy), name
+            # It does not change the world.
+            assert ours.state_hash() == world.state_hash()
+            ghosts = ours.ghosts
+            assert len(ours.contacts.pairs) == 0 or comm().size == 1 or ghosts > 0
+    table = np.ones((1, 1, 20))
+    movable = np.arange(300) % 5 > 0
+    kinds = np.zeros(300, int)
+    for container in ("box", "torus", None):
+        options = {} if container == "box" else {"container": container}
+        world = gas(300, forces=[jostle.PairForce(kinds, table, 9.0)], movable=movable, **options)
+        found = scattered(world, evenly).potential_energy
+        assert abs(found - world.potential_energy) <= 1e-10 * abs(found)
+
+
+def test_immovable() -> None:
+    """Particles keep impulses on immovable ones, also when they move to the ranks of these."""
+    world = jostle.scenes.create("heap", n=60, seed=3)
+    world.sleeping = False
+    ours = scattered(world, unevenly)
+    ours._core._rebalance_every(7)
+    for _ in range(12):
+        alone = ours.gather()
+        for one in (world, ours, *([] if alone is None else [alone])):
+            one.step(1 / 60)
+        assert ours.state_hash() == world.state_hash()
+        assert alone is None or alone.state_hash() == world.state_hash()
+
+
 def test_settings() -> None:
     """Settings of the search do not change results; events can be tracked from now on."""
     world = gas(300, cover=0.6, gravity=(0.0, 20.0))

@@ -142,10 +142,23 @@ fn on_ranks<R: Send>(
 /// Checks that some ranks have the particles of one process after some steps. Returns the number of ghosts
 /// of each rank.
 fn check(all: &Particles, settings: WorldSettings, size: usize, steps: usize) -> Vec<usize> {
+    check_prepared(all, settings, size, steps, |_| ())
+}
+
+/// As [`check`]; `prepare` gets the world of one process, and that of each rank, before the steps.
+fn check_prepared(
+    all: &Particles,
+    settings: WorldSettings,
+    size: usize,
+    steps: usize,
+    prepare: impl Fn(&mut World) + Sync,
+) -> Vec<usize> {
     let mut whole = World::new(all.clone(), settings).unwrap();
+    prepare(&mut whole);
     whole.step(1.0 / 60.0, steps).unwrap();
     let (expected, rows) = (whole.particles(), whole.ids());
     let parts = on_ranks(all, settings, ranks(size), |_, mut world| {
+        prepare(&mut world);
         world.step(1.0 / 60.0, steps).unwrap();
         let own = world.own_particles().unwrap();
         (world.own_records(), own.ids.len() - own.own)
@@ -192,6 +205,35 @@ fn particles_that_merge_have_the_bits_of_one_process() {
             check(&all, settings, size, steps);
         }
     }
+}
+
+#[test]
+fn given_accelerations_have_the_bits_of_one_process() {
+    let all = gas(300);
+    let settings = WorldSettings { gravity: [3.0, 0.0], ..WorldSettings::default() };
+    let accelerate = |world: &mut World| {
+        world.rebalance_every(3);
+        let acceleration = |id: Id| if id % 3 > 0 { [0.0; 2] } else { [40.0 - id as f32, 9.0] };
+        let ids = world.own_ids().0;
+        world.set_accelerations(ids.into_iter().map(acceleration).collect()).unwrap();
+    };
+    let merging = WorldSettings { on_touch: OnTouch::Merge, ..settings };
+    for (settings, steps) in [(settings, 20), (merging, 20)] {
+        for size in [1, 2, 5] {
+            check_prepared(&all, settings, size, steps, accelerate);
+        }
+    }
+}
+
+#[test]
+fn an_error_of_given_accelerations_reaches_all_ranks() {
+    let results = on_ranks(&gas(60), WorldSettings::default(), ranks(3), |rank, mut world| {
+        let ids = world.own_ids().0;
+        let worst = if rank == 1 { f32::NAN } else { 1.0 };
+        world.set_accelerations(vec![[0.0, worst]; ids.len()]).map_err(|error| error.to_string())
+    });
+    let texts: Vec<String> = results.into_iter().map(|of| of.unwrap_err()).collect();
+    assert!(texts[1].contains("accelerations") && texts[1].contains("NaN"), "{texts:?}");
 }
 
 #[test]

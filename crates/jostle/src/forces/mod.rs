@@ -416,14 +416,15 @@ pub fn accelerate(
     }
 }
 
-/// Potential energy of the particles in all forces between kinds.
-pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>) -> f64 {
+/// Potential energy of the particles in all forces between kinds: half of that of each pair for each of its
+/// bodies whose row is below `own`.
+pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>, own: usize) -> f64 {
     let mut scratch = neighbors::Scratch::default();
     let mut all = pairs(forces).filter(|pair| pair.table.is_reciprocal()).peekable();
     if all.peek().is_some() {
         scratch.sort(bodies, |a, b| bodies.compare(forces, a, b));
     }
-    all.map(|pair| pair::energy(pair, bodies, &mut scratch)).sum()
+    all.map(|pair| pair::energy(pair, bodies, own, &mut scratch)).sum()
 }
 
 /// A number within the limits of a world; 0 for NaN.

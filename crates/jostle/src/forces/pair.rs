@@ -235,19 +235,25 @@ pub fn add(
     });
 }
 
-/// Potential energy, 0 beyond the cutoff. 0 if the forces are not equal and opposite. The bodies are
-/// sorted in `scratch`.
-pub fn energy(force: &PairForce, bodies: &Bodies<'_>, scratch: &mut neighbors::Scratch) -> f64 {
+/// Potential energy of the bodies whose rows are below `own`, half of that of each pair; 0 beyond the cutoff. 0
+/// if the forces are not equal and opposite. The bodies are sorted in `scratch`.
+pub fn energy(
+    force: &PairForce,
+    bodies: &Bodies<'_>,
+    own: usize,
+    scratch: &mut neighbors::Scratch,
+) -> f64 {
     let table = &*force.table;
     if table.potentials.is_empty() {
         return 0.0;
     }
     scratch.fill(0, |row| f32::from(force.kind(bodies, row)));
-    let kinds = &scratch.columns()[0];
+    scratch.fill(1, |row| f32::from((bodies.rows[row] as usize) < own));
+    let [kinds, weights, ..] = scratch.columns();
     // Every pair is summed twice.
     0.5 * scratch.sum_of_pairs(bodies, table.cutoff, |places, distance| {
         let [a, b] = places.map(|place| kinds[place] as usize);
-        table.potential(a, b, distance)
+        f64::from(weights[places[0]]) * table.potential(a, b, distance)
     })
 }
 

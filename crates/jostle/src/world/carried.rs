@@ -22,9 +22,9 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The impulses of a contact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Resting {
-    /// The ids of both, the smaller first.
+    /// The ids of both. The first is movable; if both are, it is the smaller one.
     pub(super) ids: [Id; 2],
-    /// Their rows, [`NONE`] for particles of other ranks.
+    /// Their rows, [`NONE`] if this rank does not know them as own ones.
     pub(super) rows: [u32; 2],
     /// Along the normal, and of friction.
     pub(super) impulses: [f32; 2],
@@ -145,7 +145,7 @@ impl World {
 
     /// The contacts at rest that own particles had after the last step.
     fn resting_of_own(&self) -> Vec<Resting> {
-        let Self { domain, contacts, rows, .. } = self;
+        let Self { domain, contacts, particles, rows, .. } = self;
         let Some(domain) = domain else { return Vec::new() };
         if !domain.has_contacts {
             return domain.resting.clone();
@@ -154,8 +154,9 @@ impl World {
         let resting = |contact: &Contact| {
             // Impulses across the sides of a torus are not kept.
             let is_kept = contact.impulse > 0.0 && contact.image == [0.0; 2];
-            let mut both = contact.places.map(|place| rows[place as usize]);
-            both.sort_unstable_by_key(|&row| ids[row as usize]);
+            let mut places = contact.places.map(|place| place as usize);
+            places.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
+            let both = places.map(|at| rows[at]);
             let is_own = both.iter().any(|&row| domain.owns(row));
             (is_kept && is_own).then(|| Resting {
                 ids: both.map(|row| ids[row as usize]),
@@ -166,8 +167,8 @@ impl World {
         contacts.lasting().filter_map(resting).collect()
     }
 
-    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of the
-    /// smaller id; the pushes of walls; which sleep; and the contacts of these.
+    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of its
+    /// first particle; the pushes of walls; which sleep; and the contacts of these.
     pub fn own_kept(&self) -> [Vec<u8>; 5] {
         let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
         let Some(domain) = &self.domain else { return bytes };
@@ -324,11 +325,18 @@ impl World {
             return Ok(());
         };
         domain.resting.extend(new.map(known));
+        let mut unknown: HashMap<Id, u32> = HashMap::new();
+        for of in &domain.resting {
+            let missing = of.rows.iter().zip(of.ids).filter(|(row, _)| **row == NONE);
+            unknown.extend(missing.map(|(_, id)| (id, NONE)));
+        }
+        // An immovable particle may have been on this rank when it did not know the other one.
+        for (id, row) in domain.ids[..domain.own].iter().zip(0..) {
+            unknown.entry(*id).and_modify(|known| *known = row);
+        }
         for of in &mut domain.resting {
             for (row, id) in of.rows.iter_mut().zip(of.ids) {
-                if *row == NONE {
-                    *row = rows.get(&id).copied().unwrap_or(NONE);
-                }
+                *row = unknown.get(&id).copied().unwrap_or(*row);
             }
         }
         // A contact that this rank had before knows both rows.

@@ -28,9 +28,7 @@ impl World {
         }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
-        if !self.given.is_empty() {
-            self.given.resize(new, [0.0; 2]);
-        }
+        self.given.iter_mut().for_each(|given| given.resize(new, [0.0; 2]));
         forces::change_kinds(&mut self.forces, |kinds| kinds.resize(new, 0));
         self.persistent.resize(self.rows.len());
         self.forget_places();
@@ -68,7 +66,7 @@ impl World {
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
         self.keep(&keep);
         self.ids.remove(gone);
-        retain_unless(&mut self.given, gone);
+        self.given.iter_mut().for_each(|given| retain_unless(given, gone));
         forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);

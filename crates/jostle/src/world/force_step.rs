@@ -56,18 +56,18 @@ impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn apply_forces(&mut self, dt: f32) -> Result<()> {
-        let substeps = self.scratch.substeps;
+        let (substeps, has_accelerations) = (self.scratch.substeps, self.has_accelerations());
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
         scratch.reaches.clear();
-        if self.forces.is_empty() && self.given.is_empty() {
+        if self.forces.is_empty() && self.given.is_none() {
             return Ok(());
         }
         find_places(&self.forces, &self.rows, &mut scratch.places);
         let h = dt / substeps as f32;
         let particles = &self.particles;
-        if !self.given.is_empty() || forces::pull(&self.forces) {
+        if has_accelerations {
             let all = particles.positions.iter().zip(&particles.velocities);
             scratch.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
@@ -100,13 +100,13 @@ impl World {
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.extent_of_halfway()?;
-        let Self { particles, rows, settings, scratch, .. } = self;
+        let Self { particles, rows, given, settings, scratch, .. } = self;
         let ForceScratch { all: scratch, places, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
         let bodies = bodies(particles, halfway, (rows, places), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         forces::accelerate(&self.forces, &bodies, scratch, accelerations);
-        add_given(accelerations, rows, &self.given);
+        add_given(accelerations, rows, given.as_deref());
         self.share_accelerations()
     }
 

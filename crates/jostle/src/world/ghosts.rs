@@ -35,7 +35,9 @@ impl World {
         let Some(domain) = &self.domain else { return Ok(true) };
         let distance = |(place, &row): (usize, &u32)| {
             let own = distance_at(self.particles.velocities[place], dt);
-            let usual = own + if self.particles.movable[place] { fall } else { 0.0 };
+            let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
+            let pulled = fall + distance_of_fall(given, dt);
+            let usual = own + if self.particles.movable[place] { pulled } else { 0.0 };
             let known = domain.further.get(&domain.id(row));
             known.map_or(usual, |known| known.max(usual)) + margin as f32
         };
@@ -54,6 +56,15 @@ impl World {
         }
         let distances: Vec<f32> = self.particles.radii.iter().map(|radius| radius * NEAR).collect();
         self.exchange_within(&distances)
+    }
+
+    /// Gets the neighbours of own particles in forces between kinds. There must be no ghosts.
+    pub(super) fn exchange_neighbors(&mut self) -> Result<()> {
+        if self.is_alone() {
+            return Ok(());
+        }
+        let half = 0.5 * forces::largest_cutoff(&self.forces);
+        self.exchange_within(&vec![half; self.rows.len()])
     }
 
     /// Gets ghosts for the rest of a step, if the present ones are only those near own particles.

@@ -158,15 +158,12 @@ impl World {
 
     /// The smallest row of merging particles gets the sum of their given forces over their mass.
     fn merge_given(&mut self, places: &[usize]) {
-        if self.given.is_empty() {
-            return;
-        }
-        let of =
-            |&place: &usize| (self.particles.masses[place], self.given[self.rows[place] as usize]);
+        let Some(given) = &mut self.given else { return };
+        let of = |&place: &usize| (self.particles.masses[place], given[self.rows[place] as usize]);
         let joint = joint_acceleration(places.iter().map(of));
         let rows = places.iter().map(|&place| self.rows[place]);
         let first = rows.fold(u32::MAX, u32::min);
-        self.given[first as usize] = joint;
+        given[first as usize] = joint;
     }
 
     /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.

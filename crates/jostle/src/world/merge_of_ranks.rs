@@ -234,7 +234,7 @@ impl World {
             let to = &mut to[rank];
             put_record(to, name, &self.scratch.starts, at);
             put_record(to, name, &self.particles, at);
-            let given = self.given.get(row as usize).copied().unwrap_or_default();
+            let given = self.given_accelerations().get(row as usize).copied().unwrap_or_default();
             let is_exhausted = self.scratch.exhausted.binary_search(&row).is_ok();
             let pushes = pushes.remove(&row).unwrap_or_default();
             Details { island, rank, given, is_exhausted, pushes }.put(to);
@@ -322,8 +322,8 @@ impl World {
             let pushes = of.pushes.iter().map(|push| push.of_row(row));
             wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
             exhausted.extend(of.is_exhausted.then_some(row));
-            if let Some(given) = self.given.get_mut(row as usize) {
-                *given = of.given;
+            if let Some(given) = &mut self.given {
+                given[row as usize] = of.given;
             }
             forces::put_kinds(&mut self.forces, row as usize, of.kinds);
         }

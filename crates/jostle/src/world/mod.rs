@@ -150,8 +150,8 @@ pub struct World {
     /// They name particles by rows.
     forces: Vec<Force>,
     walls: Walls,
-    /// The accelerations of the rows by forces of the caller; empty if there are none.
-    given: Vec<[f32; 2]>,
+    /// The accelerations of the rows by forces of the caller, if there are any on any rank.
+    given: Option<Vec<[f32; 2]>>,
     /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
     particles: Particles,
     /// The row, in the order of adding, of the particle at each place.

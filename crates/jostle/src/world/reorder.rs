@@ -49,7 +49,7 @@ impl World {
 
     /// Reorders the accelerations, and prepares the springs for the new places.
     fn reorder_forces(&mut self, threads: Option<usize>) {
-        if self.forces.is_empty() && self.given.is_empty() {
+        if self.forces.is_empty() && self.given.is_none() {
             return;
         }
         let (order, forces) = (self.scratch.tree.rows(), &mut self.scratch.forces);

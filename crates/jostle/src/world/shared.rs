@@ -240,9 +240,10 @@ impl World {
     /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
     /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
     pub(super) fn share_accelerations(&mut self) -> Result<()> {
+        let has_accelerations = self.has_accelerations();
         let Self { domain, rows, scratch, settings, forces, .. } = self;
         let Some(domain) = domain else { return Ok(()) };
-        if locked(&domain.group).size() < 2 || !forces::pull(forces) {
+        if locked(&domain.group).size() < 2 || !has_accelerations {
             return Ok(());
         }
         domain.list_places(rows);

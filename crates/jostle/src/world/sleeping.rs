@@ -244,7 +244,7 @@ impl World {
                 }
             }
         }
-        if !given.is_empty() {
+        if let Some(given) = given {
             for (drift, &row) in drifts.iter_mut().zip(&*rows) {
                 if given[row as usize] != [0.0; 2] {
                     *drift = Drift::UNKNOWN;

@@ -223,7 +223,7 @@ impl World {
         interrupt::check()?;
         self.scratch.substeps = substeps;
         self.apply_forces(dt)?;
-        if !self.forces.is_empty() || !self.given.is_empty() {
+        if !self.forces.is_empty() || self.given.is_some() {
             watch(Stage::Forces);
         }
         self.find_bounds(dt);

@@ -73,7 +73,7 @@ impl World {
     /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
     /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
-        let is_short_ranged = self.given.is_empty()
+        let is_short_ranged = self.given.is_none()
             && forces::are_short_ranged(&self.forces)
             && springs(&self.forces).next().is_none();
         let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();

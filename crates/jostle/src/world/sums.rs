@@ -2,6 +2,7 @@
 
 use super::World;
 use super::force_step::{bodies, find_places};
+use crate::error::Result;
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
@@ -53,6 +54,16 @@ impl World {
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
+    /// The part of this rank in the energy of forces between kinds. All ranks call it, in a world without
+    /// ghosts, and it then has ghosts that no step can use.
+    pub fn own_energy_of_pairs(&mut self) -> Result<f64> {
+        // Immovable particles get ghosts, too.
+        self.settings.track_events = true;
+        self.rebalance()?;
+        self.exchange_neighbors()?;
+        Ok(self.energy_in_forces())
+    }
+
     fn energy_in_forces(&self) -> f64 {
         let (mut places, settings) = (Vec::new(), &self.settings);
         find_places(&self.forces, &self.rows, &mut places);
@@ -66,7 +77,7 @@ impl World {
             Force::Springs(springs) => springs.energy(&bodies),
             _ => 0.0,
         };
-        let pairs = forces::energy_of_pairs(&self.forces, &bodies);
+        let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.own_and_all().0);
         self.forces.iter().map(energy).sum::<f64>() + pairs
     }
 

@@ -23,7 +23,7 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
-    given: Vec<[f32; 2]>,
+    given: Option<Vec<[f32; 2]>>,
     /// The walls, if any moves.
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,

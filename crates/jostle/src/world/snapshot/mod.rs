@@ -76,7 +76,7 @@ impl World {
         put_walls(&mut to, self.walls());
         put_ids(&mut to, &self.ids);
         put_defaults(&mut to, &self.defaults);
-        put_given(&mut to, &self.given);
+        put_given(&mut to, self.given_accelerations());
         put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
     }
@@ -144,7 +144,7 @@ impl World {
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
-        world.given = if version > 6 { get_given(&mut from, world.len())? } else { vec![] };
+        world.given = if version > 6 { get_given(&mut from, world.len())? } else { None };
         get_record(&mut from, &mut world, version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
@@ -255,14 +255,14 @@ fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
     to.put_all(given);
 }
 
-/// The given accelerations of `len` particles; empty if there are none.
-fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Vec<[f32; 2]>> {
+/// The given accelerations of `len` particles, if there are any.
+fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Option<Vec<[f32; 2]>>> {
     if from.get::<u8>()? == 0 {
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let given = from.get_all(len)?;
     check_vectors("accelerations", &given).map_err(|error| damaged(&error.to_string()))?;
-    Ok(given)
+    Ok(Some(given))
 }
 
 fn put_filters(to: &mut Writer, filters: &[Filter]) {
