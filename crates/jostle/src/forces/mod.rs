@@ -343,9 +343,9 @@ pub struct Bodies<'a> {
     pub radii: &'a [f32],
     /// The row of each.
     pub rows: &'a [u32],
-    /// `places[row]` is the place of the particle in `row`; may be empty if no force refers to
+    /// `indices[row]` is the index of the particle in `row`; may be empty if no force refers to
     /// particles.
-    pub places: &'a [u32],
+    pub indices: &'a [u32],
     /// The container; on a torus, offsets are minimum images.
     pub container: Container,
     /// Seconds for which the accelerations act.

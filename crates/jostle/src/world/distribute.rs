@@ -60,8 +60,8 @@ impl World {
             received: Vec::new(),
             has_contacts: false,
             resting: Vec::new(),
-            sent_places: Vec::new(),
-            ghost_places: Vec::new(),
+            sent_indices: Vec::new(),
+            ghost_indices: Vec::new(),
             ghost_ranks: Vec::new(),
             ghost_pairs: Vec::new(),
             own_pairs: HashMap::new(),
@@ -140,8 +140,8 @@ impl World {
     pub fn own_records(&self) -> Vec<u8> {
         let Some(domain) = &self.domain else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
-        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
+        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
+            put_record(&mut bytes, self.name_of(domain, row), &self.particles, index);
         }
         let discs = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {

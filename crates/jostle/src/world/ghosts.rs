@@ -33,11 +33,11 @@ impl World {
         let (margin, extent) = self.margin_and_extent(dt)?;
         let fall = distance_of_fall(self.settings.gravity, dt);
         let Some(domain) = &self.domain else { return Ok(true) };
-        let distance = |(place, &row): (usize, &u32)| {
-            let own = distance_at(self.particles.velocities[place], dt);
+        let distance = |(index, &row): (usize, &u32)| {
+            let own = distance_at(self.particles.velocities[index], dt);
             let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
             let pulled = fall + distance_of_fall(given, dt);
-            let usual = own + if self.particles.movable[place] { pulled } else { 0.0 };
+            let usual = own + if self.particles.movable[index] { pulled } else { 0.0 };
             let known = domain.further.get(&domain.id(row));
             known.map_or(usual, |known| known.max(usual)) + margin as f32
         };
@@ -88,15 +88,15 @@ impl World {
         self.find_shared();
         let Some(domain) = &self.domain else { return Ok(()) };
         let (rows, exhausted) = (&self.rows, &mut self.scratch.exhausted);
-        let is_one = |place: u32| exhausted.binary_search(&rows[place as usize]).is_ok();
-        let all = domain.halo().labels(|place| u64::from(is_one(place)))?;
+        let is_one = |index: u32| exhausted.binary_search(&rows[index as usize]).is_ok();
+        let all = domain.halo().labels(|index| u64::from(is_one(index)))?;
         let ghosts = all.into_iter().filter(|&(_, is_one)| is_one > 0);
-        exhausted.extend(ghosts.map(|(place, _)| rows[place as usize]));
+        exhausted.extend(ghosts.map(|(index, _)| rows[index as usize]));
         exhausted.sort_unstable();
         Ok(())
     }
 
-    /// Announces circles around own particles, with the distances of their places beyond the radius, and
+    /// Announces circles around own particles, with these distances beyond the radius, by index, and
     /// gets all particles of other ranks whose circles may overlap them.
     fn exchange_within(&mut self, distances: &[f32]) -> Result<()> {
         let Self { domain, particles, rows, settings, forces, asleep, .. } = self;
@@ -110,17 +110,17 @@ impl World {
         domain.is_sent.resize(domain.own, false);
         let mut marks = Marks::new(&grid);
         let mut cells = Vec::with_capacity(rows.len());
-        for ((place, &row), &distance) in rows.iter().enumerate().zip(distances) {
+        for ((index, &row), &distance) in rows.iter().enumerate().zip(distances) {
             let of = &mut domain.announced[row as usize];
-            *of = Announced { position: particles.positions[place], distance };
-            let center = settings.container.wrap(particles.positions[place]);
-            let radius = f64::from(particles.radii[place]) + f64::from(of.distance);
+            *of = Announced { position: particles.positions[index], distance };
+            let center = settings.container.wrap(particles.positions[index]);
+            let radius = f64::from(particles.radii[index]) + f64::from(of.distance);
             let rounding = f64::from(rounding(of.position, &settings.container));
             let range = grid.range(center, radius * 1.000_01 + rounding);
             cells.push(range);
             // Nothing changes the motion of others, but they may touch, and wake sleeping ones.
-            let wakes = domain.asleep > 0 && !particles.is_static(place);
-            if particles.movable[place] || settings.track_events || wakes {
+            let wakes = domain.asleep > 0 && !particles.is_static(index);
+            if particles.movable[index] || settings.track_events || wakes {
                 grid.each_cell(range, |cell| marks.set(cell));
             }
         }
@@ -128,9 +128,9 @@ impl World {
         let near = Near::new(&grid, &all, group.rank());
         let mut to = vec![Vec::new(); group.size()];
         let mut ranks = Vec::new();
-        for (place, &row) in rows.iter().enumerate() {
+        for (index, &row) in rows.iter().enumerate() {
             ranks.clear();
-            grid.each_cell(cells[place], |cell| ranks.extend_from_slice(near.of(cell)));
+            grid.each_cell(cells[index], |cell| ranks.extend_from_slice(near.of(cell)));
             if ranks.is_empty() {
                 continue;
             }
@@ -139,7 +139,7 @@ impl World {
             domain.is_sent[row as usize] = true;
             let name = (domain.id(row), forces::kinds_of(forces, row as usize));
             for &rank in &ranks {
-                put_record(&mut to[rank as usize], name, particles, place);
+                put_record(&mut to[rank as usize], name, particles, index);
                 domain.sent[rank as usize].push(row);
             }
         }
@@ -167,8 +167,8 @@ impl World {
     fn margin_and_extent(&mut self, dt: f32) -> Result<(f64, f64)> {
         let Self { domain, particles, rows, settings, scratch, .. } = self;
         let Some(domain) = domain else { return Ok((0.0, 0.0)) };
-        let places = particles.positions.iter().map(|&at| settings.container.wrap(at));
-        let own = domain.own_of(places, rows).fold([f64::MIN; 4], |most, [x, y]| {
+        let wrapped = particles.positions.iter().map(|&at| settings.container.wrap(at));
+        let own = domain.own_of(wrapped, rows).fold([f64::MIN; 4], |most, [x, y]| {
             let [x, y] = [f64::from(x), f64::from(y)];
             [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
         });

@@ -111,7 +111,7 @@ impl World {
     }
 }
 
-/// Adds given accelerations to those at each place.
+/// Adds given accelerations to those at each index.
 pub(super) fn add_given(accelerations: &mut [[f32; 2]], rows: &[u32], given: Option<&[[f32; 2]]>) {
     let Some(given) = given else { return };
     for (sum, &row) in accelerations.iter_mut().zip(rows) {

@@ -144,7 +144,7 @@ impl World {
         if len > MOST_RENUMBERED {
             return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
         }
-        let mut new = memory::with_room(len)?;
+        let mut new = memory::with_capacity(len)?;
         new.resize(len, None);
         self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));

@@ -29,7 +29,7 @@ use crate::table::Table;
 /// An own particle of an island that may merge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Member {
-    place: u32,
+    index: u32,
     /// The smallest id of the island, which the merged particle has.
     island: Id,
     /// The rank of the particle with this id.
@@ -90,7 +90,7 @@ struct Merged {
     given: [f32; 2],
     is_exhausted: bool,
     pushes: Vec<Push>,
-    /// The place of the first member among those that have arrived.
+    /// The index of the first member among those that have arrived.
     first: usize,
 }
 
@@ -121,7 +121,7 @@ impl World {
         for _ in 0..ROUNDS {
             // The ranks of two ghosts know whether these touch.
             let Self { domain, rows, .. } = &*self;
-            let is_own = |&place: &u32| owns(domain, rows[place as usize]);
+            let is_own = |&index: &u32| owns(domain, rows[index as usize]);
             touching.retain(|pair| pair.iter().any(is_own));
             self.record_pairs(&touching);
             if !self.any_of_all(!touching.is_empty())? {
@@ -137,45 +137,45 @@ impl World {
         Ok(())
     }
 
-    /// Own particles of islands of touching particles, in the order of places.
+    /// Own particles of islands of touching particles, in the order of indices.
     fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
         let Some(domain) = &self.domain else { return Ok(Vec::new()) };
         let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
         let mut groups = DisjointSets::default();
         groups.reset(self.rows.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
-        let mut places: Vec<[u32; 2]> =
-            touching.iter().flatten().map(|&place| [groups.root(place), place]).collect();
-        places.sort_unstable();
-        places.dedup();
+        let mut indices: Vec<[u32; 2]> =
+            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+        indices.sort_unstable();
+        indices.dedup();
         let rank = locked(&domain.group).rank();
         let (mut own, mut words, mut shared) = (Vec::new(), Vec::new(), Vec::new());
-        for group in places.chunk_by(|a, b| a[0] == b[0]) {
-            let rows = group.iter().map(|&[_, place]| self.rows[place as usize]);
+        for group in indices.chunk_by(|a, b| a[0] == b[0]) {
+            let rows = group.iter().map(|&[_, index]| self.rows[index as usize]);
             if rows.clone().any(|row| !domain.owns(row) || is_sent(row)) {
                 // A particle near immovable ones of other ranks need not be a ghost there.
-                let places = group.iter().map(|&[_, place]| place);
-                shared.extend(places.filter(|&place| !is_sent(self.rows[place as usize])));
+                let indices = group.iter().map(|&[_, index]| index);
+                shared.extend(indices.filter(|&index| !is_sent(self.rows[index as usize])));
                 words.push(group.len() as u64);
                 words.extend(
                     rows.flat_map(|row| [domain.id(row) as u64, domain.rank_of(row) as u64]),
                 );
             } else {
                 let island = rows.map(|row| domain.id(row)).min().unwrap_or_default();
-                own.extend(group.iter().map(|&[_, place]| Member { place, island, rank }));
+                own.extend(group.iter().map(|&[_, index]| Member { index, island, rank }));
             }
         }
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let all = locked(&domain.group).share(&bytes)?.concat();
         let islands = join(&all);
         let sent = (0..).zip(&self.rows).filter(|&(_, &row)| is_sent(row));
-        let shared = shared.into_iter().chain(sent.map(|(place, _)| place));
-        own.extend(shared.filter_map(|place| {
-            let row = self.rows[place as usize];
+        let shared = shared.into_iter().chain(sent.map(|(index, _)| index));
+        own.extend(shared.filter_map(|index| {
+            let row = self.rows[index as usize];
             let &(island, rank) = islands.get(&domain.id(row)).filter(|_| domain.owns(row))?;
-            Some(Member { place, island, rank })
+            Some(Member { index, island, rank })
         }));
-        own.sort_unstable_by_key(|of| of.place);
+        own.sort_unstable_by_key(|of| of.index);
         Ok(own)
     }
 
@@ -198,7 +198,7 @@ impl World {
         names.sort_unstable();
         let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
         let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
-        let gone = members.iter().filter(|of| self.id_of_place(of.place) != of.island).count();
+        let gone = members.iter().filter(|of| self.id_of_index(of.index) != of.island).count();
         let [gone] = self.sum_of_all([gone as u64])?;
         if gone == 0 {
             return Ok(false);
@@ -216,8 +216,8 @@ impl World {
         Ok(true)
     }
 
-    fn id_of_place(&self, place: u32) -> Id {
-        self.id_among_all(self.rows[place as usize])
+    fn id_of_index(&self, index: u32) -> Id {
+        self.id_among_all(self.rows[index as usize])
     }
 
     /// Members as bytes, for the ranks that merge them.
@@ -228,8 +228,8 @@ impl World {
         for of in &self.wall_impulses {
             pushes.entry(of.row).or_default().push(Push::new(0, of));
         }
-        for &Member { place, island, rank } in members {
-            let (at, row) = (place as usize, self.rows[place as usize]);
+        for &Member { index, island, rank } in members {
+            let (at, row) = (index as usize, self.rows[index as usize]);
             let name = self.name_of(domain, row);
             let to = &mut to[rank];
             put_record(to, name, &self.scratch.starts, at);
@@ -300,13 +300,13 @@ impl World {
     /// recorded of all in this step: the impulses of walls, and that one had too many events. Their
     /// resting impulses begin with 0.
     fn write_merged(&mut self, members: &[Member], merged: &[Merged], starts: &Particles) {
-        let rows: Vec<u32> = members.iter().map(|of| self.rows[of.place as usize]).collect();
+        let rows: Vec<u32> = members.iter().map(|of| self.rows[of.index as usize]).collect();
         let mut has_merged = vec![false; self.rows.len()];
         rows.iter().for_each(|&row| has_merged[row as usize] = true);
         let heirs: HashMap<Id, u32> = members
             .iter()
-            .filter(|of| self.id_of_place(of.place) == of.island)
-            .map(|of| (of.island, of.place))
+            .filter(|of| self.id_of_index(of.index) == of.island)
+            .map(|of| (of.island, of.index))
             .collect();
         let Self { particles, persistent, scratch, wall_impulses, .. } = self;
         let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
@@ -314,8 +314,8 @@ impl World {
         wall_pushes.retain(|of| !has_merged[of.row as usize]);
         exhausted.retain(|&row| !has_merged[row as usize]);
         for of in merged {
-            let Some(&place) = heirs.get(&of.island) else { continue };
-            let (len, at, row) = (self.rows.len(), place as usize, self.rows[place as usize]);
+            let Some(&index) = heirs.get(&of.island) else { continue };
+            let (len, at, row) = (self.rows.len(), index as usize, self.rows[index as usize]);
             particles.put(len, at, &of.particle, 0);
             own_starts.put(len, at, starts, of.first);
             persistent.forget_sides_of(at);
@@ -337,7 +337,7 @@ impl World {
             (0..self.rows.len() as u32).map(|row| !domain.owns(row)).collect();
         let mut merged = Vec::new();
         for of in members {
-            let row = self.rows[of.place as usize];
+            let row = self.rows[of.index as usize];
             if domain.id(row) != of.island {
                 gone[row as usize] = true;
                 merged.push([domain.id(row), of.island]);

@@ -10,7 +10,7 @@ use super::edits::retain_unless;
 use super::ids::Ids;
 use crate::bytes::Plain;
 use crate::decomposition::{
-    Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_places,
+    Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
 use crate::error::Result;
 use crate::forces;
@@ -41,18 +41,18 @@ impl World {
         if domain.ids.len() > own {
             let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
             let mut end = rows.len();
-            for place in 0..awake {
-                if domain.owns(rows[place]) {
+            for index in 0..awake {
+                if domain.owns(rows[index]) {
                     continue;
                 }
-                // The last places go to those of ghosts.
+                // The last entries move to the indices of ghosts.
                 end -= 1;
                 while !domain.owns(rows[end]) {
                     end -= 1;
                 }
-                particles.move_row(end, place);
-                persistent.move_row(end, place);
-                rows[place] = rows[end];
+                particles.move_row(end, index);
+                persistent.move_row(end, index);
+                rows[index] = rows[end];
             }
             particles.resize(awake);
             persistent.resize(awake);
@@ -64,7 +64,7 @@ impl World {
             *ids = Ids::of_rows(own);
         }
         contacts.forget();
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
@@ -86,7 +86,7 @@ impl World {
         if are_own {
             domain.own = len;
         }
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
@@ -116,9 +116,9 @@ impl World {
             return Ok(());
         }
         let container = settings.container;
-        let places: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
-        domain.scales = scales_of_all(&domain.group, &places, container.period())?;
-        let keys: Vec<u64> = places.iter().map(|&place| key(&domain.scales, place)).collect();
+        let wrapped: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
+        domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
+        let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
         let leaving = self.leaving(&keys, &cuts);
         let Some(domain) = &self.domain else { return Ok(()) };
@@ -147,14 +147,14 @@ impl World {
         Ok(())
     }
 
-    /// Gives the rows the order of the places, so that what is stored by rows is near in memory to what is
-    /// stored by places.
+    /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
+    /// stored by indices.
     fn renumber(&mut self) {
         let Self { domain, rows, wall_impulses, forces, given, asleep, .. } = self;
         let Some(domain) = domain else { return };
         let mut new = vec![0; domain.own];
         let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
-        (0..).zip(&old).for_each(|(place, &row)| new[row as usize] = place);
+        (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
         forces::change_kinds(forces, |kinds| {
             *kinds = old.iter().map(|&row| kinds[row as usize]).collect();
         });
@@ -168,8 +168,8 @@ impl World {
         }
         wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
         wall_impulses.sort_by_key(|of| (of.row, of.wall));
-        (0..).zip(rows).for_each(|(place, row)| *row = place);
-        self.forget_places();
+        (0..).zip(rows).for_each(|(index, row)| *row = index);
+        self.forget_indices();
     }
 
     /// What leaves this rank.
@@ -185,15 +185,15 @@ impl World {
         };
         let Some(domain) = &self.domain else { return leaving };
         let rank = locked(&domain.group).rank();
-        for (place, key) in keys.iter().enumerate() {
+        for (index, key) in keys.iter().enumerate() {
             let destination = cuts.partition_point(|cut| cut <= key);
             if destination == rank {
                 continue;
             }
-            let row = self.rows[place];
+            let row = self.rows[index];
             let name = self.name_of(domain, row);
-            put_record(&mut leaving.records[destination], name, &self.particles, place);
-            kept_of(&self.persistent, name.0, place).put(&mut leaving.kept[destination]);
+            put_record(&mut leaving.records[destination], name, &self.particles, index);
+            kept_of(&self.persistent, name.0, index).put(&mut leaving.kept[destination]);
             if let Some(given) = &self.given {
                 let bytes = given[row as usize].iter().flat_map(|a| a.to_le_bytes());
                 leaving.given[destination].extend(bytes);
@@ -273,7 +273,7 @@ fn scales_of_all(
     period: Option<[f32; 2]>,
 ) -> Result<[Scale; 2]> {
     let mut group = locked(group);
-    let own = sample_places(positions, group.size());
+    let own = sample_positions(positions, group.size());
     let amounts = group.gather([positions.len() as u64])?;
     let all = group.share(&own)?;
     let ranks = all.iter().zip(amounts).map(|(bytes, [count])| (&bytes[..], count as f64));

@@ -164,10 +164,10 @@ impl World {
         Ok(())
     }
 
-    /// Lists the particles that other ranks have too, by their new places.
+    /// Lists the particles that other ranks have too, by their new indices.
     pub(super) fn find_shared(&mut self) {
         if let Some(domain) = &mut self.domain {
-            domain.list_places(&self.rows);
+            domain.list_indices(&self.rows);
         }
     }
 
@@ -177,31 +177,31 @@ impl World {
         let Self { domain, scratch, rows, particles, .. } = self;
         let Some(domain) = domain else { return };
         let events = &scratch.events;
-        for (at, &place) in domain.shared.iter().enumerate() {
-            let row = rows[place as usize] as usize;
-            let motion = scratch.motions.get(place);
+        for (at, &index) in domain.shared.iter().enumerate() {
+            let row = rows[index as usize] as usize;
+            let motion = scratch.motions.get(index);
             let [x, y] = exact(motion.position, motion.residual);
             let [u, v] = motion.velocity.map(f64::from);
             let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
             hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
             if !scratch.spins.is_empty() {
-                hash = digest_all(hash, [f64::from(scratch.spins.velocity(place))]);
+                hash = digest_all(hash, [f64::from(scratch.spins.velocity(index))]);
             }
             domain.digests[row] = hash;
             domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
         }
-        for &(place, distance) in &events.outside_limits {
-            let left = domain.left.get(place as usize).copied().unwrap_or(f32::INFINITY);
+        for &(index, distance) in &events.outside_limits {
+            let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
             if distance > f64::from(left) {
-                domain.far.push((rows[place as usize], distance as f32));
+                domain.far.push((rows[index as usize], distance as f32));
             }
         }
-        for (place, &limit) in domain.left.iter().enumerate() {
+        for (index, &limit) in domain.left.iter().enumerate() {
             let ([x, y], [u, v]) =
-                (scratch.motions.position(place as u32), particles.positions[place]);
+                (scratch.motions.position(index as u32), particles.positions[index]);
             let square = (x - u) * (x - u) + (y - v) * (y - v);
             if square > limit * limit {
-                domain.far.push((rows[place], square.sqrt()));
+                domain.far.push((rows[index], square.sqrt()));
             }
         }
     }
@@ -216,15 +216,15 @@ impl World {
         domain.halo().any(false)?;
         let motions = &self.scratch.motions;
         domain.halo().refresh(
-            |place| {
-                let of = motions.get(place);
+            |index| {
+                let of = motions.get(index);
                 let ([x, y], [a, b], [u, v]) = (of.position, of.residual, of.velocity);
                 [x, y, a, b, u, v]
             },
-            |place, [x, y, a, b, u, v]| {
-                let displacement = motions.displacement(place);
+            |index, [x, y, a, b, u, v]| {
+                let displacement = motions.displacement(index);
                 let (position, residual, velocity) = ([x, y], [a, b], [u, v]);
-                motions.set(place, Motion { position, residual, velocity, displacement });
+                motions.set(index, Motion { position, residual, velocity, displacement });
             },
         )?;
         let spins = &self.scratch.spins;
@@ -232,8 +232,8 @@ impl World {
             return Ok(());
         }
         domain.halo().refresh(
-            |place| [spins.velocity(place)],
-            |place, [velocity]| spins.set_velocity(place, velocity),
+            |index| [spins.velocity(index)],
+            |index, [velocity]| spins.set_velocity(index, velocity),
         )
     }
 
@@ -246,20 +246,20 @@ impl World {
         if locked(&domain.group).size() < 2 || !has_accelerations {
             return Ok(());
         }
-        domain.list_places(rows);
+        domain.list_indices(rows);
         let force = &mut scratch.forces;
         let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
         domain.halo().any(false)?;
         domain.halo().refresh(
-            |place| accelerations[place as usize].get(),
-            |place, acceleration| accelerations[place as usize].set(acceleration),
+            |index| accelerations[index as usize].get(),
+            |index, acceleration| accelerations[index as usize].set(acceleration),
         )?;
-        let reach = 0.5 * forces::largest_cutoff(forces);
+        let half_cutoff = 0.5 * forces::largest_cutoff(forces);
         for (&position, &row) in force.halfway.iter().zip(&*rows) {
             let Some(of) = domain.announced.get(row as usize) else { continue };
             let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
             let [x, y] = settings.container.minimum_image(offset);
-            let distance = x.hypot(y) as f32 * 1.000_01 + reach;
+            let distance = x.hypot(y) as f32 * 1.000_01 + half_cutoff;
             if distance > of.distance {
                 domain.far.push((row, distance));
             }

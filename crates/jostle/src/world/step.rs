@@ -164,21 +164,21 @@ impl World {
 
     /// The smallest id of a particle with this `number`, for an error.
     pub(super) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
-        let places = (0..self.rows.len()).filter(|&place| of(place) == number);
-        places.map(|place| self.id_among_all(self.rows[place])).min().unwrap_or(0)
+        let indices = (0..self.rows.len()).filter(|&index| of(index) == number);
+        indices.map(|index| self.id_among_all(self.rows[index])).min().unwrap_or(0)
     }
 
     /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
     /// or more.
-    fn displacement(&self, place: usize, dt: f32) -> f32 {
-        let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
+    fn displacement(&self, index: usize, dt: f32) -> f32 {
+        let (gravity, v) = (self.settings.gravity, self.particles.velocities[index]);
         let along = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
         along(0).max(along(1))
     }
 
     /// The largest of these displacements.
     fn longest_displacement(&self, dt: f32) -> f32 {
-        largest((0..self.rows.len()).map(|place| self.displacement(place, dt)))
+        largest((0..self.rows.len()).map(|index| self.displacement(index, dt)))
     }
 
     /// Refuses a step in which a particle would move too far.
@@ -188,7 +188,7 @@ impl World {
         if longest <= FARTHEST && tours <= MOST_TOURS {
             return Ok(());
         }
-        let id = self.id_of(longest, |place| self.displacement(place, dt));
+        let id = self.id_of(longest, |index| self.displacement(index, dt));
         let rule = if longest > FARTHEST {
             let most = FARTHEST;
             format!("particle {id} would move by {longest:e}, more than {most:e}")
@@ -266,8 +266,9 @@ impl World {
     /// Finds the walls that may come near each particle in `dt` seconds.
     fn find_near_walls(&mut self, dt: f32) -> Result<()> {
         self.walls.begin_step(self.settings.tree, f64::from(dt))?;
-        let StepScratch { near_walls, tree, reaches, usual_speed, .. } = &mut self.scratch;
-        let bounds = (&reaches[..], SPARE * *usual_speed * dt);
+        let StepScratch { near_walls, tree, max_displacements, usual_speed, .. } =
+            &mut self.scratch;
+        let bounds = (&max_displacements[..], SPARE * *usual_speed * dt);
         near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
 
@@ -289,7 +290,7 @@ impl World {
         scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)
     }
 
-    /// Finds the pairs of places whose bounds overlap; none if particles pass through each other.
+    /// Finds the pairs of indices whose bounds overlap; none if particles pass through each other.
     fn find_candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;

@@ -82,7 +82,7 @@ impl World {
             std::mem::swap(&mut self.persistent, persistent);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
-            self.places.take();
+            self.indices.take();
         }
         if let Some([positions, residuals]) = before.unwrapped.take() {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);

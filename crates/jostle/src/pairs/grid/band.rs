@@ -12,7 +12,7 @@ use crate::simd::LANES;
 /// The circles of some adjacent rows of cells, with those of the row before.
 #[derive(Debug)]
 pub(super) struct Band<T> {
-    /// The place of the first circle of each cell. One empty cell precedes the first row, and one
+    /// The index of the first circle of each cell. One empty cell precedes the first row, and one
     /// follows each row.
     pub(super) starts: Vec<u32>,
     /// The cell of each circle, as an index of `starts`.
@@ -50,7 +50,7 @@ impl<T: Scalar> Band<T> {
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T>]>::len).sum();
         self.copy_row(layout, last, count)?;
-        // During the sort the count of a cell is two places further, its next free place one.
+        // During the sort the count of a cell is two entries further, its next free index one.
         for item in items.clone().flatten() {
             self.starts[own + layout.cell(item.key) + 2] += 1;
         }
@@ -66,15 +66,15 @@ impl<T: Scalar> Band<T> {
         for item in items.flatten() {
             let cell = own + layout.cell(item.key);
             let next = &mut starts[cell + 1];
-            let place = *next as usize;
+            let index = *next as usize;
             *next += 1;
-            [x[place], y[place]] = item.center;
-            (ids[place], cells[place]) = (item.row, cell as u32);
+            [x[index], y[index]] = item.center;
+            (ids[index], cells[index]) = (item.row, cell as u32);
         }
         Ok(())
     }
 
-    /// Makes room for `count` circles after those of the last row of the band before, which are
+    /// Reserves memory for `count` circles after those of the last row of the band before, which are
     /// copied.
     fn copy_row(&mut self, layout: &Layout, last: &Self, count: usize) -> Result<()> {
         let row = last.last_row(layout);
@@ -98,7 +98,7 @@ impl<T: Scalar> Band<T> {
         Ok(())
     }
 
-    /// The places of the circles of its last row.
+    /// The indices of the circles of its last row.
     fn last_row(&self, layout: &Layout) -> Range<usize> {
         let first = 1 + layout.rows() * layout.stride as usize;
         self.starts.get(first).map_or(0, |&start| start as usize)..self.len
@@ -110,8 +110,8 @@ impl<T: Scalar> Band<T> {
         (self.before, self.len) = (0, 0);
     }
 
-    /// The places of its circles, without those of the row before.
-    pub(super) fn places(&self) -> Range<usize> {
+    /// The indices of its circles, without those of the row before.
+    pub(super) fn indices(&self) -> Range<usize> {
         self.before..self.len
     }
 

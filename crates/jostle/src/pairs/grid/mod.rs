@@ -108,7 +108,7 @@ impl<T: Scalar> Grid<T> {
             if let Err(error) = current.fill(layout, last, pieces) {
                 return output.fail(error);
             }
-            if output.is_over(current.places().len()) {
+            if output.is_over(current.indices().len()) {
                 return;
             }
             if band >= bands.start {
@@ -140,9 +140,9 @@ impl<T: Scalar> Work<T> for Search<'_, '_, T> {
     #[inline(always)]
     fn run<S: Simd<T>>(self, simd: S) {
         let Self { band, stride, squared, output } = self;
-        let places = band.places();
-        for first in places.clone().step_by(AT_A_TIME) {
-            let some = first..places.end.min(first + AT_A_TIME);
+        let indices = band.indices();
+        for first in indices.clone().step_by(AT_A_TIME) {
+            let some = first..indices.end.min(first + AT_A_TIME);
             if output.is_over(AT_A_TIME * LANES) {
                 return;
             }
@@ -158,16 +158,16 @@ fn test_some<T: Scalar, S: Simd<T>>(
     band: &Band<T>,
     stride: usize,
     squared: T,
-    places: Range<usize>,
+    indices: Range<usize>,
     output: &mut Output<'_>,
 ) {
-    let Some(mut room) = output.room(AT_A_TIME * FEW) else { return };
+    let Some(mut spare) = output.spare(AT_A_TIME * FEW) else { return };
     let (mut count, mut tests) = (0, 0);
-    let cells = &band.cells[places.clone()];
-    for (place, &cell) in places.zip(cells) {
+    let cells = &band.cells[indices.clone()];
+    for (index, &cell) in indices.zip(cells) {
         let cell = cell as usize;
         let start = |cell: usize| band.starts[cell] as usize;
-        let ahead = place + 1..start(cell + 2);
+        let ahead = index + 1..start(cell + 2);
         let above = start(cell - stride - 1)..start(cell - stride + 2);
         let candidates = ahead.len() + above.len();
         tests += candidates;
@@ -176,24 +176,24 @@ fn test_some<T: Scalar, S: Simd<T>>(
             let [x, y] = [&band.x, &band.y];
             let x = simd.load_halves(half(x, ahead.start), half(x, above.start));
             let y = simd.load_halves(half(y, ahead.start), half(y, above.start));
-            let bits = near(simd, band, place, squared, [x, y]) & lanes;
+            let bits = near(simd, band, index, squared, [x, y]) & lanes;
             let others = [half(&band.ids, ahead.start), half(&band.ids, above.start)];
-            let to = room[count..].first_chunk_mut().expect("there is room");
-            simd.ordered_pairs(band.ids[place], others, bits, to);
+            let to = spare[count..].first_chunk_mut().expect("there is spare");
+            simd.ordered_pairs(band.ids[index], others, bits, to);
             count += bits.count_ones() as usize;
         } else if candidates <= FEW {
-            count += test_blocks(simd, band, place, squared, ahead, &mut room[count..]);
-            count += test_blocks(simd, band, place, squared, above, &mut room[count..]);
+            count += test_blocks(simd, band, index, squared, ahead, &mut spare[count..]);
+            count += test_blocks(simd, band, index, squared, above, &mut spare[count..]);
         } else {
             output.accept(count);
-            test_long(simd, band, place, squared, ahead, output);
-            test_long(simd, band, place, squared, above, output);
+            test_long(simd, band, index, squared, ahead, output);
+            test_long(simd, band, index, squared, above, output);
             if output.is_over(0) {
                 return;
             }
             count = 0;
-            let Some(more) = output.room(AT_A_TIME * FEW) else { return };
-            room = more;
+            let Some(more) = output.spare(AT_A_TIME * FEW) else { return };
+            spare = more;
         }
     }
     output.tests += tests as u64;
@@ -205,7 +205,7 @@ fn test_some<T: Scalar, S: Simd<T>>(
 fn test_long<T: Scalar, S: Simd<T>>(
     simd: S,
     band: &Band<T>,
-    place: usize,
+    index: usize,
     squared: T,
     others: Range<usize>,
     output: &mut Output<'_>,
@@ -215,45 +215,45 @@ fn test_long<T: Scalar, S: Simd<T>>(
         if output.is_over(some.len()) {
             return;
         }
-        let Some(room) = output.room(some.len()) else { return };
-        let count = test_blocks(simd, band, place, squared, some, room);
+        let Some(spare) = output.spare(some.len()) else { return };
+        let count = test_blocks(simd, band, index, squared, some, spare);
         output.accept(count);
     }
 }
 
-/// Tests a circle against others; returns the number of pairs. There is room for all, and a block.
+/// Tests a circle against others; returns the number of pairs. The output has capacity for all, and a block.
 #[inline(always)]
 fn test_blocks<T: Scalar, S: Simd<T>>(
     simd: S,
     band: &Band<T>,
-    place: usize,
+    index: usize,
     squared: T,
     others: Range<usize>,
-    room: &mut [[u32; 2]],
+    spare: &mut [[u32; 2]],
 ) -> usize {
     let mut count = 0;
     for start in others.clone().step_by(LANES) {
         let centers = [simd.load(block(&band.x, start)), simd.load(block(&band.y, start))];
-        let bits = near(simd, band, place, squared, centers) & first_lanes(others.end - start);
+        let bits = near(simd, band, index, squared, centers) & first_lanes(others.end - start);
         let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
-        let to = room[count..].first_chunk_mut().expect("there is room");
-        simd.ordered_pairs(band.ids[place], ids, bits, to);
+        let to = spare[count..].first_chunk_mut().expect("there is spare");
+        simd.ordered_pairs(band.ids[index], ids, bits, to);
         count += bits.count_ones() as usize;
     }
     count
 }
 
-/// A bit for each of some centres that is near the one at a place.
+/// A bit for each of some centres that is near the one at an index.
 #[inline(always)]
 fn near<T: Scalar, S: Simd<T>>(
     simd: S,
     band: &Band<T>,
-    place: usize,
+    index: usize,
     squared: T,
     [x, y]: [S::Block; 2],
 ) -> u32 {
-    let dx = simd.sub(simd.splat(band.x[place]), x);
-    let dy = simd.sub(simd.splat(band.y[place]), y);
+    let dx = simd.sub(simd.splat(band.x[index]), x);
+    let dy = simd.sub(simd.splat(band.y[index]), y);
     simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), simd.splat(squared))
 }
 
