@@ -90,7 +90,7 @@ def test_ranks_run_a_configuration_file_as_one_process_does(tmp_path: Path, conf
     ("options", "message"),
     [
         (("piston", "-n", "50"), "forces[0]"),
-        (("stars", "-n", "50"), "on_touch is merge"),
+        (("stars", "-n", "50"), "forces[0]"),
         (("gas", "--method", "article-quadtree"), "method is the article's"),
         (("gas", "--resume", "nowhere"), "nowhere"),
         (("nothing",), "there is no scene 'nothing'"),

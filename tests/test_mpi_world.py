@@ -16,6 +16,11 @@ CASES = (
     "parts",
     "events",
     "forces",
+    "given",
+    "energy",
+    "immovable",
+    "merging",
+    "settings",
     "calls_of_sleepers",
     "rebalancing",
 )

@@ -172,7 +172,7 @@ pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
         // Converted in place.
         return Ok(Hits { offsets, ids: ids.into_iter().map(Into::into).collect(), tests });
     }
-    let mut long = memory::with_room(ids.len())?;
+    let mut long = memory::with_capacity(ids.len())?;
     let mut pulse = Pulse::current();
     for id in ids {
         pulse.check(1)?;

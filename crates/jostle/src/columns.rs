@@ -47,12 +47,12 @@ impl<T: Scalar> Columns<T> {
         put_pairs([&mut columns.x, &mut columns.y], shapes.len(), Some(1), |row| {
             shapes.centers[row]
         })?;
-        columns.fill(shapes, Some(1), |place| place)?;
+        columns.fill(shapes, Some(1), |index| index)?;
         Ok(columns)
     }
 
     /// The columns x and y of `len` shapes, for writing. [`Columns::fill_rest`] fills the others.
-    pub fn places(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
+    pub fn indices(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
         self.len = len;
         memory::resize(&mut self.x, len + SPARE, T::ZERO)?;
         memory::resize(&mut self.y, len + SPARE, T::ZERO)?;
@@ -66,7 +66,7 @@ impl<T: Scalar> Columns<T> {
         rows: &[u32],
         threads: Option<usize>,
     ) -> Result<()> {
-        self.fill(shapes, threads, |place| rows[place] as usize)
+        self.fill(shapes, threads, |index| rows[index] as usize)
     }
 
     /// A copy.
@@ -112,12 +112,12 @@ impl<T: Scalar> Columns<T> {
         let len = self.len;
         let Shapes { radii, half_sizes, boxes, filters, .. } = shapes;
         let pairs = |to: [&mut Vec<T>; 2], from: &[[T; 2]]| {
-            put_pairs(to, len, threads, |place| from[row(place)])
+            put_pairs(to, len, threads, |index| from[row(index)])
         };
         let (lower, upper) = ([&mut self.x, &mut self.y], [&mut self.max_x, &mut self.max_y]);
         if let Some(boxes) = boxes {
-            put_pairs(lower, len, threads, |place| corners(&boxes[row(place)])[0])?;
-            put_pairs(upper, len, threads, |place| corners(&boxes[row(place)])[1])?;
+            put_pairs(lower, len, threads, |index| corners(&boxes[row(index)])[0])?;
+            put_pairs(upper, len, threads, |index| corners(&boxes[row(index)])[1])?;
         } else {
             upper.into_iter().for_each(Vec::clear);
         }

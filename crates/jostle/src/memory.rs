@@ -48,7 +48,7 @@ pub fn no_memory<V>(_: &TryReserveError, len: usize) -> Error {
 }
 
 /// An empty vector with capacity for exactly `len` values.
-pub fn with_room<V>(len: usize) -> Result<Vec<V>> {
+pub fn with_capacity<V>(len: usize) -> Result<Vec<V>> {
     let mut values = Vec::new();
     let grown = values.try_reserve_exact(len).and_then(|()| check_margin::<V>(len));
     grown.map_err(|error| no_memory::<V>(&error, len))?;
@@ -57,7 +57,7 @@ pub fn with_room<V>(len: usize) -> Result<Vec<V>> {
 
 /// `len` copies of `value`.
 pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
-    let mut values = with_room(len)?;
+    let mut values = with_capacity(len)?;
     values.resize(len, value);
     Ok(values)
 }
@@ -65,7 +65,7 @@ pub fn filled<V: Clone>(len: usize, value: V) -> Result<Vec<V>> {
 /// `len` default values. If these are zeros, the system maps each page when it is first used.
 pub fn zeroed<V: Clone + Default>(len: usize) -> Result<Vec<V>> {
     // `vec!` aborts if the allocation fails, so the same size is allocated and freed first.
-    drop(black_box(with_room::<V>(len)?));
+    drop(black_box(with_capacity::<V>(len)?));
     Ok(vec![V::default(); len])
 }
 
@@ -92,7 +92,7 @@ pub fn push<V>(values: &mut Vec<V>, value: V) -> Result<()> {
 
 /// A vector of all values of an iterator whose length is known.
 pub fn collect<V>(values: impl ExactSizeIterator<Item = V>) -> Result<Vec<V>> {
-    let mut all = with_room(values.len())?;
+    let mut all = with_capacity(values.len())?;
     all.extend(values);
     Ok(all)
 }

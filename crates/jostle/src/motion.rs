@@ -24,11 +24,11 @@ pub struct Motion {
 impl Motion {
     /// The motion of a particle as its columns tell, without a displacement.
     #[inline(always)]
-    pub fn of(particles: &Particles, place: usize) -> Self {
+    pub fn of(particles: &Particles, index: usize) -> Self {
         Self {
-            position: particles.positions[place],
-            residual: particles.residuals[place],
-            velocity: particles.velocities[place],
+            position: particles.positions[index],
+            residual: particles.residuals[index],
+            velocity: particles.velocities[index],
             ..Self::default()
         }
     }
@@ -102,10 +102,10 @@ impl Motions {
         self.0.resize_with(len, Default::default);
     }
 
-    /// The motion of the particle at `place`.
+    /// The motion of the particle at `index`.
     #[inline(always)]
-    pub fn get(&self, place: u32) -> Motion {
-        let row = &self.0[place as usize];
+    pub fn get(&self, index: u32) -> Motion {
+        let row = &self.0[index as usize];
         Motion {
             position: row.position.vector(),
             residual: row.residual.vector(),
@@ -114,10 +114,10 @@ impl Motions {
         }
     }
 
-    /// Replaces the motion of the particle at `place`.
+    /// Replaces the motion of the particle at `index`.
     #[inline(always)]
-    pub fn set(&self, place: u32, motion: Motion) {
-        let row = &self.0[place as usize];
+    pub fn set(&self, index: u32, motion: Motion) {
+        let row = &self.0[index as usize];
         row.position.set_vector(motion.position);
         row.residual.set_vector(motion.residual);
         row.velocity.set_vector(motion.velocity);
@@ -126,32 +126,32 @@ impl Motions {
 
     /// Its position alone.
     #[inline(always)]
-    pub fn position(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].position.vector()
+    pub fn position(&self, index: u32) -> [f32; 2] {
+        self.0[index as usize].position.vector()
     }
 
     /// What rounding removed from its position.
     #[inline(always)]
-    pub fn residual(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].residual.vector()
+    pub fn residual(&self, index: u32) -> [f32; 2] {
+        self.0[index as usize].residual.vector()
     }
 
     /// Its velocity alone.
     #[inline(always)]
-    pub fn velocity(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].velocity.vector()
+    pub fn velocity(&self, index: u32) -> [f32; 2] {
+        self.0[index as usize].velocity.vector()
     }
 
     /// Its displacement in the last window.
     #[inline(always)]
-    pub fn displacement(&self, place: u32) -> [f32; 2] {
-        self.0[place as usize].displacement.vector()
+    pub fn displacement(&self, index: u32) -> [f32; 2] {
+        self.0[index as usize].displacement.vector()
     }
 
     /// Replaces its position; a coordinate that changes has no residual.
     #[inline(always)]
-    pub fn set_position(&self, place: u32, position: [f32; 2]) {
-        let row = &self.0[place as usize];
+    pub fn set_position(&self, index: u32, position: [f32; 2]) {
+        let row = &self.0[index as usize];
         let (old, kept) = (row.position.vector(), row.residual.vector());
         let is_same = |k: usize| position[k] == old[k];
         row.residual.set_vector([0, 1].map(|k| if is_same(k) { kept[k] } else { 0.0 }));
@@ -160,16 +160,16 @@ impl Motions {
 
     /// Adds a displacement to its position.
     #[inline(always)]
-    pub fn displace(&self, place: u32, by: [f32; 2]) {
-        let row = &self.0[place as usize];
+    pub fn displace(&self, index: u32, by: [f32; 2]) {
+        let row = &self.0[index as usize];
         let old = exact(row.position.vector(), row.residual.vector());
         row.set_exact([0, 1].map(|k| old[k] + f64::from(by[k])));
     }
 
     /// Replaces position and velocity; the displacement is that from the `old` position.
     #[inline(always)]
-    pub fn advance(&self, place: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
-        let row = &self.0[place as usize];
+    pub fn advance(&self, index: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
+        let row = &self.0[index as usize];
         row.displacement.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
         row.set_exact(position);
         row.velocity.set_vector(velocity.map(|v| v as f32));
@@ -186,16 +186,16 @@ impl Vectors {
         self.0.resize_with(len, Default::default);
     }
 
-    /// The vector of the particle at `place`.
+    /// The vector of the particle at `index`.
     #[inline(always)]
-    pub fn get(&self, place: u32) -> [f32; 2] {
-        simd::numbers_at(&self.0, place)
+    pub fn get(&self, index: u32) -> [f32; 2] {
+        simd::numbers_at(&self.0, index)
     }
 
-    /// Replaces the vector of the particle at `place`.
+    /// Replaces the vector of the particle at `index`.
     #[inline(always)]
-    pub fn set(&self, place: u32, vector: [f32; 2]) {
-        simd::set_numbers_at(&self.0, place, vector);
+    pub fn set(&self, index: u32, vector: [f32; 2]) {
+        simd::set_numbers_at(&self.0, index, vector);
     }
 
     /// All vectors, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
@@ -229,29 +229,29 @@ impl Spins {
         self.0.is_empty()
     }
 
-    /// The angular velocity of the disc at `place`.
+    /// The angular velocity of the disc at `index`.
     #[inline(always)]
-    pub fn velocity(&self, place: u32) -> f32 {
-        f32::from_bits(self.0[place as usize].0.load(Ordering::Relaxed))
+    pub fn velocity(&self, index: u32) -> f32 {
+        f32::from_bits(self.0[index as usize].0.load(Ordering::Relaxed))
     }
 
-    /// The angle of the disc at `place`, not wrapped.
+    /// The angle of the disc at `index`, not wrapped.
     #[inline(always)]
-    pub fn angle(&self, place: u32) -> f64 {
-        f64::from_bits(self.0[place as usize].1.load(Ordering::Relaxed))
+    pub fn angle(&self, index: u32) -> f64 {
+        f64::from_bits(self.0[index as usize].1.load(Ordering::Relaxed))
     }
 
-    /// Replaces the angular velocity of the disc at `place`.
+    /// Replaces the angular velocity of the disc at `index`.
     #[inline(always)]
-    pub fn set_velocity(&self, place: u32, velocity: f32) {
-        self.0[place as usize].0.store(velocity.to_bits(), Ordering::Relaxed);
+    pub fn set_velocity(&self, index: u32, velocity: f32) {
+        self.0[index as usize].0.store(velocity.to_bits(), Ordering::Relaxed);
     }
 
-    /// Turns the disc at `place` by an angle.
+    /// Turns the disc at `index` by an angle.
     #[inline(always)]
-    pub fn turn(&self, place: u32, by: f64) {
-        let angle = self.angle(place) + by;
-        self.0[place as usize].1.store(angle.to_bits(), Ordering::Relaxed);
+    pub fn turn(&self, index: u32, by: f64) {
+        let angle = self.angle(index) + by;
+        self.0[index as usize].1.store(angle.to_bits(), Ordering::Relaxed);
     }
 }
 
@@ -265,17 +265,17 @@ impl Scalars {
         self.0.resize_with(len, Default::default);
     }
 
-    /// The number of the particle at `place`; 0 if there is none.
+    /// The number of the particle at `index`; 0 if there is none.
     #[inline(always)]
-    pub fn get(&self, place: u32) -> f32 {
-        let word = self.0.get(place as usize);
+    pub fn get(&self, index: u32) -> f32 {
+        let word = self.0.get(index as usize);
         word.map_or(0.0, |word| f32::from_bits(word.load(Ordering::Relaxed) as u32))
     }
 
-    /// Replaces the number of the particle at `place`, if there is one.
+    /// Replaces the number of the particle at `index`, if there is one.
     #[inline(always)]
-    pub fn set(&self, place: u32, number: f32) {
-        if let Some(to) = self.0.get(place as usize) {
+    pub fn set(&self, index: u32, number: f32) {
+        if let Some(to) = self.0.get(index as usize) {
             to.store(u64::from(number.to_bits()), Ordering::Relaxed);
         }
     }

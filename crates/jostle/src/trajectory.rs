@@ -41,7 +41,7 @@ impl Segment {
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
-        [self.place_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
+        [self.index_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
     }
 
     /// The rest of the segment from `time` on.
@@ -53,7 +53,7 @@ impl Segment {
 
     /// Centre at `time`.
     #[inline(always)]
-    pub fn place_at(&self, time: f64, gravity: Vector) -> Vector {
+    pub fn index_at(&self, time: f64, gravity: Vector) -> Vector {
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
         vector(|k| self.position[k] + (self.velocity[k] + 0.5 * g[k] * t) * t)
@@ -106,8 +106,8 @@ const DEEP: f64 = 0.01;
 impl Limits {
     /// The limits for two discs; `square` is that of the distance of their centres.
     #[inline(always)]
-    pub fn of_overlap(&self, square: f64, reach: f64) -> Self {
-        let least = (1.0 - DEEP) * reach;
+    pub fn of_overlap(&self, square: f64, contact_distance: f64) -> Self {
+        let least = (1.0 - DEEP) * contact_distance;
         let is_deep = square < least * least;
         let tolerance = if is_deep { self.deep_tolerance } else { self.tolerance };
         Self { tolerance, ..*self }
@@ -178,11 +178,11 @@ impl Relative {
         self.acceleration == [0.0; 2] && dot(self.offset, self.velocity) >= 0.0
     }
 
-    /// Whether two discs whose radii have the sum `reach` touch or overlap before `until`.
-    pub fn touches(&self, reach: f64, until: f64) -> bool {
+    /// Whether two discs whose radii have the sum `contact_distance` touch or overlap before `until`.
+    pub fn touches(&self, contact_distance: f64, until: f64) -> bool {
         let [q, w, a] = [self.offset, self.velocity, self.acceleration];
         let span = (until - self.start).max(0.0);
-        let (gap, rate) = (dot(q, q) - reach * reach, dot(q, w));
+        let (gap, rate) = (dot(q, q) - contact_distance * contact_distance, dot(q, w));
         if a != [0.0; 2] {
             let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
             return first_root([gap, 2.0 * rate, rest[0], rest[1], rest[2]], span).is_some();
@@ -190,29 +190,29 @@ impl Relative {
         // They are nearest at the beginning, at the end or between.
         let wait = if rate < 0.0 { (-rate / dot(w, w)).min(span) } else { 0.0 };
         let nearest = vector(|k| q[k] + w[k] * wait);
-        dot(nearest, nearest) <= reach * reach
+        dot(nearest, nearest) <= contact_distance * contact_distance
     }
 
-    /// The first impact of two discs whose radii have the sum `reach`.
+    /// The first impact of two discs whose radii have the sum `contact_distance`.
     #[inline(always)]
-    pub fn impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+    pub fn impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
         if self.acceleration == [0.0; 2] {
-            self.straight_impact(reach, limits)
+            self.straight_impact(contact_distance, limits)
         } else {
-            self.curved_impact(reach, limits)
+            self.curved_impact(contact_distance, limits)
         }
     }
 
     /// The closest approach is found first and the impact from there, which keeps its accuracy
     /// when the displacement is a thousand radii long.
     #[inline(always)]
-    fn straight_impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+    fn straight_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
         if approach >= 0.0 {
             return None;
         }
-        let (square, qq) = (reach * reach, dot(q, q));
+        let (square, qq) = (contact_distance * contact_distance, dot(q, q));
         let (wait, normal_speed) = if qq <= square {
             (0.0, -approach / qq.sqrt().max(f64::MIN_POSITIVE))
         } else {
@@ -229,23 +229,25 @@ impl Relative {
                 return None;
             }
             let back = (free / ww).sqrt();
-            ((closest - back).max(0.0), back * ww / reach)
+            ((closest - back).max(0.0), back * ww / contact_distance)
         };
         let time = self.start + wait;
-        let kind = limits.of_overlap(qq, reach).kind(normal_speed, 0.0, time)?;
+        let kind = limits.of_overlap(qq, contact_distance).kind(normal_speed, 0.0, time)?;
         (time <= limits.until).then_some(Impact { time, kind })
     }
 
     /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
-    fn curved_impact(&self, reach: f64, limits: &Limits) -> Option<Impact> {
+    fn curved_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
         let [q, w, a] = [self.offset, self.velocity, self.acceleration];
         let span = limits.until - self.start;
-        let square = dot(q, q) - reach * reach;
+        let square = dot(q, q) - contact_distance * contact_distance;
         let rate = 2.0 * dot(q, w);
         let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
         let wait = if square > 0.0 {
             first_root([square, rate, rest[0], rest[1], rest[2]], span)?
-        } else if let Some(kind) = self.kind_at(0.0, &limits.of_overlap(dot(q, q), reach)) {
+        } else if let Some(kind) =
+            self.kind_at(0.0, &limits.of_overlap(dot(q, q), contact_distance))
+        {
             return Some(Impact { time: self.start, kind });
         } else {
             // They touch and separate: the root at 0 is divided out.
@@ -311,17 +313,17 @@ pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits)
     Some(Impact { time: start + wait, kind })
 }
 
-/// The impact of a point inside a circle of radius `reach` around the origin.
+/// The impact of a point inside a circle of radius `contact_distance` around the origin.
 pub fn round_impact(
     q: Vector,
     v: Vector,
     a: Vector,
-    reach: f64,
+    contact_distance: f64,
     start: f64,
     limits: &Limits,
 ) -> Option<Impact> {
     let span = limits.until - start;
-    let inside = reach * reach - dot(q, q);
+    let inside = contact_distance * contact_distance - dot(q, q);
     let kind_at = |wait: f64| {
         let offset = vector(|k| q[k] + (v[k] + 0.5 * a[k] * wait) * wait);
         let velocity = vector(|k| v[k] + a[k] * wait);

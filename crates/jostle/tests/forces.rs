@@ -86,7 +86,7 @@ fn accelerations(
         masses,
         radii,
         rows,
-        places,
+        indices: places,
         container,
         seconds,
         method,

@@ -48,7 +48,7 @@ impl State {
             masses: &self.masses,
             radii: &vec![0.1; len],
             rows: &rows,
-            places: &[],
+            indices: &[],
             container,
             seconds: 0.01,
             method,

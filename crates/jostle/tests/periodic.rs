@@ -81,7 +81,7 @@ fn pairs_agree<T: Scalar>(raw: &Raw, sides: [f64; 2], settings: Settings, distan
     between.pairs.retain(|[i, j]| i < j);
     between.sort().expect("not interrupted");
     assert_eq!(between.pairs, expected);
-    let places = pairs::places_between(
+    let places = pairs::indices_between(
         &tree,
         &tree,
         [T::ZERO; 2],

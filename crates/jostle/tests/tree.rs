@@ -94,7 +94,7 @@ proptest! {
     ) {
         let tree = unordered(&shapes.typed::<f32>(), settings);
         let columns = tree.columns();
-        let mut found = pairs::places_between(&tree, &tree, shift, Filters::Apply, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
+        let mut found = pairs::indices_between(&tree, &tree, shift, Filters::Apply, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap();
         found.sort().unwrap();
         let brute = pairs::brute_between(columns, columns, shift, Filters::Apply, DEFAULT_MAX_PAIRS).unwrap();
         prop_assert_eq!(found.pairs, brute.pairs);
@@ -117,8 +117,8 @@ proptest! {
             prop_assert_eq!(straight.columns().shape(place), mixed_up.columns().shape(place));
         }
         prop_assert_eq!(
-            pairs::places_within(&straight, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap(),
-            pairs::places_within(&mixed_up, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap()
+            pairs::indices_within(&straight, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap(),
+            pairs::indices_within(&mixed_up, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap()
         );
     }
 }

@@ -8,10 +8,13 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from .exchange import first_id, joined, raise_together, together
+from .exchange import first_id, joined, passed_on, raise_together, together
 
 #: A radius that fits into every container.
 _SMALL = 1e-9
+
+#: The largest coordinate of a vector that a world takes.
+_FARTHEST = 1e18
 
 
 def rows_of(column: ArrayLike) -> ArrayLike:
@@ -64,9 +67,56 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
     _check(comm, core, rows["id"])
     ids_here = core._own_ids()[0]
     rows = rows[np.isin(rows["id"], ids_here)]
-    order = np.argsort(ids_here)
-    places = order[np.searchsorted(ids_here[order], rows["id"])]
-    core.set(places, **{name: rows[name] for name in given})
+    core.set(_rows_of(core, rows["id"]), **{name: rows[name] for name in given})
+
+
+def accelerate(comm: MPI.Intracomm, core: Any, accelerations: ArrayLike | None) -> None:
+    """Give this rank's particles accelerations."""
+    core._drop_ghosts()
+    with together(comm):
+        own = _vectors("accelerations", accelerations, len(core._own_ids()[0]))
+    with passed_on(comm):
+        core.accelerations = own
+
+
+def push(comm: MPI.Intracomm, core: Any, ids: ArrayLike, forces: ArrayLike) -> None:
+    """Add forces on the particles with the ids that any rank gives."""
+    with together(comm):
+        own = _read_ids(ids)
+        rows = np.zeros(len(own), [("id", np.int64), ("force", np.float32, 2)])
+        rows["id"] = own
+        rows["force"] = _vectors("forces", forces, len(own), is_one=np.ndim(ids) == 0)
+    rows = joined(comm, rows)
+    _check(comm, core, rows["id"], may_repeat=True)
+    core._drop_ghosts()
+    rows = rows[np.isin(rows["id"], core._own_ids()[0])]
+    with passed_on(comm):
+        core.force(_rows_of(core, rows["id"]), rows["force"])
+
+
+def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
+    """The rows of particles of this rank."""
+    own = core._own_ids()[0]
+    order = np.argsort(own)
+    rows: NDArray[np.intp] = order[np.searchsorted(own[order], ids)]
+    return rows
+
+
+def _vectors(
+    name: str, values: ArrayLike | None, count: int, is_one: bool = False
+) -> NDArray[np.float32]:
+    """An argument of so many pairs of finite numbers; of one if `is_one`; zeros for None."""
+    shape = (2,) if is_one else (count, 2)
+    array = np.zeros(shape) if values is None else np.asarray(values, np.float64)
+    if array.shape != shape and not array.size == count == 0:
+        raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
+    vectors = array.reshape(count, 2).astype(np.float32)
+    wrong = np.flatnonzero(~(np.abs(vectors) <= _FARTHEST).all(axis=1))
+    if len(wrong):
+        x, y = vectors[wrong[0]].tolist()
+        rule = f"both coordinates must lie within ±{_FARTHEST:.0e}"
+        raise ValueError(f"{name}[{wrong[0]}] is ({x}, {y}); {rule}")
+    return vectors
 
 
 def _read_ids(ids: ArrayLike) -> NDArray[np.int64]:
@@ -78,7 +128,9 @@ def _read_ids(ids: ArrayLike) -> NDArray[np.int64]:
     return found.astype(np.int64)
 
 
-def _check(comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64]) -> None:
+def _check(
+    comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64], may_repeat: bool = False
+) -> None:
     """Raise on all ranks if ids of all ranks together are not those of particles, each once."""
     found = np.isin(ids, core._own_ids()[0])
     comm.Allreduce(MPI.IN_PLACE, found, op=MPI.LOR)
@@ -86,6 +138,6 @@ def _check(comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64]) -> None:
     error = None
     if not found.all():
         error = ValueError(f"ids contain {ids[~found][0]}; no particle has this id")
-    elif (counts > 1).any():
+    elif (counts > 1).any() and not may_repeat:
         error = ValueError(f"ids contain {different[counts > 1][0]} twice")
     raise_together(comm, error)

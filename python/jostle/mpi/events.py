@@ -1,4 +1,4 @@
-"""Pairs that began and ceased to touch, from what all ranks have seen."""
+"""Pairs that began and ceased to touch, and ids that changed, from what all ranks have seen."""
 
 from __future__ import annotations
 
@@ -35,3 +35,25 @@ def events_of(comm: MPI.Intracomm, *touched: NDArray[np.int64]) -> jostle.WorldE
         stayed=pairs[before & at_end],
         left=pairs[(before | during) & ~at_end],
     )
+
+
+def new_ids(
+    comm: MPI.Intracomm, merged: NDArray[np.int64], own: NDArray[np.int64], end: int
+) -> NDArray[np.int64]:
+    """The new id of each id below `end`, -1 for those that no particle has.
+
+    `merged` are the old and the new ids of all ranks, `own` those of this rank's particles.
+    """
+    there = np.zeros(end, np.bool_)
+    there[own] = True
+    comm.Allreduce(MPI.IN_PLACE, there, op=MPI.LOR)
+    new = np.where(there, np.arange(end), -1)
+    old, heirs = merged.T
+    following = np.arange(end)
+    following[old] = heirs
+    # A particle with which another merged may itself have merged later, on another rank.
+    while not np.array_equal(heirs, following[heirs]):
+        heirs = following[heirs]
+    new[old] = new[heirs]
+    new.setflags(write=False)
+    return new

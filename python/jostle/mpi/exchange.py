@@ -24,6 +24,18 @@ def together(comm: MPI.Intracomm) -> Iterator[None]:
     raise_together(comm, error)
 
 
+@contextmanager
+def passed_on(comm: MPI.Intracomm) -> Iterator[None]:
+    """Raise the error of one rank on all, in a block that fails on all if it fails on one."""
+    try:
+        yield
+    except RankError:
+        raise_together(comm, None)
+        raise
+    except BaseException as error:
+        raise_together(comm, error)
+
+
 def raise_together(comm: MPI.Intracomm, error: BaseException | None) -> None:
     """Raise the error of this rank, or `RankError` if only others have one."""
     first = comm.allreduce(comm.size if error is None else comm.rank, op=MPI.MIN)

@@ -14,17 +14,18 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle._core import RankError, begin_hash, hash_records
+from jostle._core import begin_hash, hash_records
 
 from . import edits
 from .attributes import Column, Setting
-from .events import events_of
+from .events import events_of, new_ids
 from .exchange import (
     deliver,
     duplicate_of,
     first_id,
     from_all,
-    raise_together,
+    joined,
+    passed_on,
     together,
     totals,
 )
@@ -60,9 +61,9 @@ class World:
     """Particles that are distributed over the ranks of a communicator.
 
     Methods are collective: all ranks call them in the same order. So are `kinetic_energy`,
-    `momentum`, `events` and `collisions`. The particles of all ranks have the same states, in bits,
-    as those of one `jostle.World` with all of them, whatever the number of ranks and the
-    distribution.
+    `potential_energy`, `momentum`, `events`, `renumbered` and `collisions`. The particles of all
+    ranks have the same states, in bits, as those of one `jostle.World` with all of them, whatever
+    the number of ranks and the distribution.
 
     Parameters
     ----------
@@ -94,8 +95,8 @@ class World:
 
     Notes
     -----
-    Not supported are merging, and forces other than `PairForce`, `Flocking`, `Thermostat`,
-    `ThermalWalls` and `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
+    Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
+    `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
     rank's particles; there may be two.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
@@ -103,7 +104,7 @@ class World:
     particles move to other ranks; sleeping ones stay where they are until they wake.
 
     Settings such as `gravity` and `walls` can be assigned, a collective call. `contacts` are empty
-    after that, and after `add` and `remove`, until the next step.
+    after that, after `add`, `remove` and `force`, until the next step.
 
     Examples
     --------
@@ -240,16 +241,12 @@ class World:
                 self._step(dt)
                 with together(self._comm):
                     run_handlers()
+            self._core._end_steps()
 
     def _step(self, dt: float) -> None:
         start, waited = time.perf_counter(), self._messages.seconds
-        try:
+        with passed_on(self._comm):
             self._core._step_distributed(dt)
-        except RankError:
-            raise_together(self._comm, None)
-            raise
-        except BaseException as error:
-            raise_together(self._comm, error)
         busy = time.perf_counter() - start - (self._messages.seconds - waited)
         work = busy / max(self._core._counts()[2], 1)
         # One step may be disturbed by other processes.
@@ -345,6 +342,49 @@ class World:
         """
         edits.change(self._comm, self._core, ids, **columns)
 
+    @collective
+    def force(self, /, ids: ArrayLike, forces: ArrayLike) -> None:
+        """Add given forces on some particles of any rank, for the next call of `step`.
+
+        Parameters
+        ----------
+        ids : int or array_like of int, shape (k,)
+            Those that this rank gives, wherever the particles are; k may be 0. A particle may be
+            given more than once; the forces of all ranks on it are added, in the order of ranks.
+        forces : array_like, shape (k, 2), or (2,) for one id
+            In units of mass times length per second², see `jostle.World.force`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As by `jostle.World.force`; then nothing changes on any rank.
+        RankError
+            If another rank raises one of these.
+
+        See Also
+        --------
+        accelerations : Those of all particles.
+        """
+        edits.push(self._comm, self._core, ids, forces)
+
+    @property
+    def accelerations(self) -> NDArray[np.float32]:
+        """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2).
+
+        They are in the order of `ids`. Assigning an array of this shape, or None, is a collective
+        call; see `jostle.World.accelerations`.
+        """
+        given: NDArray[np.float32] = self._core.accelerations
+        return given[: len(self)]
+
+    @accelerations.setter
+    def accelerations(self, value: ArrayLike | None) -> None:
+        self._accelerate(value)
+
+    @collective
+    def _accelerate(self, accelerations: ArrayLike | None) -> None:
+        edits.accelerate(self._comm, self._core, accelerations)
+
     def __len__(self) -> int:
         """Number of particles of this rank."""
         return int(self._core._counts()[0])
@@ -436,8 +476,29 @@ class World:
     forces = Setting[list[Any]](
         "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
     )
+    on_touch = Setting[str]("What happens to particles that touch, see `jostle.World.on_touch`.")
     substeps = Setting[int | None]("Sub-steps of a step, see `jostle.World.substeps`.")
     sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
+    track_events = Setting[bool]("Whether `events` are tracked, see `jostle.World.track_events`.")
+    method = Setting[str]('How pairs are found: "quadtree" or "brute".')
+    leaf_capacity = Setting[int]("Particles of a box of the tree that is not split, at most.")
+    max_depth = Setting[int]("Subdivisions of the tree, at most.")
+
+    @property
+    def threads(self) -> int | None:
+        """Number of threads of this rank; None for all cores. Not collective."""
+        threads: int | None = self._core.threads
+        return threads
+
+    @threads.setter
+    def threads(self, value: int | None) -> None:
+        self._core.threads = value
+
+    @property
+    def stats(self) -> jostle.WorldStats:
+        """Size of the tree of this rank's particles and ghosts, and tests in the last step."""
+        stats: jostle.WorldStats = self._core.stats
+        return stats
 
     @property
     def profile(self) -> dict[str, float]:
@@ -461,6 +522,26 @@ class World:
             self._comm,
             np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)]),
         )
+
+    @property
+    @collective
+    def potential_energy(self) -> float:
+        """Energy of all particles in gravity and in each `PairForce` that has a potential.
+
+        See `jostle.World.potential_energy`, which may differ in the last digits.
+        """
+        rows = self._records()
+        moved = rows[rows["movable"]]
+        places = moved["position"].astype(np.float64)
+        along = places @ np.array(self.gravity, np.float64)
+        energy = exact_sum(self._comm, -moved["mass"].astype(np.float64) * along)
+        if not any(isinstance(force, jostle.PairForce) for force in self.forces):
+            return energy
+        # In a copy, because ghosts of a step need not be all within the cutoff.
+        rows = np.sort(rows, order="id", kind="stable")
+        copy: Any = self._core._of_records(rows.tobytes())
+        copy._distribute(self._messages, rows["id"].copy())
+        return energy + exact_sum(self._comm, np.array([copy._own_energy_of_pairs()]))
 
     @property
     @collective
@@ -518,6 +599,17 @@ class World:
             if not self._core.track_events:
                 raise RuntimeError("events are not tracked; make the world with track_events=True")
         return events_of(self._comm, *self._core._own_touches())
+
+    @property
+    @collective
+    def renumbered(self) -> NDArray[np.int64] | None:
+        """The new id of each id after the last call of `step`, the same on all ranks.
+
+        None if no particles merged; see `jostle.World.renumbered`. It is the only array with a
+        number for each id that was ever given.
+        """
+        pairs = joined(self._comm, self._core._own_renumbering().reshape(-1)).reshape(-1, 2)
+        return new_ids(self._comm, pairs, *self._core._own_ids()) if len(pairs) else None
 
     @property
     @collective
@@ -584,16 +676,20 @@ class World:
             if not 0 <= root < self._comm.size:
                 raise ValueError(f"root is {root}; it must be from 0 to {self._comm.size - 1}")
         gathered = []
-        for rows in self._parts():
+        given = np.zeros(len(self), [("id", np.int64), ("acceleration", np.float32, 2)])
+        given["id"], given["acceleration"] = self.ids, self.accelerations
+        for rows in (*self._parts(), given):
             to = [rows[:0]] * self._comm.size
             to[root] = rows
             gathered.append(np.sort(deliver(self._comm, to), order="id", kind="stable"))
         if self._comm.rank != root:
             return None
+        accelerations = gathered.pop()["acceleration"]
         records, *kept = (rows.tobytes() for rows in gathered)
         world: Any = self._core._of_records(records)
         world._set_ids(gathered[0]["id"].copy(), self._core._own_ids()[1])
         world._take_kept(*kept)
+        world.accelerations = accelerations
         return cast(jostle.World, world)
 
     @collective

@@ -42,7 +42,7 @@ pub fn matrix<V: Element>(
 /// Ids or pairs of ids as signed 64-bit integers, so that differences do not overflow; without the
 /// GIL.
 pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
-    let mut long = memory::with_room(ids.len())?;
+    let mut long = memory::with_capacity(ids.len())?;
     let mut pulse = Pulse::current();
     for some in ids.chunks(AT_A_TIME) {
         pulse.check(some.len())?;

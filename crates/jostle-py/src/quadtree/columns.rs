@@ -66,8 +66,8 @@ fn read<T: Scalar, V: Clone + Default + Send>(
 ) -> PyResult<Vec<V>> {
     detached(py, move || {
         let mut values = memory::filled(tree.len(), V::default())?;
-        for (place, &row) in tree.rows().iter().enumerate() {
-            values[row as usize] = of(tree.columns().shape(place));
+        for (index, &row) in tree.rows().iter().enumerate() {
+            values[row as usize] = of(tree.columns().shape(index));
         }
         Ok(values)
     })?

@@ -10,7 +10,7 @@ use super::{Either, PySpace, long};
 use crate::arrays::{Argument, Given, bit_sets, column, reals};
 use crate::ids::Ids;
 use crate::queries::{Maybe, result_of};
-use crate::shapes::{Places, Where};
+use crate::shapes::{IndexSet, Where};
 
 #[pymethods]
 impl PySpace {
@@ -91,14 +91,14 @@ impl PySpace {
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (places, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
+            let (indices, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
                 half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
                 filters: bits(filters, len.unwrap_or(1))?,
             };
-            let ids = long(py, space, |space| space.add(&new.shapes(places)?))?;
+            let ids = long(py, space, |space| space.add(&new.shapes(indices)?))?;
             let ids = result_of(ids, len.is_none())?;
             if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
         })
@@ -156,11 +156,11 @@ impl PySpace {
     ) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
-            let places = Where::read(centers, None, boxes)?;
-            let places = if ids.single { places.only() } else { places.rows(ids.all.len()) }?;
-            ids.result_of(long(py, space, |space| match &places {
-                Places::Centers(centers) => space.move_to(&ids.all, centers),
-                Places::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
+            let indices = Where::read(centers, None, boxes)?;
+            let indices = if ids.single { indices.only() } else { indices.rows(ids.all.len()) }?;
+            ids.result_of(long(py, space, |space| match &indices {
+                IndexSet::Centers(centers) => space.move_to(&ids.all, centers),
+                IndexSet::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
             })?)
         })
     }
@@ -305,7 +305,7 @@ struct Draft<T> {
 
 impl<T: Scalar> Draft<T> {
     /// The shapes of the core, with checked values; without the GIL.
-    fn shapes(self, places: Places<T>) -> jostle::Result<Shapes<T>> {
+    fn shapes(self, indices: IndexSet<T>) -> jostle::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {
             [None, None] => None,
@@ -314,7 +314,7 @@ impl<T: Scalar> Draft<T> {
                 masks.unwrap_or(Each::One(DEFAULT_MASK)),
             ]),
         };
-        places.shapes(radii, self.half_sizes, filters)
+        indices.shapes(radii, self.half_sizes, filters)
     }
 }
 

@@ -42,7 +42,7 @@ impl PyWorld {
     fn _step_distributed(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
         let done = detached(py, || {
             let mut state = self.state.lock()?;
-            PyResult::Ok(state.step(dt, 1))
+            PyResult::Ok(state.step_within_call(dt, 1))
         })??;
         done.map(|_| ()).map_err(refused)
     }
@@ -62,6 +62,17 @@ impl PyWorld {
     /// Begin a call of `step` of a distributed world. For `jostle.mpi`.
     fn _begin_steps(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
         self.long(py, |state| state.begin(dt))?.map_err(refused)
+    }
+
+    /// End a call of `step` of a distributed world. For `jostle.mpi`.
+    fn _end_steps(&self, py: Python<'_>) -> PyResult<()> {
+        self.long(py, |state| state.world.clear_accelerations())
+    }
+
+    /// This rank's part in the energy of forces between kinds. No step is possible after it. For
+    /// `jostle.mpi`.
+    fn _own_energy_of_pairs(&self, py: Python<'_>) -> PyResult<f64> {
+        self.long(py, |state| state.world.own_energy_of_pairs())?.map_err(refused)
     }
 
     /// The numbers of this rank's part. For `jostle.mpi`.
@@ -152,6 +163,11 @@ impl PyWorld {
     fn _own_touches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
         let all = self.long(py, |state| state.world.own_touches())?;
         all.into_iter().map(|pairs| table(py, pairs)).collect()
+    }
+
+    /// The old and the new ids of own particles that merged. For `jostle.mpi`.
+    fn _own_renumbering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        table(py, self.long(py, |state| state.world.own_renumbering())?)
     }
 
     /// A world like this one with the particles of records. For `jostle.mpi`.

@@ -128,6 +128,15 @@ impl State {
     /// Does some of the steps, and returns how many are left. If one is refused, those before are
     /// done.
     pub(super) fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+        let left = self.step_within_call(dt, left);
+        if matches!(left, Ok(0)) {
+            self.world.clear_accelerations();
+        }
+        left
+    }
+
+    /// As [`State::step`], but given accelerations act on in the next steps.
+    pub(super) fn step_within_call(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
         let left = self.step_for_a_while(dt, left);
         self.world.end_record()?;
         left
@@ -149,9 +158,6 @@ impl State {
             if start.elapsed() >= LOOK_UP {
                 break;
             }
-        }
-        if left == 0 {
-            self.world.clear_accelerations();
         }
         Ok(left)
     }

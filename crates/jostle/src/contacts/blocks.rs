@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::{COLOURS, Contact, Counts, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
-use crate::simd::{LANES, PairPlaces, for_each_lane};
+use crate::simd::{LANES, PairIndices, for_each_lane};
 
-/// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the place
+/// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the index
 /// behind those of all particles.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))] // Each column in a cache line of its own.
@@ -13,7 +13,7 @@ pub struct Block {
     /// Offsets that are added to the second (torus).
     pub images: [[f32; LANES]; 2],
     /// Sums of the radii.
-    pub reaches: [f32; LANES],
+    pub contact_distances: [f32; LANES],
     /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [[f32; LANES]; 2],
     /// Coefficients of restitution.
@@ -25,8 +25,8 @@ pub struct Block {
     pub impulses: [[f32; LANES]; 2],
     /// Sums of the impulses of this step, likewise.
     pub totals: [[f32; LANES]; 2],
-    /// The places of the first and of the second particles.
-    pub places: PairPlaces,
+    /// The indices of the first and of the second particles.
+    pub indices: PairIndices,
     /// A bit for each lane in use.
     pub lanes: u32,
     /// A bit for each contact whose particles touched or pushed each other during this step.
@@ -38,14 +38,14 @@ impl Default for Block {
         let zeros = [0.0; LANES];
         Self {
             images: [zeros; 2],
-            reaches: zeros,
+            contact_distances: zeros,
             // Not 0, so that effective masses are finite.
             inverse_masses: [[1.0; LANES]; 2],
             restitutions: zeros,
             frictions: zeros,
             impulses: [zeros; 2],
             totals: [zeros; 2],
-            places: PairPlaces::new([[0; LANES]; 2]),
+            indices: PairIndices::new([[0; LANES]; 2]),
             lanes: 0,
             touched: 0,
         }
@@ -56,21 +56,21 @@ impl Block {
     /// Replaces all contacts; `get` gives that of each lane.
     pub fn fill(&mut self, spare: u32, get: impl Fn(usize) -> Option<Contact>) {
         *self = Self::default();
-        let mut places = [[spare; LANES]; 2];
+        let mut indices = [[spare; LANES]; 2];
         for (lane, contact) in (0..LANES).filter_map(|lane| Some((lane, get(lane)?))) {
-            [places[0][lane], places[1][lane]] = contact.places;
+            [indices[0][lane], indices[1][lane]] = contact.indices;
             for k in [0, 1] {
                 self.images[k][lane] = contact.image[k];
                 self.inverse_masses[k][lane] = contact.inverse_masses[k];
             }
-            self.reaches[lane] = contact.reach;
+            self.contact_distances[lane] = contact.contact_distance;
             self.restitutions[lane] = contact.restitution;
             self.frictions[lane] = contact.friction;
             self.impulses[0][lane] = contact.impulse;
             self.impulses[1][lane] = contact.friction_impulse;
             self.lanes |= 1 << lane;
         }
-        self.places = PairPlaces::new(places);
+        self.indices = PairIndices::new(indices);
     }
 
     /// The contact of a lane, if its particles touched or it has an impulse.
@@ -78,9 +78,9 @@ impl Block {
     pub fn lasting(&self, lane: usize) -> Option<Contact> {
         let touched = self.touched >> lane & 1 == 1;
         (touched || self.impulses[0][lane] > 0.0).then(|| Contact {
-            places: [0, 1].map(|k| self.places.of(k)[lane]),
+            indices: [0, 1].map(|k| self.indices.of(k)[lane]),
             image: [0, 1].map(|k| self.images[k][lane]),
-            reach: self.reaches[lane],
+            contact_distance: self.contact_distances[lane],
             inverse_masses: [0, 1].map(|k| self.inverse_masses[k][lane]),
             restitution: self.restitutions[lane],
             friction: self.frictions[lane],

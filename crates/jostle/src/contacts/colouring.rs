@@ -18,8 +18,8 @@ const CELLS: f32 = 8.0;
 /// A contact to be coloured.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edge {
-    /// The places of its particles.
-    pub places: [u32; 2],
+    /// The indices of its particles.
+    pub indices: [u32; 2],
     /// Contacts of higher priority are coloured first, of equal ones those that are listed first.
     pub priority: u32,
 }
@@ -52,10 +52,10 @@ impl Colouring {
         let Self { order, taken, .. } = self;
         taken.clear();
         taken.resize(movable.len(), 0);
-        for &[_, index] in &*order {
-            let [a, b] = edges[index as usize].places.map(|place| place as usize);
+        for &[_, edge] in &*order {
+            let [a, b] = edges[edge as usize].indices.map(|index| index as usize);
             let colour = (taken[a] | taken[b]).trailing_ones();
-            colours[index as usize] = colour as u8;
+            colours[edge as usize] = colour as u8;
             let bit = 1u64.checked_shl(colour).unwrap_or(0);
             taken[a] |= if movable[a] { bit } else { 0 };
             taken[b] |= if movable[b] { bit } else { 0 };
@@ -102,8 +102,8 @@ impl Work<f32> for Prioritize<'_> {
         let Self { particles: Particles { positions, radii, .. }, pairs, image, to } = self;
         for (pairs, to) in pairs.chunks(LANES).zip(to.chunks_mut(LANES)) {
             let mut cells = [[0.0f32; LANES]; NUMBERS];
-            for (lane, &places) in pairs.iter().enumerate() {
-                let [a, b] = places.map(|place| place as usize);
+            for (lane, &indices) in pairs.iter().enumerate() {
+                let [a, b] = indices.map(|index| index as usize);
                 let scale = CELLS / (radii[a] + radii[b]);
                 let numbers = [positions[a], positions[b], image];
                 for (column, number) in cells.iter_mut().zip(numbers.as_flattened()) {
@@ -116,8 +116,8 @@ impl Work<f32> for Prioritize<'_> {
                     *hash = mix(*hash, *number as i32 as u32);
                 }
             }
-            for ((edge, &places), priority) in to.iter_mut().zip(pairs).zip(hashes) {
-                *edge = Edge { places, priority };
+            for ((edge, &indices), priority) in to.iter_mut().zip(pairs).zip(hashes) {
+                *edge = Edge { indices, priority };
             }
         }
     }
@@ -144,17 +144,17 @@ mod tests {
     /// Colours given one contact after the other, in the order of their priorities.
     fn one_by_one(edges: &[Edge], movable: &[bool]) -> Vec<u8> {
         let mut order: Vec<usize> = (0..edges.len()).collect();
-        order.sort_by_key(|&index| !edges[index].priority);
+        order.sort_by_key(|&edge| !edges[edge].priority);
         let mut colours = vec![None; edges.len()];
-        for index in order {
+        for edge in order {
             let shares = |other: &Edge| {
-                let own = edges[index].places;
-                own.iter().any(|&place| movable[place as usize] && other.places.contains(&place))
+                let own = edges[edge].indices;
+                own.iter().any(|&index| movable[index as usize] && other.indices.contains(&index))
             };
             let is_free = |colour: &u8| {
                 !(edges.iter().zip(&colours)).any(|(of, own)| *own == Some(*colour) && shares(of))
             };
-            colours[index] = Some((0..COLOURS as u8).find(is_free).unwrap_or(COLOURS as u8));
+            colours[edge] = Some((0..COLOURS as u8).find(is_free).unwrap_or(COLOURS as u8));
         }
         colours.into_iter().flatten().collect()
     }
@@ -168,7 +168,7 @@ mod tests {
             let solved = |&(a, b, _): &(u32, u32, u32)| {
                 a != b && (movable[a as usize] || movable[b as usize])
             };
-            let edge = |(a, b, priority)| Edge { places: [a, b], priority };
+            let edge = |(a, b, priority)| Edge { indices: [a, b], priority };
             let edges: Vec<Edge> = pairs.into_iter().filter(solved).map(edge).collect();
             let mut colours = Vec::new();
             Colouring::default().run(&edges, &movable, &mut colours);
@@ -181,11 +181,11 @@ mod tests {
     fn many_contacts_have_the_same_colours() {
         let random = |of: u32| mix(7, of);
         let edge = |of: u32| Edge {
-            places: [random(3 * of) % 900, 900 + random(3 * of + 1) % 900],
+            indices: [random(3 * of) % 900, 900 + random(3 * of + 1) % 900],
             priority: random(3 * of + 2) << (of % 3 * 12),
         };
         let edges: Vec<Edge> = (0..3 * FEW as u32).map(edge).collect();
-        let movable: Vec<bool> = (0..1800).map(|place| random(place) % 5 > 0).collect();
+        let movable: Vec<bool> = (0..1800).map(|index| random(index) % 5 > 0).collect();
         let mut colours = Vec::new();
         Colouring::default().run(&edges, &movable, &mut colours);
         assert_eq!(colours, one_by_one(&edges, &movable));
@@ -203,20 +203,20 @@ mod tests {
         let mut edges = vec![Edge::default(); pairs.len()];
         prioritize(&particles, &pairs, image, &mut edges);
         for (edge, pair) in edges.iter().zip(&pairs) {
-            let [a, b] = pair.map(|place| place as usize);
+            let [a, b] = pair.map(|index| index as usize);
             let cells = CELLS / (particles.radii[a] + particles.radii[b]);
             let numbers = [particles.positions[a], particles.positions[b], image];
             let hash = numbers
                 .as_flattened()
                 .iter()
                 .fold(0u32, |hash, number| mix(hash, (number * cells) as i32 as u32));
-            assert_eq!((edge.places, edge.priority), (*pair, hash));
+            assert_eq!((edge.indices, edge.priority), (*pair, hash));
         }
     }
 
     #[test]
     fn contacts_beyond_the_last_colour_are_left_over() {
-        let edge = |other| Edge { places: [0, other], priority: other };
+        let edge = |other| Edge { indices: [0, other], priority: other };
         let edges: Vec<Edge> = (1..=COLOURS as u32 + 3).map(edge).collect();
         let mut colours = Vec::new();
         Colouring::default().run(&edges, &[true; COLOURS + 4], &mut colours);

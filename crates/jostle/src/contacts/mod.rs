@@ -22,12 +22,12 @@ const UNEVEN: f32 = 6.0;
 /// Two particles whose contact may rest or be corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// Places of the two particles in the world's order.
-    pub places: [u32; 2],
+    /// Indices of the two particles in the world's order.
+    pub indices: [u32; 2],
     /// Offset that is added to the second (torus).
     pub image: [f32; 2],
     /// Sum of the radii.
-    pub reach: f32,
+    pub contact_distance: f32,
     /// Coefficient of restitution.
     pub restitution: f32,
     /// Coefficient of friction.
@@ -79,9 +79,9 @@ impl Default for Contact {
     /// The normal of coincident centres is +x.
     fn default() -> Self {
         Self {
-            places: [0; 2],
+            indices: [0; 2],
             image: [0.0; 2],
-            reach: 0.0,
+            contact_distance: 0.0,
             restitution: 0.0,
             friction: 0.0,
             inverse_masses: [0.0; 2],
@@ -120,30 +120,30 @@ impl Contact {
 
     /// Updates normal and gap to the positions.
     pub fn measure(&mut self, motions: &Motions) {
-        let [a, b] = self.places.map(|place| motions.position(place));
+        let [a, b] = self.indices.map(|index| motions.position(index));
         let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
         let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         if length > 0.0 && length < f32::INFINITY {
             self.normal = offset.map(|v| v / length);
         }
-        self.gap = length - self.reach;
+        self.gap = length - self.contact_distance;
     }
 
     /// What contacts are sorted by.
     fn key(&self) -> ([u32; 2], [u32; 2]) {
-        (self.places, self.image.map(f32::to_bits))
+        (self.indices, self.image.map(f32::to_bits))
     }
 
-    /// The same contact with the smaller place first. The impulse of friction stays the same, because
+    /// The same contact with the smaller index first. The impulse of friction stays the same, because
     /// the normal changes its sign.
     pub fn ascending(self) -> Self {
-        let Self { places: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
+        let Self { indices: [a, b], image, normal, inverse_masses: [c, d], .. } = self;
         if a < b {
             return self;
         }
         // 0 − v, so that no image is −0.
         let [image, normal] = [image, normal].map(|vector| vector.map(|v| 0.0 - v));
-        Self { places: [b, a], image, normal, inverse_masses: [d, c], ..self }
+        Self { indices: [b, a], image, normal, inverse_masses: [d, c], ..self }
     }
 }
 
@@ -186,7 +186,7 @@ pub struct Contacts {
 /// Impulses of resting contacts of the last step, for warm starting.
 #[derive(Clone, Debug, Default)]
 struct Previous {
-    /// `starts[place]..starts[place + 1]` are the contacts whose first is `place`.
+    /// `starts[index]..starts[index + 1]` are the contacts whose first is `index`.
     starts: Vec<u32>,
     seconds: Vec<u32>,
     /// Along the normal, and of friction.
@@ -194,7 +194,7 @@ struct Previous {
 }
 
 impl Previous {
-    /// The impulses between two places of the previous order.
+    /// The impulses between two indices of the previous order.
     fn impulses(&self, a: u32, b: u32) -> [f32; 2] {
         let (first, second) = (a.min(b) as usize, a.max(b));
         if first + 1 >= self.starts.len() {
@@ -209,7 +209,7 @@ impl Previous {
 
 impl Contacts {
     /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
-    /// in the step; `before` gives the place that each had in the previous step's order.
+    /// in the step; `before` gives the index that each had in the previous step's order.
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
@@ -232,27 +232,27 @@ impl Contacts {
         self.sources.resize(self.blocks.list.len() * LANES, [NONE; 2]);
         let mut colours = self.colours.iter().zip(&self.kinds);
         for (which, (_, pairs)) in (0..).zip(lists) {
-            for (index, (&colour, &kind)) in (0..pairs.len() as u32).zip(&mut colours) {
+            for (pair, (&colour, &kind)) in (0..pairs.len() as u32).zip(&mut colours) {
                 if kind == UNSOLVED {
                     continue;
                 }
                 let lane = next.take([colour, kind]);
                 self.lanes.push(lane as u32);
-                self.sources[lane] = [which, index];
+                self.sources[lane] = [which, pair];
             }
         }
         let Self { blocks, sources, previous, .. } = self;
-        let contact = |[which, index]: [u32; 2]| {
+        let contact = |[which, pair]: [u32; 2]| {
             let (image, pairs) = lists.get(which as usize)?;
-            let places = pairs[index as usize];
-            let [i, j] = places.map(|place| place as usize);
+            let indices = pairs[pair as usize];
+            let [i, j] = indices.map(|index| index as usize);
             let own = particles.restitutions[i] * particles.restitutions[j];
             let here = *image == [0.0; 2];
             let previous = if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
             Some(Contact {
-                places,
+                indices,
                 image: *image,
-                reach: particles.radii[i] + particles.radii[j],
+                contact_distance: particles.radii[i] + particles.radii[j],
                 restitution: restitution * own,
                 inverse_masses: [inverse_mass(i), inverse_mass(j)],
                 friction: particles.pair_friction(i, j),
@@ -289,7 +289,7 @@ impl Contacts {
             return;
         }
         for &pair in lists.iter().flat_map(|(_, pairs)| pairs) {
-            let [a, b] = pair.map(|place| place as usize);
+            let [a, b] = pair.map(|index| index as usize);
             if movable[a] && movable[b] && are_uneven([1.0 / masses[a], 1.0 / masses[b]]) {
                 self.uneven.resize(movable.len(), false);
                 (self.uneven[a], self.uneven[b]) = (true, true);
@@ -298,8 +298,8 @@ impl Contacts {
     }
 
     /// Whether a particle has a contact of uneven masses in this step.
-    pub fn is_uneven(&self, place: u32) -> bool {
-        self.uneven.get(place as usize).is_some_and(|&uneven| uneven)
+    pub fn is_uneven(&self, index: u32) -> bool {
+        self.uneven.get(index as usize).is_some_and(|&uneven| uneven)
     }
 
     /// What the order of solving depends on.
@@ -311,7 +311,7 @@ impl Contacts {
         }
     }
 
-    /// Calls `act` with the places, the colour and the kind of each contact of the step.
+    /// Calls `act` with the indices, the colour and the kind of each contact of the step.
     pub fn each_coloured(
         &self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
@@ -339,7 +339,7 @@ impl Contacts {
         threads: Option<usize>,
     ) {
         let Self { edges, kinds, uneven, .. } = self;
-        let is_uneven = |place: u32| uneven.get(place as usize).is_some_and(|&uneven| uneven);
+        let is_uneven = |index: u32| uneven.get(index as usize).is_some_and(|&uneven| uneven);
         let count = lists.iter().map(|(_, pairs)| pairs.len()).sum();
         edges.resize(count, Edge::default());
         kinds.resize(count, 0);
@@ -351,11 +351,11 @@ impl Contacts {
             parallel::for_chunks_of_two(threads, own, of, |first, edges, kinds| {
                 let pairs = &pairs[first..][..edges.len()];
                 prioritize(particles, pairs, *image, edges);
-                for (kind, &places) in kinds.iter_mut().zip(pairs) {
-                    let [a, b] = places.map(|place| place as usize);
+                for (kind, &indices) in kinds.iter_mut().zip(pairs) {
+                    let [a, b] = indices.map(|index| index as usize);
                     *kind = if !(movable[a] || movable[b]) {
                         UNSOLVED
-                    } else if places.into_iter().any(is_uneven) {
+                    } else if indices.into_iter().any(is_uneven) {
                         UNEVEN_KIND as u8
                     } else if are_near(particles, [a, b], *image) {
                         NEAR_KIND as u8
@@ -395,7 +395,7 @@ impl Contacts {
         self.previous.starts.clear();
     }
 
-    /// Removes the contacts of removed particles and updates the places of the others.
+    /// Removes the contacts of removed particles and updates the indices of the others.
     pub fn retain(&mut self, keep: &[bool]) {
         let mut left = 0;
         let renamed: Vec<u32> = keep
@@ -405,27 +405,27 @@ impl Contacts {
                 left - u32::from(kept)
             })
             .collect();
-        let stays = |contact: &Contact| contact.places.iter().all(|&place| keep[place as usize]);
+        let stays = |contact: &Contact| contact.indices.iter().all(|&index| keep[index as usize]);
         let mut kept: Vec<Contact> = self.list.iter().copied().filter(stays).collect();
         for contact in &mut kept {
-            contact.places = contact.places.map(|place| renamed[place as usize]);
+            contact.indices = contact.indices.map(|index| renamed[index as usize]);
         }
         self.recall(kept, left as usize);
     }
 
-    /// Adds contacts; `places` is the number of particles.
-    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, places: usize) {
+    /// Adds contacts; `indices` is the number of particles.
+    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, indices: usize) {
         let all = self.list.iter().copied().chain(new).map(Contact::ascending);
         let mut list: Vec<Contact> = all.collect();
         list.sort_unstable_by_key(Contact::key);
-        self.recall(list, places);
+        self.recall(list, indices);
     }
 
-    /// Replaces all contacts by `list`, in canonical order; `places` is the number of particles.
-    pub fn recall(&mut self, list: Vec<Contact>, places: usize) {
+    /// Replaces all contacts by `list`, in canonical order; `indices` is the number of particles.
+    pub fn recall(&mut self, list: Vec<Contact>, indices: usize) {
         self.list = list;
         self.blocks.clear();
-        self.remember(places);
+        self.remember(indices);
     }
 
     /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that
@@ -434,7 +434,7 @@ impl Contacts {
         &mut self,
         bounced: impl Iterator<Item = ([u32; 2], [f32; 2], [f32; 2])>,
         particles: &Particles,
-        places: usize,
+        indices: usize,
     ) {
         let Self { list, blocks, lanes, spare, unsorted, .. } = self;
         let lasting = lanes.iter().filter_map(|&lane| {
@@ -443,11 +443,11 @@ impl Contacts {
         });
         spare.clear();
         spare.extend(bounced.map(|(pair, image, totals)| {
-            let [i, j] = pair.map(|place| place as usize);
+            let [i, j] = pair.map(|index| index as usize);
             Contact {
-                places: pair,
+                indices: pair,
                 image,
-                reach: particles.radii[i] + particles.radii[j],
+                contact_distance: particles.radii[i] + particles.radii[j],
                 inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
                 totals,
                 touched: true,
@@ -468,7 +468,7 @@ impl Contacts {
             merge(unsorted.iter().copied(), spare, list);
         }
         self.blocks.clear();
-        self.remember(places);
+        self.remember(indices);
     }
 
     /// Those that touched or have an impulse, in canonical order.
@@ -481,9 +481,9 @@ impl Contacts {
         parallel::for_chunks(threads, &mut self.list, |_, chunk| chunk.iter_mut().for_each(&act));
     }
 
-    /// Stores the resting impulses by place, for warm starting in the next step. Returns the
+    /// Stores the resting impulses by index, for warm starting in the next step. Returns the
     /// first contact whose impulse is not finite, if any.
-    pub fn remember(&mut self, places: usize) -> Option<&Contact> {
+    pub fn remember(&mut self, indices: usize) -> Option<&Contact> {
         let Self { list, previous: Previous { starts, seconds, impulses }, .. } = self;
         starts.clear();
         seconds.clear();
@@ -495,15 +495,15 @@ impl Contacts {
             }
             if contact.impulse > 0.0 && contact.image == [0.0; 2] {
                 if starts.is_empty() {
-                    starts.resize(places + 1, 0);
+                    starts.resize(indices + 1, 0);
                 }
-                starts[contact.places[0] as usize + 1] += 1;
-                seconds.push(contact.places[1]);
+                starts[contact.indices[0] as usize + 1] += 1;
+                seconds.push(contact.indices[1]);
                 impulses.push([contact.impulse, contact.friction_impulse]);
             }
         }
-        for place in 1..starts.len() {
-            starts[place] += starts[place - 1];
+        for index in 1..starts.len() {
+            starts[index] += starts[index - 1];
         }
         overflow
     }
@@ -522,7 +522,7 @@ pub fn sum_of_impulses(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
 
 /// Whether two particles are near each other.
 fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool {
-    let [p, q] = [a, b].map(|place| particles.positions[place]);
+    let [p, q] = [a, b].map(|index| particles.positions[index]);
     let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
     let most = (1.0 + NEAR) * (particles.radii[a] + particles.radii[b]);
     x * x + y * y < most * most

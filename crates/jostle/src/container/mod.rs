@@ -165,8 +165,11 @@ impl Container {
             Self::Box { min, max } => {
                 // Rounded inwards, so that position ± radius is inside the box.
                 let within = |axis: usize| {
-                    let (at, reach) = (f64::from(position[axis]), f64::from(radius));
-                    let (low, high) = (f64::from(min[axis]) + reach, f64::from(max[axis]) - reach);
+                    let (at, contact_distance) = (f64::from(position[axis]), f64::from(radius));
+                    let (low, high) = (
+                        f64::from(min[axis]) + contact_distance,
+                        f64::from(max[axis]) - contact_distance,
+                    );
                     if low <= at && at <= high {
                         return position[axis];
                     }
@@ -177,18 +180,18 @@ impl Container {
                 [within(0), within(1)]
             }
             Self::Circle { center, radius: wall } => {
-                let reach = (f64::from(*wall) - f64::from(radius)).max(0.0);
+                let contact_distance = (f64::from(*wall) - f64::from(radius)).max(0.0);
                 let offset = |p: [f32; 2]| [0, 1].map(|k| f64::from(p[k]) - f64::from(center[k]));
                 let length = |v: [f64; 2]| (v[0] * v[0] + v[1] * v[1]).sqrt();
                 let out = offset(position);
-                if length(out) <= reach {
+                if length(out) <= contact_distance {
                     return position;
                 }
                 // Rounding may leave the result a little outside: shrink until it is in.
-                let mut scale = reach / length(out);
+                let mut scale = contact_distance / length(out);
                 for turn in 0.. {
                     let moved = [0, 1].map(|k| (f64::from(center[k]) + out[k] * scale) as f32);
-                    if length(offset(moved)) <= reach || scale < 1e-9 {
+                    if length(offset(moved)) <= contact_distance || scale < 1e-9 {
                         return moved;
                     }
                     scale *= 1.0 - shrink(turn);
@@ -269,10 +272,17 @@ impl Container {
             }
             Self::Circle { center, radius: outer } => {
                 let q = vector(|k| segment.position[k] - f64::from(center[k]));
-                let reach = (f64::from(*outer) - radius).max(0.0);
+                let contact_distance = (f64::from(*outer) - radius).max(0.0);
                 let acceleration = if segment.falls { gravity } else { [0.0; 2] };
-                round_impact(q, segment.velocity, acceleration, reach, segment.time, &limits(0))
-                    .map(|impact| (impact, 0))
+                round_impact(
+                    q,
+                    segment.velocity,
+                    acceleration,
+                    contact_distance,
+                    segment.time,
+                    &limits(0),
+                )
+                .map(|impact| (impact, 0))
             }
         }
     }
@@ -314,10 +324,10 @@ impl Container {
     }
 }
 
-/// The largest number in the computation of a surface that is `reach` from a centre at `position`.
+/// The largest number in the computation of a surface that is `contact_distance` from a centre at `position`.
 #[inline(always)]
-pub fn size(position: [f64; 2], reach: f64) -> f64 {
-    position[0].abs() + position[1].abs() + reach
+pub fn size(position: [f64; 2], contact_distance: f64) -> f64 {
+    position[0].abs() + position[1].abs() + contact_distance
 }
 
 /// Relative step by which a position is moved towards the centre until it is inside. A few

@@ -3,7 +3,7 @@
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
 use crate::contacts;
 use crate::motion::{Scalars, Vectors};
-use crate::simd::{LANES, Number, PairPlaces, Simd, Work, for_each_lane};
+use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 
 /// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Few columns,
 /// because many iterations read them from the cache; what is computed from them is not stored.
@@ -13,10 +13,10 @@ pub struct Block {
     /// Offsets from the first to the second, before the correction.
     offset: [[f32; LANES]; 2],
     /// Sums of the radii.
-    reaches: [f32; LANES],
+    contact_distances: [f32; LANES],
     /// The smaller diameters.
     diameters: [f32; LANES],
-    places: PairPlaces,
+    indices: PairIndices,
     /// A bit for each pair whose first, and whose second does not move.
     fixed: [u32; 2],
     /// A bit for each pair that is near.
@@ -33,16 +33,16 @@ impl Block {
         let zeros = [0.0; LANES];
         let mut block = Self {
             offset: [zeros; 2],
-            reaches: of.reaches,
+            contact_distances: of.contact_distances,
             diameters: zeros,
-            places: of.places,
+            indices: of.indices,
             fixed: [0; 2],
             near: 0,
             overlapped: 0,
             has_images: of.images != [zeros; 2],
         };
         of.each_lane(|lane| {
-            let [p, q] = [0, 1].map(|k| radii[of.places.of(k)[lane] as usize]);
+            let [p, q] = [0, 1].map(|k| radii[of.indices.of(k)[lane] as usize]);
             // Points have no size: that of the other particle counts.
             let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
             block.diameters[lane] = 2.0 * smaller;
@@ -67,10 +67,10 @@ impl Block {
         positions: &Vectors,
         residuals: &Vectors,
     ) {
-        let [ax, ay] = simd.gather(positions.words(), &self.places, 0);
-        let [bx, by] = simd.gather(positions.words(), &self.places, 1);
-        let [cx, cy] = simd.gather(residuals.words(), &self.places, 0);
-        let [dx, dy] = simd.gather(residuals.words(), &self.places, 1);
+        let [ax, ay] = simd.gather(positions.words(), &self.indices, 0);
+        let [bx, by] = simd.gather(positions.words(), &self.indices, 1);
+        let [cx, cy] = simd.gather(residuals.words(), &self.indices, 0);
+        let [dx, dy] = simd.gather(residuals.words(), &self.indices, 1);
         let [mut x, mut y] = [simd.sub(bx, ax), simd.sub(by, ay)];
         if self.has_images {
             x = simd.add(x, simd.load(&of.images[0]));
@@ -78,9 +78,9 @@ impl Block {
         }
         let [x, y] = [simd.add(x, simd.sub(dx, cx)), simd.add(y, simd.sub(dy, cy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let reach = simd.load(&self.reaches);
-        self.overlapped |= simd.less(square, simd.mul(reach, reach));
-        let far = simd.mul(simd.splat(1.0 + NEAR), reach);
+        let contact_distance = simd.load(&self.contact_distances);
+        self.overlapped |= simd.less(square, simd.mul(contact_distance, contact_distance));
+        let far = simd.mul(simd.splat(1.0 + NEAR), contact_distance);
         self.near = simd.less(square, simd.mul(far, far));
         simd.store(x, &mut self.offset[0]);
         simd.store(y, &mut self.offset[1]);
@@ -95,14 +95,15 @@ impl Block {
         free_squares: Option<&Scalars>,
         inside: &impl Fn(u32, [f32; 2]) -> [f32; 2],
     ) -> u32 {
-        let places = &self.places;
-        let [ax, ay] = simd.gather(displacements.words(), places, 0);
-        let [bx, by] = simd.gather(displacements.words(), places, 1);
+        let indices = &self.indices;
+        let [ax, ay] = simd.gather(displacements.words(), indices, 0);
+        let [bx, by] = simd.gather(displacements.words(), indices, 1);
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let (reach, diameter) = (simd.load(&self.reaches), simd.load(&self.diameters));
-        let least = simd.sub(reach, simd.mul(simd.splat(SLOP + TOLERANCE), diameter));
+        let (contact_distance, diameter) =
+            (simd.load(&self.contact_distances), simd.load(&self.diameters));
+        let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), diameter));
         let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {
             return 0;
@@ -115,13 +116,13 @@ impl Block {
             simd.store(nx, &mut normal[0]);
             simd.store(ny, &mut normal[1]);
             for_each_lane(coincident, |lane| {
-                let [a, b] = [places.of(0)[lane % LANES], places.of(1)[lane % LANES]];
+                let [a, b] = [indices.of(0)[lane % LANES], indices.of(1)[lane % LANES]];
                 let direction = DIRECTIONS[a.abs_diff(b) as usize % DIRECTIONS.len()];
                 [normal[0][lane % LANES], normal[1][lane % LANES]] = direction;
             });
             [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
         }
-        let target = simd.sub(reach, simd.mul(simd.splat(SLOP), diameter));
+        let target = simd.sub(contact_distance, simd.mul(simd.splat(SLOP), diameter));
         let zero = simd.splat(0.0);
         let softened = simd.mul(simd.splat(SOFTNESS), simd.max(simd.sub(target, length), zero));
         let most = simd.mul(simd.splat(MOST), diameter);
@@ -140,12 +141,12 @@ impl Block {
             let moved = overlapping & simd.less(zero, length);
             let mut free = 0;
             if let Some(squares) = free_squares {
-                let [allowed, _] = simd.gather(squares.words(), places, k);
+                let [allowed, _] = simd.gather(squares.words(), indices, k);
                 let square = simd.add(simd.mul(new[0], new[0]), simd.mul(new[1], new[1]));
                 free = moved & simd.less(square, allowed);
                 // The others keep theirs: of one colour, no other lane moves the same particle.
                 let all = [0, 1].map(|axis| simd.choose(free, new[axis], old[axis]));
-                simd.scatter(all, displacements.words(), places, k);
+                simd.scatter(all, displacements.words(), indices, k);
             }
             if moved & !free == 0 {
                 continue;
@@ -155,8 +156,8 @@ impl Block {
             simd.store(new[1], &mut columns[1]);
             for_each_lane(moved & !free, |lane| {
                 let lane = lane % LANES;
-                let place = places.of(k)[lane];
-                displacements.set(place, inside(place, [columns[0][lane], columns[1][lane]]));
+                let index = indices.of(k)[lane];
+                displacements.set(index, inside(index, [columns[0][lane], columns[1][lane]]));
             });
         }
         overlapping

@@ -163,8 +163,8 @@ mod tests {
     /// Even scales over an area.
     fn even([width, height]: [f64; 2]) -> [Scale; 2] {
         [width, height].map(|side| {
-            let place = |k: usize| (side * k as f64 / CELLS as f64, 1.0);
-            let samples: Vec<_> = (0..=CELLS).map(place).collect();
+            let index = |k: usize| (side * k as f64 / CELLS as f64, 1.0);
+            let samples: Vec<_> = (0..=CELLS).map(index).collect();
             Scale::new(&samples, Some(side))
         })
     }

@@ -17,7 +17,7 @@ pub use cells::{Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records};
-pub use scale::{CELLS, Scale, read_samples, sample_places};
+pub use scale::{CELLS, Scale, read_samples, sample_positions};
 
 /// What a sub-step shares with other ranks.
 #[derive(Debug, Clone, Copy)]
@@ -26,13 +26,13 @@ pub struct Halo<'a> {
     pub group: &'a Mutex<Group>,
     /// Particles of all ranks, each counted once.
     pub total: usize,
-    /// Whether the disc at each place belongs to this rank; the others are ghosts.
+    /// Whether the disc at each index belongs to this rank; the others are ghosts.
     pub is_own: &'a [bool],
-    /// Places of ghosts, and of discs that are ghosts elsewhere.
+    /// Indices of ghosts, and of discs that are ghosts elsewhere.
     pub shared: &'a [u32],
-    /// The places of the discs that are ghosts of each rank.
+    /// The indices of the discs that are ghosts of each rank.
     pub sent: &'a [Vec<u32>],
-    /// The places of the ghosts from each rank.
+    /// The indices of the ghosts from each rank.
     pub ghosts: &'a [Vec<u32>],
 }
 
@@ -44,34 +44,35 @@ impl Halo<'_> {
         get: impl Fn(u32) -> [f32; N],
         set: impl Fn(u32, [f32; N]),
     ) -> Result<()> {
-        let bytes = |places: &Vec<u32>| {
-            let numbers = places.iter().flat_map(|&place| get(place));
+        let bytes = |indices: &Vec<u32>| {
+            let numbers = indices.iter().flat_map(|&index| get(index));
             numbers.flat_map(f32::to_le_bytes).collect()
         };
         let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
-        let counts: Vec<usize> = self.ghosts.iter().map(|places| places.len() * N * 4).collect();
+        let counts: Vec<usize> = self.ghosts.iter().map(|indices| indices.len() * N * 4).collect();
         let all = locked(self.group).exchange_known(&to, &counts)?;
-        for (places, bytes) in self.ghosts.iter().zip(&all) {
+        for (indices, bytes) in self.ghosts.iter().zip(&all) {
             let (numbers, _) = bytes.as_chunks::<4>();
-            for (&place, numbers) in places.iter().zip(numbers.chunks_exact(N)) {
-                set(place, std::array::from_fn(|k| f32::from_le_bytes(numbers[k])));
+            for (&index, numbers) in indices.iter().zip(numbers.chunks_exact(N)) {
+                set(index, std::array::from_fn(|k| f32::from_le_bytes(numbers[k])));
             }
         }
         Ok(())
     }
 
-    /// A number of each ghost from its own rank, with its place.
+    /// A number of each ghost from its own rank, with its index.
     pub fn labels(&self, of: impl Fn(u32) -> u64) -> Result<Vec<(u32, u64)>> {
-        let bytes =
-            |places: &Vec<u32>| places.iter().flat_map(|&place| of(place).to_le_bytes()).collect();
+        let bytes = |indices: &Vec<u32>| {
+            indices.iter().flat_map(|&index| of(index).to_le_bytes()).collect()
+        };
         let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
-        let counts: Vec<usize> = self.ghosts.iter().map(|places| places.len() * 8).collect();
+        let counts: Vec<usize> = self.ghosts.iter().map(|indices| indices.len() * 8).collect();
         let all = locked(self.group).exchange_known(&to, &counts)?.concat();
         let (numbers, _) = all.as_chunks::<8>();
-        let places = self.ghosts.iter().flatten();
-        Ok(places
+        let indices = self.ghosts.iter().flatten();
+        Ok(indices
             .zip(numbers)
-            .map(|(&place, number)| (place, u64::from_le_bytes(*number)))
+            .map(|(&index, number)| (index, u64::from_le_bytes(*number)))
             .collect())
     }
 

@@ -76,7 +76,7 @@ impl Scale {
     }
 }
 
-/// The places of the cells' edges in sorted samples.
+/// The indices of the cells' edges in sorted samples.
 fn quantiles(sorted: &[(f64, f64)]) -> Vec<f64> {
     let (Some(&(first, _)), Some(&(last, _))) = (sorted.first(), sorted.last()) else {
         return (0..=CELLS).map(|edge| edge as f64 / CELLS as f64).collect();
@@ -102,7 +102,7 @@ fn quantiles(sorted: &[(f64, f64)]) -> Vec<f64> {
 }
 
 /// Coordinates of evenly spaced particles as bytes: those of one axis, then those of the other.
-pub fn sample_places(positions: &[[f32; 2]], ranks: usize) -> Vec<u8> {
+pub fn sample_positions(positions: &[[f32; 2]], ranks: usize) -> Vec<u8> {
     let stride = positions.len().div_ceil(SORTED).max(1);
     let count = (SAMPLES / ranks.max(1)).clamp(FEWEST, MOST);
     let mut bytes = Vec::new();
@@ -187,7 +187,8 @@ mod tests {
     #[test]
     fn samples_are_read_with_their_weights() {
         let positions: Vec<[f32; 2]> = (0..3000).map(|k| [k as f32, -2.0 * k as f32]).collect();
-        let bytes = [sample_places(&positions, 16), sample_places(&positions[..2], 16), vec![]];
+        let bytes =
+            [sample_positions(&positions, 16), sample_positions(&positions[..2], 16), vec![]];
         let counts = [3000.0, 2.0, 0.0];
         let [x, y] = read_samples(bytes.iter().map(Vec::as_slice).zip(counts));
         assert_eq!((x.len(), y.len()), (514, 514));

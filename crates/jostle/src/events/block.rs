@@ -43,7 +43,7 @@ pub(super) struct Arguments<'a> {
     pub(super) window: &'a Window<'a>,
     pub(super) neighbors: &'a Neighbors,
     pub(super) course_of: &'a mut [u32],
-    pub(super) reaches: &'a [f32],
+    pub(super) max_displacements: &'a [f32],
     pub(super) stop: &'a Stop,
     pub(super) scratch: &'a mut Scratch,
 }
@@ -100,7 +100,7 @@ impl Block {
             cache::load(&positions[range.clone()]);
             cache::load(&residuals[range.clone()]);
         }
-        cache::load(&arguments.reaches[range]);
+        cache::load(&arguments.max_displacements[range]);
     }
 
     /// Finds the impacts on walls along the first segments; `unsettled` are the discs of the block that
@@ -125,7 +125,8 @@ impl Block {
     /// Simulates the events of the block by itself.
     pub(super) fn simulate(&mut self, arguments: &mut Arguments<'_>) {
         self.is_simulated = true;
-        let Arguments { window, neighbors, course_of, reaches, stop, scratch } = arguments;
+        let Arguments { window, neighbors, course_of, max_displacements, stop, scratch } =
+            arguments;
         let (range, history) = (self.range.clone(), &mut self.history);
         let (mark, base) = (0, 0);
         let simulation = Simulation {
@@ -133,7 +134,7 @@ impl Block {
             neighbors,
             range,
             course_of,
-            reaches,
+            max_displacements,
             history,
             mark,
             base,

@@ -10,7 +10,7 @@ use crate::trajectory::{Segment, Vector};
 pub trait Bounds {
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched for neighbours.
-    fn reaches(&self) -> &[f32];
+    fn max_displacements(&self) -> &[f32];
     /// Forgets what was added for the window before.
     fn begin_window(&mut self);
     /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends
@@ -72,11 +72,11 @@ impl Events {
 /// Lists the discs whose first segment leaves their bounds.
 pub(super) fn find_outside_at_start(
     window: &Window<'_>,
-    reaches: &[f32],
+    max_displacements: &[f32],
     outside: &mut Vec<Outside>,
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
-    let may_leave = |index: u32| window.may_leave(index, reaches[index as usize]);
+    let may_leave = |index: u32| window.may_leave(index, max_displacements[index as usize]);
     let moving = (0..).zip(window.starts);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
@@ -85,5 +85,7 @@ pub(super) fn find_outside_at_start(
         Outside { index, distance, segment }
     });
     outside.clear();
-    outside.extend(all.filter(|disc| disc.distance > f64::from(reaches[disc.index as usize])));
+    outside.extend(
+        all.filter(|disc| disc.distance > f64::from(max_displacements[disc.index as usize])),
+    );
 }

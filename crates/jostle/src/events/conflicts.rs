@@ -107,7 +107,7 @@ impl Events {
             neighbors: &self.neighbors,
             range: 0..window.starts.len() as u32,
             course_of: &mut self.course_of,
-            reaches: bounds.reaches(),
+            max_displacements: bounds.max_displacements(),
             history: &mut self.again,
             mark: AGAIN,
             base,

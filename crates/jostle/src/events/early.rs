@@ -19,7 +19,7 @@ struct Passing {
     offset: [f32; 2],
     velocity: [f32; 2],
     /// Sum of the radii.
-    reach: f32,
+    contact_distance: f32,
     /// Sum of the numbers whose rounding matters: positions and displacements.
     sizes: f32,
 }
@@ -33,7 +33,7 @@ impl Passing {
         // The time of the closest approach. `max` returns 0 for what is not a number.
         let closest = (-approach / ww).max(0.0).min(span);
         let square = qq + (2.0 * approach + ww * closest) * closest;
-        square > self.reach * self.reach + self.error(qq)
+        square > self.contact_distance * self.contact_distance + self.error(qq)
     }
 
     /// Upper bound of the error of the square of a distance near the sum of the radii. `square` is
@@ -42,7 +42,7 @@ impl Passing {
     fn error(&self, square: f32) -> f32 {
         // An error d of the distance r makes one of (2 r + d) d of the square.
         let rounding = 2.0 * ROUNDING * self.sizes;
-        MARGIN * square + (2.0 * self.reach + rounding) * rounding
+        MARGIN * square + (2.0 * self.contact_distance + rounding) * rounding
     }
 }
 
@@ -73,14 +73,20 @@ impl Start {
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }
 
-    /// False only if it certainly stays within `reach` of `anchor` for `span` seconds, without events.
+    /// False only if it certainly stays within `max_displacement` of `anchor` for `span` seconds, without events.
     #[inline(always)]
-    fn may_leave(&self, anchor: [f32; 2], gravity: [f32; 2], span: f32, reach: f32) -> bool {
+    fn may_leave(
+        &self,
+        anchor: [f32; 2],
+        gravity: [f32; 2],
+        span: f32,
+        max_displacement: f32,
+    ) -> bool {
         let Self { position, velocity, falls, .. } = *self;
         let fall = if falls { length(gravity) * span * span } else { 0.0 };
         let far = length([0, 1].map(|k| position[k] - anchor[k])) + length(velocity) * span + fall;
         let rounding = ROUNDING * (length(position) + length(anchor));
-        let stays = far * (1.0 + MARGIN) + rounding <= reach;
+        let stays = far * (1.0 + MARGIN) + rounding <= max_displacement;
         // Also true where numbers overflow.
         !stays
     }
@@ -103,15 +109,15 @@ impl Now {
     /// The motion of another disc against this one for `span` seconds.
     #[inline(always)]
     fn passing(&self, other: &Self, image: [f32; 2], span: f32) -> Passing {
-        let reach = self.radius + other.radius;
+        let contact_distance = self.radius + other.radius;
         Passing {
             offset: [0, 1].map(|k| other.position[k] - self.position[k] + image[k]),
             velocity: [0, 1].map(|k| other.velocity[k] - self.velocity[k]),
-            reach,
+            contact_distance,
             sizes: self.sizes
                 + other.sizes
                 + (length(self.velocity) + length(other.velocity)) * span
-                + reach,
+                + contact_distance,
         }
     }
 
@@ -144,13 +150,14 @@ impl Window<'_> {
         if !(rests(own) & rests(other)) {
             return false;
         }
-        let Passing { offset, velocity, reach, .. } = *passing;
+        let Passing { offset, velocity, contact_distance, .. } = *passing;
         let square = dot(offset, offset) - passing.error(dot(offset, offset));
         let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
         // (a + b)² is at most 2 (a² + b²).
         let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
         let approach = 2.0 * speeds * (self.end * self.end) as f32;
-        let [least, most] = [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * reach);
+        let [least, most] =
+            [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * contact_distance);
         let is_slow = approach < most * most;
         let is_apart = square > least * least * (1.0 + MARGIN);
         is_slow & is_apart
@@ -194,10 +201,10 @@ impl Window<'_> {
 
     /// False only if a disc certainly stays in its bounds along its first segment.
     #[inline(always)]
-    pub fn may_leave(&self, index: u32, reach: f32) -> bool {
+    pub fn may_leave(&self, index: u32, max_displacement: f32) -> bool {
         let anchor = self.flight.particles.positions[index as usize];
         let gravity = self.flight.gravity.map(|g| g as f32);
-        self.starts[index as usize].may_leave(anchor, gravity, self.end as f32, reach)
+        self.starts[index as usize].may_leave(anchor, gravity, self.end as f32, max_displacement)
     }
 
     /// Lists the discs of a range that are not settled.
@@ -293,7 +300,7 @@ mod tests {
         /// torus and across its seam.
         #[test]
         fn what_touches_is_never_left_out(
-            place in vector(-2.0..6.0),
+            index in vector(-2.0..6.0),
             [v, w] in [vector(-3.0..5.0), vector(-3.0..5.0)],
             drift in prop_oneof![Just(1.0), Just(1e-4), Just(0.0)],
             radii in prop_oneof![Just([0.0f32; 2]), Just([1.0; 2]), Just([0.01, 3.0])],
@@ -301,9 +308,9 @@ mod tests {
             image in prop_oneof![Just([0.0; 2]), vector(0.0..6.0)],
             (share, when) in (0.0..1.0, 0.0..1.0),
         ) {
-            let (span, reach) = (1.0, f64::from(radii[0]) + f64::from(radii[1]));
+            let (span, contact_distance) = (1.0, f64::from(radii[0]) + f64::from(radii[1]));
             let w = [0, 1].map(|k| v[k] + drift * w[k]);
-            let meeting = [place, [0, 1].map(|k| place[k] + share * reach * direction[k])];
+            let meeting = [index, [0, 1].map(|k| index[k] + share * contact_distance * direction[k])];
             // Offsets between a torus and its images are numbers in float32.
             let image = image.map(|v| v as f32);
             let seam = image.map(f64::from);
@@ -315,7 +322,7 @@ mod tests {
                 falls: false,
             });
             let relative = Relative::of(&segments[0], &segments[1], seam, [0.0; 2]);
-            if relative.touches(reach, span) {
+            if relative.touches(contact_distance, span) {
                 let [own, other] = [0, 1].map(|k| Now::of(&segments[k], f64::from(radii[k])));
                 prop_assert!(own.may_meet(&other, image, span as f32));
                 prop_assert!(other.may_meet(&own, image.map(|v| -v), span as f32));

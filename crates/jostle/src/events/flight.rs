@@ -224,7 +224,7 @@ impl Window<'_> {
         let start = &self.starts[index as usize];
         if start.velocity != [0.0; 2] {
             let segment = self.segment(index);
-            let position = segment.place_at(self.end, self.gravity());
+            let position = segment.index_at(self.end, self.gravity());
             let velocity = motions.velocity(index).map(f64::from);
             motions.advance(index, segment.position, position, velocity);
         }
@@ -278,20 +278,24 @@ impl Window<'_> {
         f64::from(own * self.flight.walls.walls.restitution(wall))
     }
 
-    /// The limits for surfaces at `position` that are `reach` from the centre; whether resting
+    /// The limits for surfaces at `position` that are `contact_distance` from the centre; whether resting
     /// contacts support their bodies, and the coefficient of restitution.
     #[inline(always)]
     fn limits(
         &self,
         until: f64,
         position: Vector,
-        reach: f64,
+        contact_distance: f64,
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
-        let size = size(position, reach);
+        let size = size(position, contact_distance);
         let rounding = ROUNDING * size;
         let at_most = |share: f64| {
-            if reach > 0.0 { rounding.min((share * reach).max(PRECISION * size)) } else { rounding }
+            if contact_distance > 0.0 {
+                rounding.min((share * contact_distance).max(PRECISION * size))
+            } else {
+                rounding
+            }
         };
         let limits = Limits {
             until,
@@ -305,7 +309,7 @@ impl Window<'_> {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
-        let tolerance = if are_supported { DEFERRED * reach } else { limits.tolerance };
+        let tolerance = if are_supported { DEFERRED * contact_distance } else { limits.tolerance };
         let bounces = 2.0 * restitution / (1.0 - restitution);
         Limits { tolerance, deep_tolerance: rounding.max(tolerance), bounces, ..limits }
     }
@@ -319,15 +323,16 @@ impl Window<'_> {
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
-        self.limits(until, position, self.reach(pair[0], pair[1]), surfaces)
+        self.limits(until, position, self.contact_distance(pair[0], pair[1]), surfaces)
     }
 
     #[inline(always)]
     fn wall_limits(&self, position: Vector, index: u32, wall: u32) -> Limits {
         let start = &self.starts[index as usize];
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
-        let reach = self.flight.walls.walls.reach(wall, f64::from(start.radius));
-        self.limits(self.end, position, reach, surfaces)
+        let contact_distance =
+            self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
+        self.limits(self.end, position, contact_distance, surfaces)
     }
 
     /// The limits at each side of the container.
@@ -340,7 +345,7 @@ impl Window<'_> {
 
     /// Sum of the radii of two discs.
     #[inline(always)]
-    pub fn reach(&self, a: u32, b: u32) -> f64 {
+    pub fn contact_distance(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a, b].map(|index| f64::from(self.starts[index as usize].radius));
         a + b
     }
@@ -360,9 +365,9 @@ impl Window<'_> {
             return None;
         }
         let smaller = if a < b { first } else { second };
-        let position = smaller.place_at(relative.start, self.gravity());
+        let position = smaller.index_at(relative.start, self.gravity());
         let limits = self.pair_limits(until, position, [a, b]);
-        relative.impact(self.reach(a, b), &limits)
+        relative.impact(self.contact_distance(a, b), &limits)
     }
 
     /// The next impact of a disc on a wall.
@@ -406,12 +411,12 @@ impl Window<'_> {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
         let position = if a < b { first.position } else { second.position };
         let limits = self.pair_limits(self.end, position, [a, b]);
-        let (square, reach) = (dot(offset, offset), self.reach(a, b));
-        let near = reach + limits.rounding;
+        let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
+        let near = contact_distance + limits.rounding;
         if square > near * near {
             return false;
         }
-        let limits = limits.of_overlap(square, reach);
+        let limits = limits.of_overlap(square, contact_distance);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
         limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
     }
@@ -431,8 +436,8 @@ impl Window<'_> {
         }
         let radius = f64::from(self.starts[index as usize].radius);
         let rounding = self.wall_limits(now.position, index, FIRST).rounding;
-        let (place, walls) = ((now.position, now.time), self.flight.walls);
-        walls.contacts(index, place, radius, rounding, contacts);
+        let (at, walls) = ((now.position, now.time), self.flight.walls);
+        walls.contacts(index, at, radius, rounding, contacts);
         for &Contact { wall, normal, .. } in &*contacts {
             let limits = self.wall_limits(now.position, index, wall);
             let own = walls.velocity(wall);
@@ -487,7 +492,7 @@ impl Window<'_> {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)
         };
-        let last = segment.place_at(self.end, self.gravity());
+        let last = segment.index_at(self.end, self.gravity());
         let square = square(segment.position).max(square(last));
         if !segment.falls {
             return square;

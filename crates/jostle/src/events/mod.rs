@@ -131,12 +131,13 @@ impl Events {
         self.neighbors.begin_window();
         self.sensed_near.retain(|near| near.lasts);
         if !window.flight.bounded {
-            find_outside_at_start(&window, bounds.reaches(), &mut self.outside);
+            find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
         self.find_first_impacts_of_later(&window);
-        let (reaches, most) = (bounds.reaches(), most_impacts(window.starts.len()));
-        self.each_block(&window, reaches, |block, mut arguments| {
+        let (max_displacements, most) =
+            (bounds.max_displacements(), most_impacts(window.starts.len()));
+        self.each_block(&window, max_displacements, |block, mut arguments| {
             block.load_starts(&arguments);
             let Scratch { near, near_walls, unsettled, .. } = &mut *arguments.scratch;
             window.list_unsettled(block.range.clone(), unsettled);
@@ -153,7 +154,7 @@ impl Events {
         let end = self.end_of_window(&window, shortest)?;
         let is_shorter = end < window.end;
         window.end = end;
-        self.each_block(&window, reaches, |block, mut arguments| {
+        self.each_block(&window, max_displacements, |block, mut arguments| {
             if is_shorter {
                 arguments.course_of.fill(NONE);
                 block.shorten(&window, arguments.neighbors);
@@ -205,7 +206,7 @@ impl Events {
     fn each_block(
         &mut self,
         window: &Window<'_>,
-        reaches: &[f32],
+        max_displacements: &[f32],
         act: impl Fn(&mut Block, Arguments<'_>) + Sync + Send,
     ) {
         let (neighbors, pool, stop) = (&self.neighbors, &self.scratch, Stop::current());
@@ -218,7 +219,14 @@ impl Events {
             let (scratch_of, stop) = (&mut scratch, &stop);
             act(
                 block,
-                Arguments { window, neighbors, course_of, reaches, stop, scratch: scratch_of },
+                Arguments {
+                    window,
+                    neighbors,
+                    course_of,
+                    max_displacements,
+                    stop,
+                    scratch: scratch_of,
+                },
             );
             locked(pool).push(scratch);
         });

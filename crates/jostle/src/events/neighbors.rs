@@ -152,19 +152,19 @@ impl NearBlock {
                 (&pairs[range.start as usize..range.end as usize], codes(*list))
             })
         };
-        let place = |disc: u32| disc.wrapping_sub(*first) as usize;
+        let offset = |disc: u32| disc.wrapping_sub(*first) as usize;
         for &[a, b] in runs().flat_map(|(pairs, _)| pairs) {
-            starts[place(a) + 2] += 1;
-            starts[place(b) + 2] += 1;
+            starts[offset(a) + 2] += 1;
+            starts[offset(b) + 2] += 1;
         }
-        let own = |[a, b]: [u32; 2]| if place(a) < *len { a } else { b };
-        across.iter().for_each(|&(pair, _)| starts[place(own(pair)) + 2] += 1);
+        let own = |[a, b]: [u32; 2]| if offset(a) < *len { a } else { b };
+        across.iter().for_each(|&(pair, _)| starts[offset(own(pair)) + 2] += 1);
         for index in 2..starts.len() {
             starts[index] += starts[index - 1];
         }
         all.resize(starts[*len + 1] as usize, Neighbor::default());
         let mut put = |of: u32, index, image| {
-            let next = &mut starts[place(of) + 1];
+            let next = &mut starts[offset(of) + 1];
             all[*next as usize] = Neighbor { index, image };
             *next += 1;
         };
@@ -175,7 +175,7 @@ impl NearBlock {
             }
         }
         for &([a, b], code) in &*across {
-            if place(a) < *len {
+            if offset(a) < *len {
                 put(a, b, code);
             } else {
                 put(b, a, opposite(code));
@@ -186,8 +186,8 @@ impl NearBlock {
     /// The neighbours of a disc of this block.
     #[inline(always)]
     fn of(&self, disc: u32) -> &[Neighbor] {
-        let place = (disc - self.first) as usize;
-        &self.all[self.starts[place] as usize..self.starts[place + 1] as usize]
+        let index = (disc - self.first) as usize;
+        &self.all[self.starts[index] as usize..self.starts[index + 1] as usize]
     }
 }
 

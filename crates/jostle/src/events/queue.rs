@@ -65,7 +65,7 @@ impl PartialOrd for Event {
 pub struct Queue {
     /// Events that were known at the beginning.
     first: Vec<Event>,
-    /// Their times, and their places in `first`; the earliest last.
+    /// Their times, and their indices in `first`; the earliest last.
     order: Vec<(f64, u32)>,
     later: BinaryHeap<Reverse<Event>>,
 }

@@ -48,10 +48,10 @@ impl Events {
         if !window.flight.particles.may_touch(a, b) {
             return false;
         }
-        let reach = window.reach(pair[0], pair[1]);
+        let contact_distance = window.contact_distance(pair[0], pair[1]);
         self.any_at_once(window, pair, |own: &Part, other: &Part| {
             let both = Relative::of(&own.segment, &other.segment, image, window.gravity());
-            both.touches(reach, own.end.min(other.end))
+            both.touches(contact_distance, own.end.min(other.end))
         })
     }
 

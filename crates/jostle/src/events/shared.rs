@@ -47,14 +47,14 @@ impl Events {
         let Some(halo) = window.flight.halo else { return };
         self.digests.resize(halo.shared.len(), 0);
         self.may_meet.resize(halo.shared.len(), false);
-        for (at, &place) in halo.shared.iter().enumerate() {
-            let hash = self.digest_of(window, place, self.digests[at]);
+        for (at, &index) in halo.shared.iter().enumerate() {
+            let hash = self.digest_of(window, index, self.digests[at]);
             self.digests[at] = hash;
-            if halo.is_own[place as usize] || self.may_meet[at] {
+            if halo.is_own[index as usize] || self.may_meet[at] {
                 continue;
             }
             let mut meets = false;
-            self.neighbors.of(place, |other| {
+            self.neighbors.of(index, |other| {
                 let other = other.index as usize;
                 meets |= halo.is_own[other] && window.starts[other].is_movable;
             });
@@ -64,16 +64,16 @@ impl Events {
 
     /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,
     /// which is the same on all ranks.
-    fn digest_of(&self, window: &Window<'_>, place: u32, hash: u64) -> u64 {
-        if self.course_of[place as usize] == NONE && window.flight.kicks.is_empty() {
+    fn digest_of(&self, window: &Window<'_>, index: u32, hash: u64) -> u64 {
+        if self.course_of[index as usize] == NONE && window.flight.kicks.is_empty() {
             return hash;
         }
-        let parts = self.trajectory(window, place).flat_map(|part| {
+        let parts = self.trajectory(window, index).flat_map(|part| {
             let [position, velocity] = [part.segment.position, part.segment.velocity];
             [part.segment.time, position[0], position[1], velocity[0], velocity[1]]
         });
         let hash = digest_all(hash, parts);
-        match self.course(place) {
+        match self.course(index) {
             None => hash,
             Some((_, course)) => digest(hash, course.groups ^ u64::from(course.stopped.is_some())),
         }

@@ -93,7 +93,7 @@ pub struct Simulation<'a> {
     /// simulation take no part.
     pub course_of: &'a mut [u32],
     /// How far each disc was searched for neighbours.
-    pub reaches: &'a [f32],
+    pub max_displacements: &'a [f32],
     /// Where the courses go.
     pub history: &'a mut History,
     /// Added to the numbers of the courses of the history.
@@ -305,8 +305,8 @@ impl Simulation<'_> {
                     continue;
                 }
                 // Contacts with those before were found from their side.
-                let place = self.find(partner).map_or(0, |other| other.in_group as usize);
-                if place == 0 || place >= position {
+                let in_group = self.find(partner).map_or(0, |other| other.in_group as usize);
+                if in_group == 0 || in_group >= position {
                     self.touch_disc(index, partner, code, time);
                 }
             }
@@ -539,8 +539,8 @@ impl Simulation<'_> {
             course.segment.falls = false;
         }
         let square = window.longest_square(course.index, &course.segment);
-        let reach = f64::from(self.reaches[course.index as usize]);
-        if square > reach * reach {
+        let max_displacement = f64::from(self.max_displacements[course.index as usize]);
+        if square > max_displacement * max_displacement {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
         }

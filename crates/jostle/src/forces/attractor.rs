@@ -70,7 +70,7 @@ pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
 pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
     let pole = match attractor.pole {
         Pole::Point(point) => point,
-        Pole::Particle(row) => bodies.positions[bodies.places[row as usize] as usize],
+        Pole::Particle(row) => bodies.positions[bodies.indices[row as usize] as usize],
     };
     let threads = parallel::worthwhile(bodies.threads, accelerations.len());
     parallel::for_chunks(threads, accelerations, |first, chunk| {

@@ -140,8 +140,8 @@ fn prepare(gravitation: &Gravitation, bodies: &Bodies<'_>, scratch: &mut Scratch
     let tree = &sorted.tree;
     all.clear();
     let Columns { x, y, .. } = tree.columns();
-    for (place, &row) in tree.rows().iter().enumerate() {
-        all.push([x[place], y[place]], bodies.masses[row as usize]);
+    for (index, &row) in tree.rows().iter().enumerate() {
+        all.push([x[index], y[index]], bodies.masses[row as usize]);
     }
     all.pad();
     let direct = tree.len() <= DIRECT || gravitation.theta == 0.0;
@@ -156,7 +156,7 @@ fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Momen
     let Columns { x, y, .. } = tree.columns();
     moments.clear();
     moments.resize(tree.nodes().len(), Moment::default());
-    for (index, (node, bounds)) in tree.nodes().iter().zip(tree.bounds()).enumerate().rev() {
+    for (number, (node, bounds)) in tree.nodes().iter().zip(tree.bounds()).enumerate().rev() {
         let mut sum = [0.0f64; 3];
         let mut add = |[px, py]: [f32; 2], mass: f32| {
             let mass = f64::from(mass);
@@ -164,14 +164,14 @@ fn compute_moments(tree: &Quadtree<f32>, masses: &[f32], moments: &mut Vec<Momen
             (0..3).for_each(|k| sum[k] += terms[k]);
         };
         if node.is_leaf() {
-            node.range().for_each(|place| add([x[place], y[place]], masses[place]));
+            node.range().for_each(|index| add([x[index], y[index]], masses[index]));
         } else {
             let children = &moments[node.children()];
             children.iter().for_each(|child| add(child.center, child.mass));
         }
         let [mass, mx, my] = sum;
         let sides = [0, 1].map(|k| bounds.max[k] - bounds.min[k]);
-        moments[index] = Moment {
+        moments[number] = Moment {
             center: [(mx / mass) as f32, (my / mass) as f32],
             mass: mass as f32,
             width: (sides[0] * sides[0] + sides[1] * sides[1]).sqrt(),
@@ -304,9 +304,9 @@ impl Walk<'_> {
         let soft = f64::from(self.gravitation.softening);
         // Each body is one of its own sources, at distance 0.
         let own = if soft > 0.0 { 1.0 / soft } else { 0.0 };
-        let energy = |place: usize| {
-            let mass = f64::from(self.all.mass[place]);
-            let at = [self.all.x[place], self.all.y[place]];
+        let energy = |index: usize| {
+            let mass = f64::from(self.all.mass[index]);
+            let at = [self.all.x[index], self.all.y[index]];
             mass * (sources.potential(at, soft, &self.container) - mass * own)
         };
         self.tree.nodes()[group as usize].range().map(energy).sum()
@@ -372,8 +372,8 @@ impl Work<f32> for Pull<'_> {
         let Self { walk, sources, bodies, pulls } = self;
         let Gravitation { softening, .. } = *walk.gravitation;
         let soft_square = softening * softening;
-        for (pull, place) in pulls.iter_mut().zip(bodies) {
-            let position = [walk.all.x[place], walk.all.y[place]];
+        for (pull, index) in pulls.iter_mut().zip(bodies) {
+            let position = [walk.all.x[index], walk.all.y[index]];
             *pull = match walk.container {
                 Container::Torus { size: [w, h] } => {
                     sources

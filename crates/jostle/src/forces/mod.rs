@@ -240,6 +240,15 @@ pub fn add_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
     }
 }
 
+/// Replaces the kinds of a row in the forces between kinds.
+pub fn put_kinds(forces: &mut [Force], row: usize, kinds: Kinds) {
+    let pairs = forces.iter_mut().filter_map(|force| match force {
+        Force::Pair(pair) => Some(pair),
+        _ => None,
+    });
+    pairs.zip(kinds).for_each(|(pair, kind)| pair.kinds[row] = kind);
+}
+
 /// The kinds of a row in the forces between kinds.
 pub fn kinds_of(forces: &[Force], row: usize) -> Kinds {
     let mut kinds = Kinds::default();
@@ -334,9 +343,9 @@ pub struct Bodies<'a> {
     pub radii: &'a [f32],
     /// The row of each.
     pub rows: &'a [u32],
-    /// `places[row]` is the place of the particle in `row`; may be empty if no force refers to
+    /// `indices[row]` is the index of the particle in `row`; may be empty if no force refers to
     /// particles.
-    pub places: &'a [u32],
+    pub indices: &'a [u32],
     /// The container; on a torus, offsets are minimum images.
     pub container: Container,
     /// Seconds for which the accelerations act.
@@ -407,14 +416,15 @@ pub fn accelerate(
     }
 }
 
-/// Potential energy of the particles in all forces between kinds.
-pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>) -> f64 {
+/// Potential energy of the particles in all forces between kinds: half of that of each pair for each of its
+/// bodies whose row is below `own`.
+pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>, own: usize) -> f64 {
     let mut scratch = neighbors::Scratch::default();
     let mut all = pairs(forces).filter(|pair| pair.table.is_reciprocal()).peekable();
     if all.peek().is_some() {
         scratch.sort(bodies, |a, b| bodies.compare(forces, a, b));
     }
-    all.map(|pair| pair::energy(pair, bodies, &mut scratch)).sum()
+    all.map(|pair| pair::energy(pair, bodies, own, &mut scratch)).sum()
 }
 
 /// A number within the limits of a world; 0 for NaN.

@@ -31,14 +31,14 @@ const COLUMNS: usize = 3;
 
 /// What its neighbours do to a body.
 pub trait Law: Sync {
-    /// The force or acceleration on the body at a place of the columns. Must be inlined.
+    /// The force or acceleration on the body at an index of the columns. Must be inlined.
     fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2];
 }
 
-/// A body, as a place of the columns of a law.
+/// A body, as an index of the columns of a law.
 #[derive(Clone, Copy, Debug)]
 pub struct Own<'a> {
-    place: usize,
+    index: usize,
     columns: &'a [Vec<f32>],
 }
 
@@ -46,7 +46,7 @@ impl Own<'_> {
     /// Its number in the column `k`.
     #[inline(always)]
     pub fn of(self, k: usize) -> f32 {
-        self.columns[k][self.place]
+        self.columns[k][self.index]
     }
 }
 
@@ -144,7 +144,7 @@ impl Scratch {
         self.sums = sums;
     }
 
-    /// The sum of `value` over all ordered pairs of neighbours: it gets their places and their
+    /// The sum of `value` over all ordered pairs of neighbours: it gets their indices and their
     /// distance.
     pub fn sum_of_pairs(
         &self,
@@ -154,11 +154,11 @@ impl Scratch {
     ) -> f64 {
         let search = self.search(bodies, cutoff, 0);
         let groups = &self.sorted.groups;
-        let parts = parallel::map(threads(bodies), groups.len(), |index| {
+        let parts = parallel::map(threads(bodies), groups.len(), |number| {
             let mut list = List::default();
-            search.list(groups[index], &mut list);
-            let own = |place| search.sum_of_body(place, &list.near, &value);
-            self.sorted.range(groups[index]).map(own).sum::<f64>()
+            search.list(groups[number], &mut list);
+            let own = |index| search.sum_of_body(index, &list.near, &value);
+            self.sorted.range(groups[number]).map(own).sum::<f64>()
         });
         parts.iter().sum()
     }
@@ -221,9 +221,9 @@ impl Search<'_> {
         }
         let mut next = 0;
         stack.push(0);
-        while let Some(index) = stack.pop() {
-            let node = &self.tree.nodes()[index as usize];
-            if !self.is_near(group, index, image) {
+        while let Some(number) = stack.pop() {
+            let node = &self.tree.nodes()[number as usize];
+            if !self.is_near(group, number, image) {
                 continue;
             }
             if !node.is_leaf() {
@@ -231,7 +231,7 @@ impl Search<'_> {
                 continue;
             }
             let range = node.range();
-            let [first, last] = [range.start, range.end - 1].map(|place| (place / LANES) as u32);
+            let [first, last] = [range.start, range.end - 1].map(|index| (index / LANES) as u32);
             near.extend((first.max(next)..last + 1).map(|block| Near { block, image }));
             next = next.max(last + 1);
         }
@@ -250,14 +250,14 @@ impl Search<'_> {
         x * x + y * y < self.square
     }
 
-    /// Packs the neighbours of the body at `place` into columns.
+    /// Packs the neighbours of the body at `index` into columns.
     #[inline(always)]
-    fn collect<S: Simd<f32>>(&self, simd: S, place: usize, near: &[Near], found: &mut Found) {
-        let (own_x, own_y) = (simd.splat(self.x[place]), simd.splat(self.y[place]));
+    fn collect<S: Simd<f32>>(&self, simd: S, index: usize, near: &[Near], found: &mut Found) {
+        let (own_x, own_y) = (simd.splat(self.x[index]), simd.splat(self.y[index]));
         let limit = simd.splat(self.square);
         let mut len = 0;
-        for &Near { block: index, image } in near {
-            let start = index as usize * LANES;
+        for &Near { block: number, image } in near {
+            let start = number as usize * LANES;
             let x = simd.sub(simd.load(block(self.x, start)), own_x);
             let y = simd.sub(simd.load(block(self.y, start)), own_y);
             let (x, y) = (simd.add(x, simd.splat(image[0])), simd.add(y, simd.splat(image[1])));
@@ -277,26 +277,26 @@ impl Search<'_> {
         *block_mut(&mut found.y, len) = [0.0; LANES];
         // So that differences from its own numbers are 0.
         for (from, to) in self.columns.iter().zip(&mut found.columns) {
-            *block_mut(to, len) = [from[place]; LANES];
+            *block_mut(to, len) = [from[index]; LANES];
         }
     }
 
     /// The sum of `value` over the neighbours of a body.
     fn sum_of_body(
         &self,
-        place: usize,
+        index: usize,
         near: &[Near],
         value: impl Fn([usize; 2], f64) -> f64,
     ) -> f64 {
         let mut sum = 0.0;
-        for &Near { block: index, image } in near {
-            let start = index as usize * LANES;
-            for other in (start..start + LANES).filter(|&other| other != place) {
-                let x = (self.x[other] - self.x[place]) + image[0];
-                let y = (self.y[other] - self.y[place]) + image[1];
+        for &Near { block: number, image } in near {
+            let start = number as usize * LANES;
+            for other in (start..start + LANES).filter(|&other| other != index) {
+                let x = (self.x[other] - self.x[index]) + image[0];
+                let y = (self.y[other] - self.y[index]) + image[1];
                 if x * x + y * y < self.square {
                     let (x, y) = (f64::from(x), f64::from(y));
-                    sum += value([place, other], (x * x + y * y).sqrt());
+                    sum += value([index, other], (x * x + y * y).sqrt());
                 }
             }
         }
@@ -305,7 +305,7 @@ impl Search<'_> {
 }
 
 impl Found {
-    /// Makes room for the neighbours in so many blocks.
+    /// Reserves memory for the neighbours in so many blocks.
     fn reserve(&mut self, blocks: usize) {
         let len = (blocks + 1) * LANES;
         for column in [&mut self.x, &mut self.y].into_iter().chain(&mut self.columns) {
@@ -336,9 +336,9 @@ impl<L: Law> Work<f32> for Share<'_, L> {
             search.list(group, list);
             let List { near, found, .. } = &mut *list;
             found.reserve(near.len());
-            for place in search.tree.nodes()[group as usize].range() {
-                search.collect(simd, place, near, found);
-                let own = Own { place, columns: search.columns };
+            for index in search.tree.nodes()[group as usize].range() {
+                search.collect(simd, index, near, found);
+                let own = Own { index, columns: search.columns };
                 let sum = law.act(simd, own, found);
                 *sums.next().expect("one for each body") = sum;
             }

@@ -13,7 +13,7 @@ use super::neighbors::{self, Found, Law, Own, total};
 use super::{Bodies, check_number};
 use crate::error::{Error, Result, counted};
 use crate::particles::FARTHEST;
-use crate::simd::{LANES, PairPlaces, Simd, block};
+use crate::simd::{LANES, PairIndices, Simd, block};
 
 /// Maximum number of kinds.
 pub const MAX_KINDS: usize = 64;
@@ -235,19 +235,25 @@ pub fn add(
     });
 }
 
-/// Potential energy, 0 beyond the cutoff. 0 if the forces are not equal and opposite. The bodies are
-/// sorted in `scratch`.
-pub fn energy(force: &PairForce, bodies: &Bodies<'_>, scratch: &mut neighbors::Scratch) -> f64 {
+/// Potential energy of the bodies whose rows are below `own`, half of that of each pair; 0 beyond the cutoff. 0
+/// if the forces are not equal and opposite. The bodies are sorted in `scratch`.
+pub fn energy(
+    force: &PairForce,
+    bodies: &Bodies<'_>,
+    own: usize,
+    scratch: &mut neighbors::Scratch,
+) -> f64 {
     let table = &*force.table;
     if table.potentials.is_empty() {
         return 0.0;
     }
     scratch.fill(0, |row| f32::from(force.kind(bodies, row)));
-    let kinds = &scratch.columns()[0];
+    scratch.fill(1, |row| f32::from((bodies.rows[row] as usize) < own));
+    let [kinds, weights, ..] = scratch.columns();
     // Every pair is summed twice.
-    0.5 * scratch.sum_of_pairs(bodies, table.cutoff, |places, distance| {
-        let [a, b] = places.map(|place| kinds[place] as usize);
-        table.potential(a, b, distance)
+    0.5 * scratch.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
+        let [a, b] = indices.map(|index| kinds[index] as usize);
+        f64::from(weights[indices[0]]) * table.potential(a, b, distance)
     })
 }
 
@@ -326,14 +332,14 @@ impl PairTable {
         let scale = (self.points - 1) as f32 / self.cutoff;
         let mut along = [0.0f32; LANES];
         simd.store(simd.mul(distance, simd.splat(scale)), &mut along);
-        let mut places = [0u32; LANES];
+        let mut indices = [0u32; LANES];
         let mut shares = [0.0f32; LANES];
         for lane in 0..LANES {
             let segment = (along[lane] as i32).min(last);
             shares[lane] = along[lane] - segment as f32;
-            places[lane] = own + (others[lane] as i32 + segment) as u32;
+            indices[lane] = own + (others[lane] as i32 + segment) as u32;
         }
-        let [low, change] = simd.gather(&self.segments, &PairPlaces::new([places; 2]), 0);
+        let [low, change] = simd.gather(&self.segments, &PairIndices::new([indices; 2]), 0);
         simd.add(low, simd.mul(change, simd.load(&shares)))
     }
 }

@@ -64,7 +64,7 @@ impl Sorted {
         }
     }
 
-    /// The bodies of a group, as places in the order of the tree.
+    /// The bodies of a group, as indices in the order of the tree.
     pub fn range(&self, group: u32) -> Range<usize> {
         self.tree.nodes()[group as usize].range()
     }

@@ -105,45 +105,45 @@ impl Springs {
 
 /// The length of a spring.
 fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
-    let [a, b] = spring.pair.map(|row| bodies.positions[bodies.places[row as usize] as usize]);
+    let [a, b] = spring.pair.map(|row| bodies.positions[bodies.indices[row as usize] as usize]);
     let [x, y] = bodies.container.minimum_image_within([0, 1].map(|k| b[k] - a[k])).map(f64::from);
     (x * x + y * y).sqrt()
 }
 
 /// Writes an estimate of the displacement of each particle by springs in a step of `dt` into
-/// `reaches[place]`. All particles of an island get the largest one, because an impact on one end
+/// `max_displacements[index]`. All particles of an island get the largest one, because an impact on one end
 /// of a spring may move the other end within the step.
-pub fn reach<'a>(
+pub fn max_displacements<'a>(
     springs: impl Iterator<Item = &'a Spring> + Clone,
     bodies: &Bodies<'_>,
     velocities: &[[f32; 2]],
     dt: f32,
     islands: &mut DisjointSets,
-    reaches: &mut Vec<f32>,
+    max_displacements: &mut Vec<f32>,
 ) {
     islands.reset(bodies.positions.len());
-    reaches.clear();
-    reaches.resize(bodies.positions.len(), 0.0);
+    max_displacements.clear();
+    max_displacements.resize(bodies.positions.len(), 0.0);
     for spring in springs.clone() {
-        let [a, b] = spring.pair.map(|row| bodies.places[row as usize]);
+        let [a, b] = spring.pair.map(|row| bodies.indices[row as usize]);
         islands.join(a, b);
     }
-    let places = |spring: &Spring| spring.pair.map(|row| bodies.places[row as usize] as usize);
+    let indices = |spring: &Spring| spring.pair.map(|row| bodies.indices[row as usize] as usize);
     for spring in springs.clone() {
-        let places = places(spring);
-        let speed = |place: usize| {
-            let [x, y] = velocities[place].map(f64::from);
+        let indices = indices(spring);
+        let speed = |index: usize| {
+            let [x, y] = velocities[index].map(f64::from);
             (x * x + y * y).sqrt()
         };
-        let masses = places.map(|place| f64::from(bodies.masses[place]));
+        let masses = indices.map(|index| f64::from(bodies.masses[index]));
         let stretch = (length(spring, bodies) - f64::from(spring.length)).abs();
         let swing = stretch * (f64::from(spring.stiffness) / masses[0].min(masses[1])).sqrt();
-        let fastest = speed(places[0]).max(speed(places[1])) + swing;
-        let of_all = &mut reaches[islands.root(places[0] as u32) as usize];
+        let fastest = speed(indices[0]).max(speed(indices[1])) + swing;
+        let of_all = &mut max_displacements[islands.root(indices[0] as u32) as usize];
         *of_all = of_all.max((fastest * f64::from(dt)) as f32);
     }
-    for place in springs.flat_map(places) {
-        reaches[place] = reaches[islands.root(place as u32) as usize];
+    for index in springs.flat_map(indices) {
+        max_displacements[index] = max_displacements[islands.root(index as u32) as usize];
     }
 }
 
@@ -167,7 +167,7 @@ struct Link {
 /// A particle that springs act on.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
-    place: u32,
+    index: u32,
     inverse_mass: f64,
     /// Sum of the stiffness of its springs divided by its mass.
     stiffness: f64,
@@ -188,7 +188,7 @@ impl SpringSolver {
     pub fn prepare<'a>(
         &mut self,
         springs: impl Iterator<Item = &'a Spring>,
-        places: &[u32],
+        indices: &[u32],
         container: Container,
         inverse_mass: impl Fn(usize) -> f32,
     ) {
@@ -196,7 +196,7 @@ impl SpringSolver {
         self.container = container;
         links.clear();
         links.extend(springs.map(|spring| {
-            let [a, b] = spring.pair.map(|row| places[row as usize]);
+            let [a, b] = spring.pair.map(|row| indices[row as usize]);
             Link {
                 nodes: [a.min(b), a.max(b)],
                 length: f64::from(spring.length),
@@ -211,16 +211,16 @@ impl SpringSolver {
             a.nodes.cmp(&b.nodes).then(by_numbers.unwrap_or(std::cmp::Ordering::Equal))
         });
         nodes.clear();
-        nodes.extend(links.iter().flat_map(|link| link.nodes).map(|place| Node {
-            place,
-            inverse_mass: f64::from(inverse_mass(place as usize)),
+        nodes.extend(links.iter().flat_map(|link| link.nodes).map(|index| Node {
+            index,
+            inverse_mass: f64::from(inverse_mass(index as usize)),
             ..Node::default()
         }));
-        nodes.sort_unstable_by_key(|node| node.place);
-        nodes.dedup_by_key(|node| node.place);
+        nodes.sort_unstable_by_key(|node| node.index);
+        nodes.dedup_by_key(|node| node.index);
         for link in links.iter_mut() {
-            link.nodes = link.nodes.map(|place| {
-                nodes.binary_search_by_key(&place, |node| node.place).expect("every node is listed")
+            link.nodes = link.nodes.map(|index| {
+                nodes.binary_search_by_key(&index, |node| node.index).expect("every node is listed")
                     as u32
             });
             for node in link.nodes {
@@ -238,9 +238,9 @@ impl SpringSolver {
         let part = step / parts;
         let Self { links, nodes, container } = self;
         for node in nodes.iter_mut() {
-            node.position = motions.position(node.place).map(f64::from);
-            let velocity = motions.velocity(node.place);
-            let kick = &kicks[node.place as usize];
+            node.position = motions.position(node.index).map(f64::from);
+            let velocity = motions.velocity(node.index);
+            let kick = &kicks[node.index as usize];
             node.velocity = [0, 1].map(|k| f64::from(velocity[k]) + kick.before[k]);
         }
         // Stiffness and damping beyond the limit of stability (Gershgorin's bound) are reduced.
@@ -268,8 +268,8 @@ impl SpringSolver {
             }
         }
         for node in nodes.iter().filter(|node| node.inverse_mass > 0.0) {
-            let motion = motions.get(node.place);
-            let kick = &mut kicks[node.place as usize];
+            let motion = motions.get(node.index);
+            let kick = &mut kicks[node.index as usize];
             let mean = [0, 1].map(|k| {
                 let displacement = node.position[k] - f64::from(motion.position[k]);
                 bounded(displacement / step)

@@ -33,8 +33,8 @@ impl<T: Scalar, I: Copy> Overlaps<T, I> {
         period: &Period<T>,
         shapes: impl Fn([I; 2]) -> [Shape<T>; 2],
     ) -> Result<Self> {
-        let mut normals = memory::with_room(pairs.len())?;
-        let mut depths = memory::with_room(pairs.len())?;
+        let mut normals = memory::with_capacity(pairs.len())?;
+        let mut depths = memory::with_capacity(pairs.len())?;
         let mut pulse = Pulse::current();
         for &pair in &pairs {
             pulse.check(CONTACT_WORK)?;
@@ -66,22 +66,22 @@ pub fn overlaps<T: Scalar>(
         found.sort()?;
     }
     let Found { pairs, tests } = found;
-    let places = [places_of(tree)?, other.map_or_else(|| Ok(Vec::new()), places_of)?];
+    let indices = [indices_of(tree)?, other.map_or_else(|| Ok(Vec::new()), indices_of)?];
     Overlaps::of(pairs, tests, &tree.period(), |[i, j]| {
-        let first = tree.columns().shape(places[0][i as usize] as usize);
+        let first = tree.columns().shape(indices[0][i as usize] as usize);
         let second = match other {
-            None => tree.columns().shape(places[0][j as usize] as usize),
-            Some(other) => other.columns().shape(places[1][j as usize] as usize),
+            None => tree.columns().shape(indices[0][j as usize] as usize),
+            Some(other) => other.columns().shape(indices[1][j as usize] as usize),
         };
         [first, second]
     })
 }
 
-/// The place of each row of a tree.
-fn places_of<T: Scalar>(tree: &Quadtree<T>) -> Result<Vec<u32>> {
-    let mut places = memory::filled(tree.len(), 0)?;
-    for (place, &row) in (0..).zip(tree.rows()) {
-        places[row as usize] = place;
+/// The index of each row of a tree.
+fn indices_of<T: Scalar>(tree: &Quadtree<T>) -> Result<Vec<u32>> {
+    let mut indices = memory::filled(tree.len(), 0)?;
+    for (index, &row) in (0..).zip(tree.rows()) {
+        indices[row as usize] = index;
     }
-    Ok(places)
+    Ok(indices)
 }

@@ -80,8 +80,8 @@ pub(super) fn brute<T: Scalar>(shapes: &Shapes<T>, max_pairs: usize) -> Result<F
                     let found = shapes.shape(other);
                     output.tests += 1;
                     if shape.may_pair(&found) && shapes.period.overlap(&shape, &found) {
-                        let Some(room) = output.room(1) else { return };
-                        room[0] = [row as u32, other as u32];
+                        let Some(spare) = output.spare(1) else { return };
+                        spare[0] = [row as u32, other as u32];
                         output.accept(1);
                     }
                 }

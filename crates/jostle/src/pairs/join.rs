@@ -51,7 +51,7 @@ impl<'a, T: Scalar> Join<'a, T> {
         Self { a, b, shift, other_shift, is_same: false, mask, filters }
     }
 
-    /// Finds all pairs of places and converts them by `map`.
+    /// Finds all pairs of indices and converts them by `map`.
     pub(super) fn run(&self, max_pairs: usize, map: &MapPairs<'_>) -> Result<Found> {
         self.run_in(max_pairs, map, &mut JoinScratch::default())
     }
@@ -72,7 +72,7 @@ impl<'a, T: Scalar> Join<'a, T> {
             let join = Self { shift, other_shift, is_same: false, ..*self };
             let left = max_pairs - found.pairs.len();
             let shapes = |pair: [u32; 2]| {
-                let [a, b] = pair.map(|place| place as usize);
+                let [a, b] = pair.map(|index| index as usize);
                 [self.a.columns().shape(a), self.b.columns().shape(b)]
             };
             let map = |pairs: &mut [[u32; 2]]| {
@@ -259,7 +259,7 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
             } else {
                 let bounds = [&a.bounds()[first], &b.bounds()[second]];
                 let ranges = if !is_moved {
-                    [a.places_near(first, bounds[1]), b.places_near(second, bounds[0])]
+                    [a.indices_near(first, bounds[1]), b.indices_near(second, bounds[0])]
                 } else {
                     [a.nodes()[first].range(), b.nodes()[second].range()]
                 };

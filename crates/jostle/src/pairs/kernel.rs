@@ -57,7 +57,7 @@ struct Packed<T> {
     radius: [T; CHUNK + LANES],
     half_x: [T; CHUNK + LANES],
     half_y: [T; CHUNK + LANES],
-    place: [u32; CHUNK + LANES],
+    index: [u32; CHUNK + LANES],
 }
 
 impl<T: Scalar> Default for Scratch<T> {
@@ -78,7 +78,7 @@ impl<T: Scalar> Default for Packed<T> {
             radius: none,
             half_x: none,
             half_y: none,
-            place: [0; CHUNK + LANES],
+            index: [0; CHUNK + LANES],
         }
     }
 }
@@ -271,10 +271,10 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in (0..packed_b.len.min(CHUNK)).step_by(LANES) {
             let others = self.load::<CORE>(&packed_b.padded(), start);
             let lanes = first_lanes(packed_b.len - start);
-            let places = block(&packed_b.place, start);
+            let indices = block(&packed_b.index, start);
             let allowed = |row: usize, bits: u32| {
-                let shape = self.a.shape(packed_a.place[row] as usize);
-                allowed(&shape, self.b, |lane| places[lane] as usize, bits)
+                let shape = self.a.shape(packed_a.index[row] as usize);
+                allowed(&shape, self.b, |lane| indices[lane] as usize, bits)
             };
             let wanted = |_: usize| lanes;
             let found = self.test::<CORE>(&rows, &others, wanted, allowed, row_hits);
@@ -283,7 +283,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 found,
                 output,
                 #[inline(always)]
-                |row, bits, to| simd.pair_with(packed_a.place[row], places, bits, to),
+                |row, bits, to| simd.pair_with(packed_a.index[row], indices, bits, to),
             );
         }
     }
@@ -324,7 +324,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 simd.pack(shapes.half[0], bits, block_mut(&mut to.half_x, end));
                 simd.pack(shapes.half[1], bits, block_mut(&mut to.half_y, end));
             }
-            simd.pack_places(start as u32, bits, block_mut(&mut to.place, end));
+            simd.pack_indices(start as u32, bits, block_mut(&mut to.index, end));
             to.len = end + bits.count_ones() as usize;
         }
     }
@@ -575,7 +575,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             found,
             output,
             #[inline(always)]
-            |row, bits, to| simd.pair_with_places((first + row) as u32, start as u32, bits, to),
+            |row, bits, to| simd.pair_with_indices((first + row) as u32, start as u32, bits, to),
         );
     }
 
@@ -609,7 +609,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             }
             // The same number of blocks for each row: the branch is predictable.
             let blocks = (last - rows.start).saturating_sub(1).div_ceil(LANES);
-            let Some(room) = output.room(rows.len() * blocks * LANES) else { return };
+            let Some(spare) = output.spare(rows.len() * blocks * LANES) else { return };
             let mut count = 0;
             let mut tests = 0;
             for row in rows {
@@ -631,8 +631,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                     if has_filters {
                         bits = allowed(&self.a.shape(row), self.b, |lane| start + lane, bits);
                     }
-                    let to = room[count..].first_chunk_mut().expect("there is room");
-                    simd.pair_with_places(row as u32, start as u32, bits, to);
+                    let to = spare[count..].first_chunk_mut().expect("there is spare");
+                    simd.pair_with_indices(row as u32, start as u32, bits, to);
                     count += bits.count_ones() as usize;
                 }
             }
@@ -649,10 +649,10 @@ fn emit_pairs(
     output: &mut Output<'_>,
     pairs: impl Fn(usize, u32, &mut [[u32; 2]; LANES]),
 ) {
-    let Some(room) = output.room(row_hits.len() * LANES) else { return };
+    let Some(spare) = output.spare(row_hits.len() * LANES) else { return };
     let mut found = 0;
     for &(row, bits) in row_hits {
-        let to = room[found..].first_chunk_mut().expect("there is room");
+        let to = spare[found..].first_chunk_mut().expect("there is spare");
         pairs(row as usize, bits, to);
         found += bits.count_ones() as usize;
     }

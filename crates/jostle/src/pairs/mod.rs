@@ -227,7 +227,7 @@ fn within_in<T: Scalar>(
         return join.run_in(max_pairs, &|pairs| map_each(pairs, ordered), scratch);
     };
     let select = |pairs: &mut [[u32; 2]]| {
-        let selected = |place: u32| has_category(tree, place, mask);
+        let selected = |index: u32| has_category(tree, index, mask);
         filter_map(pairs, |pair| pair.into_iter().all(selected).then(|| ordered(pair)))
     };
     join.run_in(max_pairs, &select, scratch)
@@ -274,12 +274,12 @@ pub fn near<T: Scalar>(
     }
 }
 
-fn has_category<T: Scalar>(tree: &Quadtree<T>, place: u32, mask: u32) -> bool {
-    tree.columns().shape(place as usize).category & mask != 0
+fn has_category<T: Scalar>(tree: &Quadtree<T>, index: u32, mask: u32) -> bool {
+    tree.columns().shape(index as usize).category & mask != 0
 }
 
-/// As [`within`], as places in Morton order instead of rows.
-pub fn places_within<T: Scalar>(
+/// As [`within`], as indices in Morton order instead of rows.
+pub fn indices_within<T: Scalar>(
     tree: &Quadtree<T>,
     max_pairs: usize,
     scratch: &mut JoinScratch,
@@ -288,8 +288,8 @@ pub fn places_within<T: Scalar>(
     join.run_in(max_pairs, &unchanged, scratch)
 }
 
-/// As [`between`], as places, with every shape of `a` moved by `-shift`.
-pub fn places_between<T: Scalar>(
+/// As [`between`], as indices, with every shape of `a` moved by `-shift`.
+pub fn indices_between<T: Scalar>(
     a: &Quadtree<T>,
     b: &Quadtree<T>,
     shift: [T; 2],
@@ -330,7 +330,7 @@ pub fn brute<T: Scalar>(
     })
 }
 
-/// As [`places_between`], for shapes without trees, by brute force.
+/// As [`indices_between`], for shapes without trees, by brute force.
 pub fn brute_between<T: Scalar>(
     a: &Columns<T>,
     b: &Columns<T>,
@@ -345,7 +345,7 @@ pub fn brute_between<T: Scalar>(
     })
 }
 
-/// [`MapPairs`] that leaves pairs of places unchanged.
+/// [`MapPairs`] that leaves pairs of indices unchanged.
 fn unchanged(pairs: &mut [[u32; 2]]) -> usize {
     pairs.len()
 }
@@ -383,8 +383,12 @@ impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
     }
 }
 
-/// Sorts pairs of places below `len` by first, then by second.
-pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScratch) -> Result<()> {
+/// Sorts pairs of indices below `len` by first, then by second.
+pub fn sort_indices(
+    pairs: &mut Vec<[u32; 2]>,
+    len: usize,
+    scratch: &mut SortScratch,
+) -> Result<()> {
     let SortScratch { ends, spare } = scratch;
     memory::resize(ends, len, 0)?;
     spare.clear();
@@ -399,7 +403,7 @@ pub fn sort_places(pairs: &mut Vec<[u32; 2]>, len: usize, scratch: &mut SortScra
     Ok(())
 }
 
-/// Scratch of [`sort_places`], kept between calls.
+/// Scratch of [`sort_indices`], kept between calls.
 #[derive(Clone, Debug, Default)]
 pub struct SortScratch {
     ends: Vec<u32>,

@@ -14,7 +14,7 @@ use crate::simd::LANES;
 /// A thread adds its new pairs to the common count in portions of this size.
 const REPORTED: usize = 1 << 16;
 
-/// Two places, or two rows.
+/// Two indices, or two rows.
 pub(super) type Pair = [u32; 2];
 
 /// Number of pairs of a task that copies pairs to the result.
@@ -23,7 +23,7 @@ const COPIED: usize = 1 << 18;
 /// Pairs are converted in portions of this size, which fit into the first-level cache.
 const CONVERTED: usize = 1 << 10;
 
-/// Converts pairs of places in place; the results are at the beginning. Returns their number.
+/// Converts pairs of indices in place; the results are at the beginning. Returns their number.
 ///
 /// A trait object that is called for many pairs at a time, so that the kernels are compiled once.
 pub(super) type MapPairs<'a> = dyn Fn(&mut [Pair]) -> usize + Sync + 'a;
@@ -220,7 +220,7 @@ impl<'a> Output<'a> {
 
     /// Memory for `more` pairs and a spare block of [`LANES`]; None if the allocation fails.
     #[inline(always)]
-    pub(super) fn room(&mut self, more: usize) -> Option<&mut [Pair]> {
+    pub(super) fn spare(&mut self, more: usize) -> Option<&mut [Pair]> {
         let end = self.count + more + LANES;
         if end > self.part.pairs.len() && !self.grow(end) {
             return None;
@@ -228,7 +228,7 @@ impl<'a> Output<'a> {
         Some(&mut self.part.pairs[self.count..])
     }
 
-    /// Appends the first `count` pairs in [`room`](Self::room); converts new pairs if there are
+    /// Appends the first `count` pairs in [`spare`](Self::spare); converts new pairs if there are
     /// enough.
     #[inline(always)]
     pub(super) fn accept(&mut self, count: usize) {
@@ -249,7 +249,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Makes room for at least `end` pairs; returns whether the allocation succeeded.
+    /// Reserves memory for at least `end` pairs; returns whether the allocation succeeded.
     #[cold]
     fn grow(&mut self, end: usize) -> bool {
         let pairs = &mut self.part.pairs;

@@ -53,11 +53,11 @@ impl LineSegment {
 
     /// The distance at which a circle is near.
     #[inline(always)]
-    fn reach(&self, radius: f32) -> f32 {
+    fn near_distance(&self, radius: f32) -> f32 {
         radius.max(self.least_radius) * (1.0 + ROUNDING as f32) + self.margin
     }
 
-    /// Distance of a point from the line, negative on the right-hand side, and its place along it.
+    /// Distance of a point from the line, negative on the right-hand side, and its position along it.
     #[inline(always)]
     fn seen(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [ux, uy] = self.along;
@@ -70,11 +70,11 @@ impl LineSegment {
     pub fn may_touch(&self, path: &Path, radius: f32, extent: f32) -> bool {
         let [across, along] = self.seen([0, 1].map(|k| path.position[k] - self.start[k]));
         let [aside, ahead] = self.seen(path.displacement);
-        let reach = self.reach(radius) + extent;
-        let is_beside =
-            (across.min(across + aside) > reach) | (across.max(across + aside) < -reach);
-        let is_before = along.max(along + ahead) < -reach;
-        let is_behind = along.min(along + ahead) > self.length + reach;
+        let near_distance = self.near_distance(radius) + extent;
+        let is_beside = (across.min(across + aside) > near_distance)
+            | (across.max(across + aside) < -near_distance);
+        let is_before = along.max(along + ahead) < -near_distance;
+        let is_behind = along.min(along + ahead) > self.length + near_distance;
         !(is_beside | is_before | is_behind)
     }
 
@@ -122,10 +122,10 @@ impl LineSegments {
         self.columns.iter_mut().for_each(|column| column.resize(self.all.len() + LANES, 0.0));
     }
 
-    /// The segment at a place.
+    /// The segment at an index.
     #[inline(always)]
-    pub fn at(&self, place: u32) -> LineSegment {
-        self.all[place as usize]
+    pub fn at(&self, index: u32) -> LineSegment {
+        self.all[index as usize]
     }
 
     /// Which of sixteen segments from `start` on may be nearer than a distance to circles with these
@@ -152,15 +152,16 @@ impl LineSegments {
         let [x, y] = [simd.sub(p, x), simd.sub(q, y)];
         let across = absolute(simd.sub(simd.mul(y, u), simd.mul(x, v)));
         let [x, y, u, v] = [x, y, u, v].map(absolute);
-        let reach = simd.add(simd.mul(simd.max(radius, least), scale), simd.add(margin, distance));
-        let far_x = simd.add(simd.add(wide, simd.mul(u, length)), reach);
-        let far_y = simd.add(simd.add(high, simd.mul(v, length)), reach);
-        let aside = simd.add(simd.add(simd.mul(v, wide), simd.mul(u, high)), reach);
+        let near_distance =
+            simd.add(simd.mul(simd.max(radius, least), scale), simd.add(margin, distance));
+        let far_x = simd.add(simd.add(wide, simd.mul(u, length)), near_distance);
+        let far_y = simd.add(simd.add(high, simd.mul(v, length)), near_distance);
+        let aside = simd.add(simd.add(simd.mul(v, wide), simd.mul(u, high)), near_distance);
         simd.at_most(x, far_x) & simd.at_most(y, far_y) & simd.at_most(across, aside)
     }
 }
 
-/// The places of line segments and of circles that are nearer to them than a distance, and of a few
+/// The indices of line segments and of circles that are nearer to them than a distance, and of a few
 /// others. `tree` has the bounds of the segments, in the same order.
 pub fn near_segments(
     tree: &Quadtree<f32>,
@@ -203,27 +204,27 @@ impl Work<f32> for Leaf<'_, '_> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
         let Self { tree, segments, distance, circles, leaf, stack, output } = self;
-        let (own, places) = (&tree.bounds()[leaf], tree.nodes()[leaf].range());
-        while let Some([_, index]) = stack.pop() {
+        let (own, indices) = (&tree.bounds()[leaf], tree.nodes()[leaf].range());
+        while let Some([_, number]) = stack.pop() {
             if output.is_over(NODE_WORK) {
                 return;
             }
-            let bounds = &circles.bounds()[index as usize];
+            let bounds = &circles.bounds()[number as usize];
             let gaps = [0, 1].map(|k| (own.min[k] - bounds.max[k]).max(bounds.min[k] - own.max[k]));
             if gaps[0].max(gaps[1]) > own.radius + bounds.radius + distance {
                 continue;
             }
-            let node = &circles.nodes()[index as usize];
+            let node = &circles.nodes()[number as usize];
             if !node.is_leaf() {
                 stack.extend(node.children().map(|child| [0, child as u32]));
                 continue;
             }
-            for start in places.clone().step_by(LANES) {
+            for start in indices.clone().step_by(LANES) {
                 let bits = segments.reaching(simd, start, bounds, distance);
-                for_each_lane(bits & first_lanes(places.end - start), |lane| {
-                    let place = (start + lane) as u32;
-                    let of = (&segments.at(place), distance);
-                    test(simd, of, place, circles, node.range(), output);
+                for_each_lane(bits & first_lanes(indices.end - start), |lane| {
+                    let index = (start + lane) as u32;
+                    let of = (&segments.at(index), distance);
+                    test(simd, of, index, circles, node.range(), output);
                 });
             }
         }
@@ -235,7 +236,7 @@ impl Work<f32> for Leaf<'_, '_> {
 fn test<S: Simd<f32>>(
     simd: S,
     (segment, distance): (&LineSegment, f32),
-    place: u32,
+    index: u32,
     circles: &Quadtree<f32>,
     range: Range<usize>,
     output: &mut Output<'_>,
@@ -254,15 +255,15 @@ fn test<S: Simd<f32>>(
         let [x, y] = [simd.sub(x, simd.mul(along, ux)), simd.sub(y, simd.mul(along, uy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
         let radius = simd.max(simd.load(block(&columns.radius, start)), least);
-        let reach = simd.add(simd.mul(radius, scale), margin);
-        let near = simd.at_most(square, simd.mul(reach, reach));
+        let near_distance = simd.add(simd.mul(radius, scale), margin);
+        let near = simd.at_most(square, simd.mul(near_distance, near_distance));
         let bits = near & first_lanes(range.end - start);
         if bits == 0 {
             continue;
         }
-        let Some(room) = output.room(LANES) else { return };
-        let to = room.first_chunk_mut().expect("there is room");
-        simd.pair_with_places(place, start as u32, bits, to);
+        let Some(spare) = output.spare(LANES) else { return };
+        let to = spare.first_chunk_mut().expect("there is spare");
+        simd.pair_with_indices(index, start as u32, bits, to);
         output.accept(bits.count_ones() as usize);
     }
 }
@@ -291,7 +292,7 @@ mod tests {
         /// radius: near and far from the origin, short and long segments and ways, and points.
         #[test]
         fn a_disc_that_touches_is_never_left_out(
-            place in vector(-2.0..6.0),
+            index in vector(-2.0..6.0),
             line in vector(-2.0..3.0),
             drift in prop_oneof![vector(-3.0..5.0), Just([0.0; 2])],
             radius in prop_oneof![Just(0.0f32), Just(1.0), Just(0.01), Just(30.0)],
@@ -299,11 +300,11 @@ mod tests {
             (share, when) in (0.0..1.0, 0.0..1.0),
             at in prop_oneof![0.0..1.0, Just(0.0), Just(1.0)],
         ) {
-            let ends = [place, [0, 1].map(|k| place[k] + line[k])];
+            let ends = [index, [0, 1].map(|k| index[k] + line[k])];
             let segment = LineSegment::new(ends, 0.0, 0.0);
             let away = share * f64::from(radius);
             let start = [0, 1].map(|k| {
-                place[k] + at * line[k] + away * direction[k] - when * drift[k]
+                index[k] + at * line[k] + away * direction[k] - when * drift[k]
             });
             let path =
                 Path { position: start.map(|v| v as f32), displacement: drift.map(|v| v as f32) };
@@ -311,7 +312,7 @@ mod tests {
             let extent = (1e-6 * (sizes + f64::from(radius))) as f32;
             prop_assert!(segment.may_touch(&path, radius, extent));
             if segment.is_left(&path, extent) {
-                let offset = [0, 1].map(|k| start[k] - place[k]);
+                let offset = [0, 1].map(|k| start[k] - index[k]);
                 let across = [-line[1], line[0]];
                 prop_assert!((0.0..=dot(line, line)).contains(&dot(offset, line)));
                 prop_assert!(dot(offset, across) * dot(drift, across) > 0.0);

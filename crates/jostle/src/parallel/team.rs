@@ -298,8 +298,8 @@ impl Pools {
             return None;
         }
         let known = self.kept.iter().position(|kept| kept.pool.current_num_threads() == count);
-        if let Some(place) = known {
-            self.kept[..=place].rotate_right(1);
+        if let Some(index) = known {
+            self.kept[..=index].rotate_right(1);
             return Some(self.kept[0].clone());
         }
         if self.refused > 0 {

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use super::Node;
 use super::grid::GRID_LEVELS;
 use super::order::{Keyed, Order};
-use super::strips::{self, Places, Strips};
+use super::strips::{self, Outputs, Strips};
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
@@ -39,7 +39,7 @@ pub struct Nodes<T> {
     pub bounds: Vec<Bounds<T>>,
     /// The strips of each leaf.
     pub strips: Vec<Strips<T>>,
-    /// The end of each strip, as a place.
+    /// The end of each strip, as an index.
     pub ends: Vec<u32>,
     scratch: strips::Scratch,
 }
@@ -61,14 +61,14 @@ impl<T: Scalar> Nodes<T> {
             + self.ends.capacity() * size_of::<u32>()
     }
 
-    /// Makes the nodes and the strips of the leaves, and writes the shapes to their `places`. Not
+    /// Makes the nodes and the strips of the leaves, and writes the shapes to their `indices`. Not
     /// inlined, so that profiles show it.
     #[inline(never)]
     pub fn build(
         &mut self,
         order: &Order<T>,
         shapes: &Shapes<T>,
-        mut places: Places<'_, T>,
+        mut indices: Outputs<'_, T>,
         settings: &Settings,
         in_strips: bool,
     ) -> Result<()> {
@@ -83,7 +83,7 @@ impl<T: Scalar> Nodes<T> {
             let Self { nodes, strips, ends, scratch, .. } = self;
             nodes.push(root);
             builder.split_all(nodes, 0)?;
-            return builder.fill_leaves(nodes, places, strips, ends, scratch);
+            return builder.fill_leaves(nodes, indices, strips, ends, scratch);
         }
         self.nodes.push(root);
         builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
@@ -93,7 +93,7 @@ impl<T: Scalar> Nodes<T> {
         let failed = Mutex::new(Ok(()));
         let tasks = open.iter().map(|&node| {
             let node = self.nodes[node as usize];
-            (node, places.split_off(node.len()))
+            (node, indices.split_off(node.len()))
         });
         let tasks: Vec<_> = tasks.collect();
         let mut parts = Vec::new();
@@ -101,8 +101,8 @@ impl<T: Scalar> Nodes<T> {
             settings.threads,
             tasks.into_iter().enumerate(),
             Part::default,
-            |(task, (root, places)), part| {
-                if let Err(error) = builder.add(part, task, root, places) {
+            |(task, (root, indices)), part| {
+                if let Err(error) = builder.add(part, task, root, indices) {
                     *locked(&failed) = Err(error);
                 }
             },
@@ -216,13 +216,13 @@ impl<T: Scalar> Builder<'_, T> {
         part: &mut Part<T>,
         task: usize,
         root: Node,
-        places: Places<'_, T>,
+        indices: Outputs<'_, T>,
     ) -> Result<()> {
         let [first, strip, end] = [part.nodes.len(), part.strips.len(), part.ends.len()];
         memory::push(&mut part.nodes, root)?;
         self.split_all(&mut part.nodes, 0)?;
         let Part { nodes, strips, ends, scratch, .. } = part;
-        self.fill_leaves(&mut nodes[first..], places, strips, ends, scratch)?;
+        self.fill_leaves(&mut nodes[first..], indices, strips, ends, scratch)?;
         part.pieces.push(Piece {
             task,
             nodes: first..part.nodes.len(),
@@ -232,11 +232,11 @@ impl<T: Scalar> Builder<'_, T> {
         Ok(())
     }
 
-    /// Writes the shapes of all leaves to the places of the first node, and makes their strips.
+    /// Writes the shapes of all leaves to the indices of the first node, and makes their strips.
     fn fill_leaves(
         &self,
         nodes: &mut [Node],
-        mut places: Places<'_, T>,
+        mut indices: Outputs<'_, T>,
         strips: &mut Vec<Strips<T>>,
         ends: &mut Vec<u32>,
         scratch: &mut strips::Scratch,
@@ -248,7 +248,7 @@ impl<T: Scalar> Builder<'_, T> {
             node.children = strips.len() as u32;
             let items = self.order.keyed[0].items(node.range());
             let from = (node.start - before) as usize;
-            let to = places.range(from..from + node.len());
+            let to = indices.range(from..from + node.len());
             let start = node.start as usize;
             let leaf = if self.in_strips {
                 strips::sort_into_strips(self.shapes, items, start, to, ends, scratch)
@@ -298,7 +298,7 @@ impl<T: Scalar> Builder<'_, T> {
             differing = keyed.key(start) ^ keyed.key(end - 1);
         }
         if differing == 0 {
-            return split_by_place(index, nodes);
+            return split_by_index(index, nodes);
         }
         // The level at which the first and the last key differ. The keys are sorted, so all agree
         // above.
@@ -311,7 +311,7 @@ impl<T: Scalar> Builder<'_, T> {
 }
 
 /// Splits a node of coincident shapes into four parts of about equal size.
-fn split_by_place(index: usize, nodes: &mut Vec<Node>) {
+fn split_by_index(index: usize, nodes: &mut Vec<Node>) {
     let node = nodes[index];
     let end = |quarter: usize| node.len() * quarter / 4;
     append(index, nodes, [0, 1, 2, 3].map(|quarter| end(quarter + 1) - end(quarter)), node.level);

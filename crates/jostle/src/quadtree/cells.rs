@@ -36,7 +36,7 @@ impl<T: Scalar> Quadtree<T> {
             let (depth, count) = (usize::from(node.depth), node.len());
             TreeBox { bounds: cells[index], depth, count, is_leaf }
         });
-        let mut boxes = memory::with_room(self.nodes().len())?;
+        let mut boxes = memory::with_capacity(self.nodes().len())?;
         boxes.extend(listed);
         Ok(boxes)
     }
@@ -81,7 +81,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     pub(super) fn cells_unless_stopped(&self, pulse: &mut Pulse) -> Result<Vec<Cell>> {
-        let mut cells = memory::with_room(self.nodes().len())?;
+        let mut cells = memory::with_capacity(self.nodes().len())?;
         for node in self.nodes() {
             pulse.check(CELL_WORK)?;
             cells.push(self.own_cell(node));
@@ -109,8 +109,8 @@ impl<T: Scalar> Quadtree<T> {
             let Bounds { min, max, .. } = self.bounds()[node];
             return [min[0], min[1], max[0], max[1]].map(T::to_f64);
         }
-        let centers = self.nodes()[node].range().map(|place| {
-            let [x, y] = self.columns.shape(place).center().map(T::to_f64);
+        let centers = self.nodes()[node].range().map(|index| {
+            let [x, y] = self.columns.shape(index).center().map(T::to_f64);
             [x, y, x, y]
         });
         centers.reduce(union).expect("a node is never empty")

@@ -7,8 +7,8 @@ use crate::interrupt::{Pulse, Stop};
 impl<T: Scalar> Quadtree<T> {
     /// Checks every node; the error describes the first violated invariant.
     ///
-    /// * Every row is at exactly one place.
-    /// * The root has all places. The ranges of children partition the range of their parent in
+    /// * Every row is at exactly one index.
+    /// * The root has all indices. The ranges of children partition the range of their parent in
     ///   order. No node is empty, and no parent has a single child.
     /// * Parents precede their children, whose depth is one more.
     /// * A leaf has at most `leaf_capacity` shapes unless it is at `max_depth`; no node is deeper
@@ -86,8 +86,7 @@ impl<T: Scalar> Quadtree<T> {
     }
 
     fn check_bounds(&self, index: usize) -> Result<(), String> {
-        let shapes =
-            self.nodes()[index].range().map(|place| Bounds::of(&self.columns.shape(place)));
+        let shapes = self.nodes()[index].range().map(|at| Bounds::of(&self.columns.shape(at)));
         if shapes.reduce(Bounds::join) == Some(self.bounds()[index]) {
             Ok(())
         } else {

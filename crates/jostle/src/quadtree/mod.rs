@@ -52,7 +52,7 @@ pub struct Node {
 }
 
 impl Node {
-    /// Its shapes, as places in Morton order.
+    /// Its shapes, as indices in Morton order.
     pub fn range(&self) -> Range<usize> {
         self.start as usize..self.end as usize
     }
@@ -134,6 +134,11 @@ impl<T: Scalar> Quadtree<T> {
         self.order.extent = extent;
     }
 
+    /// The AABB of the grid, if it is given.
+    pub fn extent(&self) -> Option<[[T; 2]; 2]> {
+        self.order.extent
+    }
+
     /// Lets later builds order two shapes by their centres alone, whatever others there are.
     pub fn set_nested(&mut self) {
         self.order.is_nested = true;
@@ -180,9 +185,9 @@ impl<T: Scalar> Quadtree<T> {
         self.order.sort(shapes, tie, unsorted, threads)?;
         let mut rows = std::mem::take(&mut self.order.rows);
         memory::resize(&mut rows, shapes.len(), 0)?;
-        let [x, y] = self.columns.places(shapes.len())?;
-        let places = strips::Places { rows: &mut rows, x, y };
-        let built = self.built.build(&self.order, shapes, places, &settings, unsorted > 0);
+        let [x, y] = self.columns.indices(shapes.len())?;
+        let indices = strips::Outputs { rows: &mut rows, x, y };
+        let built = self.built.build(&self.order, shapes, indices, &settings, unsorted > 0);
         self.order.rows = rows;
         built?;
         self.columns.fill_rest(shapes, &self.order.rows, threads)?;
@@ -216,7 +221,7 @@ impl<T: Scalar> Quadtree<T> {
         &self.columns
     }
 
-    /// `rows()[place]` is the caller's row of the shape at `place` in Morton order.
+    /// `rows()[index]` is the caller's row of the shape at `index` in Morton order.
     pub fn rows(&self) -> &[u32] {
         &self.order.rows
     }
@@ -231,7 +236,7 @@ impl<T: Scalar> Quadtree<T> {
         &self.built.bounds
     }
 
-    /// For each strip of a leaf: its places, and the end of the last strip with shapes that its own
+    /// For each strip of a leaf: its indices, and the end of the last strip with shapes that its own
     /// shapes could overlap.
     #[inline(always)]
     pub fn strips(&self, leaf: &Node) -> impl Iterator<Item = (Range<usize>, usize)> {
@@ -239,19 +244,19 @@ impl<T: Scalar> Quadtree<T> {
         let ends = &self.built.ends[strips.ends()];
         let mut start = leaf.start as usize;
         ends.iter().enumerate().map(move |(strip, &end)| {
-            let places = start..end as usize;
+            let indices = start..end as usize;
             start = end as usize;
-            (places, ends[strips.last_reached(strip)] as usize)
+            (indices, ends[strips.last_reached(strip)] as usize)
         })
     }
 
-    /// A range of places of a leaf that contains all shapes that could overlap a shape within
+    /// A range of indices of a leaf that contains all shapes that could overlap a shape within
     /// `bounds`.
     #[inline(always)]
-    pub fn places_near(&self, leaf: usize, bounds: &Bounds<T>) -> Range<usize> {
+    pub fn indices_near(&self, leaf: usize, bounds: &Bounds<T>) -> Range<usize> {
         let (node, own) = (&self.nodes()[leaf], &self.bounds()[leaf]);
         let strips = &self.built.strips[node.children as usize];
-        strips.places(&self.built.ends, node.range(), own, bounds)
+        strips.indices(&self.built.ends, node.range(), own, bounds)
     }
 
     /// The settings with which it was built.

@@ -29,12 +29,12 @@ const SHORT_RUN: usize = 8;
 /// calls are rare.
 pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 
-/// Keys of the places `start..end` of the order, in one grid.
+/// Keys of the indices `start..end` of the order, in one grid.
 #[derive(Clone, Debug, Default)]
 pub struct Keyed<T> {
-    /// First place.
+    /// First index.
     pub start: usize,
-    /// Place after the last one.
+    /// Index after the last one.
     pub end: usize,
     /// The grid of the keys.
     pub grid: Grid,
@@ -44,28 +44,28 @@ pub struct Keyed<T> {
 }
 
 impl<T> Keyed<T> {
-    /// The key of the shape at a place.
-    pub fn key(&self, place: usize) -> u32 {
-        self.items[place - self.start].key
+    /// The key of the shape at an index.
+    pub fn key(&self, index: usize) -> u32 {
+        self.items[index - self.start].key
     }
 
-    /// The first place whose key is at least `bound`.
+    /// The first index whose key is at least `bound`.
     pub fn first_at_least(&self, bound: u32) -> usize {
         self.start + self.parts.first_at_least(&self.items, bound)
     }
 
-    /// The items of some places.
-    pub fn items(&self, places: Range<usize>) -> &[Item<T>] {
-        &self.items[places.start - self.start..places.end - self.start]
+    /// The items of some indices.
+    pub fn items(&self, indices: Range<usize>) -> &[Item<T>] {
+        &self.items[indices.start - self.start..indices.end - self.start]
     }
 }
 
 /// The rows of the shapes in Morton order, and the keys.
 #[derive(Clone, Debug, Default)]
 pub struct Order<T> {
-    /// `rows[place]` is the shape's row in the caller's columns.
+    /// `rows[index]` is the shape's row in the caller's columns.
     pub rows: Vec<u32>,
-    /// The first entry has the keys of all places; each other entry those of places that are in one
+    /// The first entry has the keys of all indices; each other entry those of indices that are in one
     /// finest cell of an earlier entry.
     pub keyed: Vec<Keyed<T>>,
     /// The AABB of the grid, if it is given.
@@ -75,7 +75,7 @@ pub struct Order<T> {
     pub is_nested: bool,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter<T>,
-    /// Ranges of places that share a key.
+    /// Ranges of indices that share a key.
     equal: Vec<Range<usize>>,
     /// Those that are not sorted yet.
     open: VecDeque<Range<usize>>,
@@ -154,12 +154,12 @@ impl<T: Scalar> Order<T> {
         self.open = VecDeque::new();
     }
 
-    /// The index in `keyed` of the finer grid for exactly these places.
+    /// The index in `keyed` of the finer grid for exactly these indices.
     pub fn finer(&self, start: usize, end: usize) -> Option<usize> {
         self.finer.get(&(start, end)).copied()
     }
 
-    /// Sorts a range of places that share a key: few by comparison, many by the keys of a finer
+    /// Sorts a range of indices that share a key: few by comparison, many by the keys of a finer
     /// grid, which may append ranges to `open`.
     fn resolve(
         &mut self,
@@ -181,8 +181,8 @@ impl<T: Scalar> Order<T> {
                 let nested = || root.compare(a.center.map(T::to_f64), b.center.map(T::to_f64));
                 let by_cell = if is_nested { nested() } else { Ordering::Equal };
                 let by_x = by_cell.then_with(|| a_x.total_order(&b_x));
-                let by_place = by_x.then_with(|| a_y.total_order(&b_y));
-                let by_tie = by_place.then_with(|| tie(a.row as usize, b.row as usize));
+                let by_index = by_x.then_with(|| a_y.total_order(&b_y));
+                let by_tie = by_index.then_with(|| tie(a.row as usize, b.row as usize));
                 by_tie.then(a.row.cmp(&b.row))
             });
             return Ok(());
@@ -201,7 +201,7 @@ impl<T: Scalar> Order<T> {
         memory::push(&mut self.keyed, keyed)
     }
 
-    /// Sorts the shapes of a source, those at the places of `keyed`, by key, then by row. Appends
+    /// Sorts the shapes of a source, those at the indices of `keyed`, by key, then by row. Appends
     /// the ranges that share a key to `open`.
     fn sort_by_key(
         &mut self,

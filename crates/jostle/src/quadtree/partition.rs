@@ -94,19 +94,19 @@ impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
         memory::resize(ends, len.div_ceil(chunk) * blocks, 0)?;
         let chunks = keys[..len].chunks_mut(chunk).zip(items[..len].chunks_mut(chunk));
         let tasks = chunks.zip(ends.chunks_mut(blocks)).enumerate();
-        parallel::for_each(threads, tasks, |(index, ((keys, items), ends))| {
+        parallel::for_each(threads, tasks, |(number, ((keys, items), ends))| {
             if stop.is_set() {
                 return;
             }
-            let start = index * chunk;
+            let start = number * chunk;
             source.keys(start..start + keys.len(), keys);
             let block = |key: u32| leading(key, 0, bits);
             keys.iter().for_each(|&key| ends[block(key)] += 1);
             prefix_sum(ends);
             for (offset, &key) in keys.iter().enumerate() {
-                let place = &mut ends[block(key)];
-                items[*place as usize] = source.item(start + offset, key);
-                *place += 1;
+                let next = &mut ends[block(key)];
+                items[*next as usize] = source.item(start + offset, key);
+                *next += 1;
             }
         });
         stop.check()

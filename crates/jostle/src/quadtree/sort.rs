@@ -287,9 +287,9 @@ impl<T: Copy + Default> Blocks<'_, T> {
         items().for_each(|item| ends[leading(item.key, bits, next)] += 1);
         prefix_sum(ends);
         for &item in items() {
-            let place = &mut ends[leading(item.key, bits, next)];
-            sorted[*place as usize] = item;
-            *place += 1;
+            let index = &mut ends[leading(item.key, bits, next)];
+            sorted[*index as usize] = item;
+            *index += 1;
         }
         let mut from = 0;
         for &end in &*ends {
@@ -364,9 +364,9 @@ fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<
         items.iter().for_each(|item| ends[digit(item)] += 1);
         prefix_sum(&mut ends);
         for &item in &*items {
-            let place = &mut ends[digit(&item)];
-            spare[*place as usize] = item;
-            *place += 1;
+            let index = &mut ends[digit(&item)];
+            spare[*index as usize] = item;
+            *index += 1;
         }
         std::mem::swap(items, spare);
     }

@@ -87,18 +87,18 @@ impl<T: Scalar> Strips<T> {
         (strip + self.ahead as usize).min(self.count as usize - 1)
     }
 
-    /// The range of the places of a leaf, whole strips, with all shapes that could overlap a shape
+    /// The range of the indices of a leaf, whole strips, with all shapes that could overlap a shape
     /// within `bounds`; `own` are the bounds of the leaf.
     #[inline(always)]
-    pub fn places(
+    pub fn indices(
         &self,
         ends: &[u32],
-        places: Range<usize>,
+        indices: Range<usize>,
         own: &Bounds<T>,
         bounds: &Bounds<T>,
     ) -> Range<usize> {
         if self.count == 1 {
-            return places;
+            return indices;
         }
         let half_sum = own.half_size[1].to_f64() + bounds.half_size[1].to_f64();
         let above = own.radius.to_f64() + bounds.radius.to_f64() + half_sum;
@@ -107,13 +107,13 @@ impl<T: Scalar> Strips<T> {
         let low = self.index(T::from_f64(bounds.min[1].to_f64() - below));
         let high = self.index(T::from_f64(bounds.max[1].to_f64() + above));
         let ends = &ends[self.ends()];
-        let start = if low == 0 { places.start } else { ends[low - 1] as usize };
+        let start = if low == 0 { indices.start } else { ends[low - 1] as usize };
         start..ends[high] as usize
     }
 }
 
-/// Outputs for the rows and the centres of some places.
-pub struct Places<'a, T> {
+/// Outputs for the rows and the centres of some indices.
+pub struct Outputs<'a, T> {
     /// Rows.
     pub rows: &'a mut [u32],
     /// Centres, x. For shapes given as boxes another module overwrites x and y.
@@ -122,8 +122,8 @@ pub struct Places<'a, T> {
     pub y: &'a mut [T],
 }
 
-impl<'a, T> Places<'a, T> {
-    /// Splits off the first `len` places.
+impl<'a, T> Outputs<'a, T> {
+    /// Splits off the first `len` indices.
     pub fn split_off(&mut self, len: usize) -> Self {
         const EXPECT: &str = "the sizes add up";
         Self {
@@ -134,8 +134,8 @@ impl<'a, T> Places<'a, T> {
     }
 
     /// A range of them.
-    pub fn range(&mut self, range: Range<usize>) -> Places<'_, T> {
-        Places {
+    pub fn range(&mut self, range: Range<usize>) -> Outputs<'_, T> {
+        Outputs {
             rows: &mut self.rows[range.clone()],
             x: &mut self.x[range.clone()],
             y: &mut self.y[range],
@@ -149,13 +149,13 @@ pub struct Scratch {
     strips: Vec<u8>,
 }
 
-/// Writes the shapes of a leaf, whose first place is `start`, in the order of their strips
+/// Writes the shapes of a leaf, whose first index is `start`, in the order of their strips
 /// (counting sort); appends the end of each strip to `ends`.
 pub fn sort_into_strips<T: Scalar>(
     shapes: &Shapes<T>,
     items: &[Item<T>],
     start: usize,
-    to: Places<'_, T>,
+    to: Outputs<'_, T>,
     ends: &mut Vec<u32>,
     scratch: &mut Scratch,
 ) -> Strips<T> {
@@ -173,8 +173,8 @@ pub fn sort_into_strips<T: Scalar>(
         ends.push(start as u32 + next[strip + 1]);
     }
     for (&strip, item) in strips.iter().zip(items) {
-        let place = next[strip as usize] as usize;
-        (to.rows[place], [to.x[place], to.y[place]]) = (item.row, item.center);
+        let index = next[strip as usize] as usize;
+        (to.rows[index], [to.x[index], to.y[index]]) = (item.row, item.center);
         next[strip as usize] += 1;
     }
     leaf
@@ -184,13 +184,13 @@ pub fn sort_into_strips<T: Scalar>(
 pub fn single_strip<T: Scalar>(
     items: &[Item<T>],
     start: usize,
-    to: Places<'_, T>,
+    to: Outputs<'_, T>,
     ends: &mut Vec<u32>,
 ) -> Strips<T> {
     let first = ends.len() as u32;
     ends.push((start + items.len()) as u32);
-    for (place, item) in items.iter().enumerate() {
-        (to.rows[place], [to.x[place], to.y[place]]) = (item.row, item.center);
+    for (index, item) in items.iter().enumerate() {
+        (to.rows[index], [to.x[index], to.y[index]]) = (item.row, item.center);
     }
     Strips { first, count: 1, ..Strips::default() }
 }

@@ -33,7 +33,7 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
     let Found { pairs, tests } = found;
     let mut pulse = Pulse::current();
     let mut offsets: Vec<usize> = memory::filled(len + 1, 0)?;
-    // The place of the next id of each row.
+    // The index of the next id of each row.
     let mut next: Vec<u32> = memory::filled(len + 1, 0)?;
     for pairs in pairs.chunks(ROWS) {
         pulse.check(2 * pairs.len())?;
@@ -65,7 +65,7 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
 fn sort_rows(offsets: &[usize], mut ids: &mut [u32], threads: Option<usize>) -> Result<()> {
     let stop = Stop::current();
     let rows = offsets.len() - 1;
-    let mut tasks = memory::with_room(rows.div_ceil(ROWS))?;
+    let mut tasks = memory::with_capacity(rows.div_ceil(ROWS))?;
     for first in (0..rows).step_by(ROWS) {
         let offsets = &offsets[first..=rows.min(first + ROWS)];
         let len = offsets[offsets.len() - 1] - offsets[0];

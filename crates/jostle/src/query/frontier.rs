@@ -46,18 +46,18 @@ impl<T: Scalar> Frontier<T> {
         let mut opened = true;
         while opened && self.len <= MAX_NODES {
             opened = false;
-            let mut place = 0;
+            let mut index = 0;
             let mut end = self.len;
-            while place < end && self.len <= MAX_NODES {
-                let node = &nodes[self.nodes[place] as usize];
+            while index < end && self.len <= MAX_NODES {
+                let node = &nodes[self.nodes[index] as usize];
                 if node.is_leaf() {
-                    place += 1;
+                    index += 1;
                     continue;
                 }
                 opened = true;
                 end -= 1;
                 self.len -= 1;
-                self.nodes[place] = self.nodes[end];
+                self.nodes[index] = self.nodes[end];
                 self.nodes[end] = self.nodes[self.len];
                 for child in node.children() {
                     self.nodes[self.len] = child as u32;
@@ -65,14 +65,14 @@ impl<T: Scalar> Frontier<T> {
                 }
             }
         }
-        for place in 0..self.len {
-            let bounds = &node_bounds[self.nodes[place] as usize];
+        for index in 0..self.len {
+            let bounds = &node_bounds[self.nodes[index] as usize];
             for axis in 0..2 {
-                self.min[axis][place] = bounds.min[axis];
-                self.max[axis][place] = bounds.max[axis];
-                self.half_size[axis][place] = bounds.half_size[axis];
+                self.min[axis][index] = bounds.min[axis];
+                self.max[axis][index] = bounds.max[axis];
+                self.half_size[axis][index] = bounds.half_size[axis];
             }
-            self.radius[place] = bounds.radius;
+            self.radius[index] = bounds.radius;
         }
     }
 

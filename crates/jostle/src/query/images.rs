@@ -30,8 +30,8 @@ impl<R> Images<R> {
     {
         let mut pulse = Pulse::current();
         let mut images = Self {
-            regions: memory::with_room(regions.len())?,
-            ends: memory::with_room(regions.len())?,
+            regions: memory::with_capacity(regions.len())?,
+            ends: memory::with_capacity(regions.len())?,
         };
         for (index, region) in regions.iter().enumerate() {
             pulse.check(16)?;
@@ -74,9 +74,9 @@ impl<R> Images<R> {
 /// Removes repeated values from the sorted end of a list.
 fn remove_repeated<I: Copy + PartialEq>(ids: &mut Vec<I>, start: usize) {
     let mut kept = start;
-    for place in start..ids.len() {
-        if kept == start || ids[place] != ids[kept - 1] {
-            ids[kept] = ids[place];
+    for index in start..ids.len() {
+        if kept == start || ids[index] != ids[kept - 1] {
+            ids[kept] = ids[index];
             kept += 1;
         }
     }

@@ -44,7 +44,7 @@ use crate::morton;
 use crate::parallel;
 use crate::sorting;
 
-/// Returns the id of the shape at a place of a tree, or None to ignore the shape. A trait object,
+/// Returns the id of the shape at an index of a tree, or None to ignore the shape. A trait object,
 /// so that searches are compiled once; calls are rare.
 pub type IdOf<'a> = dyn Fn(usize) -> Option<u64> + 'a;
 

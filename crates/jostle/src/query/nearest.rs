@@ -291,28 +291,28 @@ impl<T: Scalar, const PERIODIC: bool> Work<T> for Search<'_, T, PERIODIC> {
 #[inline(always)]
 pub(super) fn sort_farthest_first<T: Scalar>(nodes: &mut [(T, u32)]) {
     for end in 1..nodes.len() {
-        for place in (1..=end).rev() {
-            if nodes[place].0 <= nodes[place - 1].0 {
+        for index in (1..=end).rev() {
+            if nodes[index].0 <= nodes[index - 1].0 {
                 break;
             }
-            nodes.swap(place, place - 1);
+            nodes.swap(index, index - 1);
         }
     }
 }
 
 impl<T: Scalar, const PERIODIC: bool> Search<'_, T, PERIODIC> {
     #[inline(always)]
-    fn leaf<S: Simd<T>>(&mut self, simd: S, places: Range<usize>, round: bool) {
+    fn leaf<S: Simd<T>>(&mut self, simd: S, indices: Range<usize>, round: bool) {
         let shapes = self.tree.columns();
-        self.best.tests += places.len() as u64;
-        for first in places.clone().step_by(LANES) {
+        self.best.tests += indices.len() as u64;
+        for first in indices.clone().step_by(LANES) {
             if self.best.is_over(LANES) {
                 return;
             }
             let limit = self.best.limit();
             let origin = &self.origin;
             let near = within::<T, S, PERIODIC>(simd, origin, limit, (shapes, round), first);
-            for_each_lane(near & first_lanes(places.end - first), |lane| {
+            for_each_lane(near & first_lanes(indices.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, round);
                 if selects(self.mask, shape.category)
                     && let Some(id) = (self.id_of)(first + lane)
@@ -420,8 +420,8 @@ pub fn nearest<T: Scalar>(
     mask: Option<u32>,
 ) -> Result<Neighbors<T>> {
     let rows = tree.rows();
-    // Ordered by row; the low bits are the place.
-    let id_of = |place: usize| Some(u64::from(rows[place]) << 32 | place as u64);
+    // Ordered by row; the low bits are the index.
+    let id_of = |index: usize| Some(u64::from(rows[index]) << 32 | index as u64);
     let period = tree.period();
     let distance_of =
         |point, id: u64| distance_in(&period, point, &tree.columns().shape(id as u32 as usize));
@@ -437,7 +437,7 @@ const FILLED: usize = 1 << 18;
 
 /// As [`memory::filled`], with checks for interruption: the first writes to new memory can be slow.
 fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
-    let mut values = memory::with_room(len)?;
+    let mut values = memory::with_capacity(len)?;
     while values.len() < len {
         stop.check()?;
         values.resize(len.min(values.len() + FILLED), value.clone());
@@ -480,7 +480,7 @@ pub fn nearest_from<T: Scalar>(
     let mut all = Neighbors { distances, ids: filled(len, -1, &stop)?, tests: 0 };
     let found = parallel::map(threads, parts.len(), |part| {
         // One list for all queries of a task, because failures of small allocations abort.
-        let (mut neighbors, mut ends) = (Vec::new(), memory::with_room(parts[part].len())?);
+        let (mut neighbors, mut ends) = (Vec::new(), memory::with_capacity(parts[part].len())?);
         let mut best = Nearest::new(k, Pulse::of(&stop));
         let mut start = 0;
         for &query in parts[part] {
@@ -508,12 +508,12 @@ pub fn nearest_from<T: Scalar>(
         let mut neighbors = neighbors.into_iter().enumerate().peekable();
         for (&query, end) in part.iter().zip(ends) {
             pulse.check(k)?;
-            let mut place = k * query as usize;
+            let mut index = k * query as usize;
             while let Some((_, Neighbor { distance, id })) = neighbors.next_if(|&(at, _)| at < end)
             {
-                all.distances[place] = distance;
-                all.ids[place] = id as i64;
-                place += 1;
+                all.distances[index] = distance;
+                all.ids[index] = id as i64;
+                index += 1;
             }
         }
         all.tests += tests;

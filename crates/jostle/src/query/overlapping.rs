@@ -5,7 +5,7 @@ use crate::geometry::{Bounds, Scalar};
 use crate::quadtree::Quadtree;
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
-/// Calls `act` with the place of each shape of a tree that overlaps `region`, whose half sizes are
+/// Calls `act` with the index of each shape of a tree that overlaps `region`, whose half sizes are
 /// 0. `min_gap` is that of [`Bounds::overlaps`]. Returns the number of tests.
 pub fn each_overlap<T: Scalar>(
     tree: &Quadtree<T>,
@@ -47,11 +47,11 @@ impl<T: Scalar, A: FnMut(usize)> Work<T> for Overlapping<'_, T, A> {
             if !node.is_leaf() {
                 continue;
             }
-            let (shapes, places) = (tree.columns(), node.range());
+            let (shapes, indices) = (tree.columns(), node.range());
             let round = bounds.radius > T::ZERO;
-            for first in places.clone().step_by(LANES) {
+            for first in indices.clone().step_by(LANES) {
                 let bits = window.lanes(simd, shapes, first, (round, false));
-                for_each_lane(bits & first_lanes(places.end - first), |lane| {
+                for_each_lane(bits & first_lanes(indices.end - first), |lane| {
                     if overlaps(&Bounds::of(&shapes.shape(first + lane))) {
                         act(first + lane);
                     }

@@ -392,15 +392,15 @@ impl<T: Scalar, C: RayPath<T>> Work<T> for Search<'_, T, C> {
 
 impl<T: Scalar, C: RayPath<T>> Search<'_, T, C> {
     #[inline(always)]
-    fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), places: Range<usize>) {
+    fn leaf<S: Simd<T>>(&mut self, simd: S, about: (T, bool), indices: Range<usize>) {
         let shapes = self.tree.columns();
-        self.best.count(places.len());
-        for first in places.clone().step_by(LANES) {
+        self.best.count(indices.len());
+        for first in indices.clone().step_by(LANES) {
             if self.best.is_over(LANES) {
                 return;
             }
             let near = self.node_ray.lanes(simd, about, shapes, first);
-            for_each_lane(near & first_lanes(places.end - first), |lane| {
+            for_each_lane(near & first_lanes(indices.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, about.1);
                 if selects(self.mask, shape.category)
                     && let Some(id) = (self.id_of)(first + lane)
@@ -436,7 +436,7 @@ pub fn first_hits<T: Scalar>(
 ) -> Result<RayHits<T>> {
     let rows = tree.rows();
     let search = |best: &mut FirstHit<T>| {
-        best.search(tree, mask, &|place| Some(u64::from(rows[place])));
+        best.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
     if tree.period().is_none() {
         return first_hits_by(rays, tree.settings().threads, search);
@@ -479,7 +479,7 @@ pub fn all_hits<T: Scalar>(
 ) -> Result<RayHits<T>> {
     let rows = tree.rows();
     let search = |all: &mut AllHits<T>| {
-        all.search(tree, mask, &|place| Some(u64::from(rows[place])));
+        all.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
     if tree.period().is_none() {
         return all_hits_by(rays, tree.settings().threads, search);
@@ -500,22 +500,22 @@ pub fn all_hits_by<T: Scalar>(
         Ok(((found, tests), pulse))
     })?;
     let found: Vec<_> = found.iter().flatten().collect();
-    let mut places = memory::filled(rays.len(), 0)?;
-    order.iter().enumerate().for_each(|(place, &query)| places[query as usize] = place);
+    let mut indices = memory::filled(rays.len(), 0)?;
+    order.iter().enumerate().for_each(|(index, &query)| indices[query as usize] = index);
     let count = found.iter().map(|(hits, _)| hits.len()).sum::<usize>();
     if count > MOST_IDS {
         return Err(Error::TooManyIds { limit: MOST_IDS });
     }
     let mut all = RayHits {
-        ids: memory::with_room(count)?,
-        distances: memory::with_room(count)?,
-        normals: memory::with_room(count)?,
-        offsets: memory::with_room(rays.len() + 1)?,
+        ids: memory::with_capacity(count)?,
+        distances: memory::with_capacity(count)?,
+        normals: memory::with_capacity(count)?,
+        offsets: memory::with_capacity(rays.len() + 1)?,
         tests: found.iter().map(|(_, tests)| tests).sum(),
     };
     all.offsets.push(0);
-    for place in places {
-        for hit in &found[place].0 {
+    for index in indices {
+        for hit in &found[index].0 {
             all.ids.push(hit.id as i64);
             all.distances.push(hit.distance);
             all.normals.push(hit.normal);

@@ -16,7 +16,7 @@ use crate::quadtree::{Node, Quadtree};
 use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 use crate::sorting;
 
-/// Number of places that are converted to rows between two checks for interruption.
+/// Number of indices that are converted to rows between two checks for interruption.
 const CHUNK: usize = 1 << 14;
 
 /// The shapes of trees up to this size are not prefetched, because they fit into the second-level
@@ -100,7 +100,7 @@ pub struct Hits<I> {
 impl<I> Hits<I> {
     /// No results yet, and memory for the offsets of `queries`.
     pub(crate) fn with_room_for(queries: usize) -> Result<Self> {
-        let mut offsets = memory::with_room(queries + 1)?;
+        let mut offsets = memory::with_capacity(queries + 1)?;
         offsets.push(0);
         Ok(Self { offsets, ids: Vec::new(), tests: 0 })
     }
@@ -181,8 +181,8 @@ fn combine(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     let answers = || parts.iter().zip(&found);
     let mut offsets = memory::filled(queries + 1, 0)?;
     for (part, hits) in answers() {
-        for (place, &query) in part.iter().enumerate() {
-            offsets[query as usize + 1] = hits.of(place).len();
+        for (index, &query) in part.iter().enumerate() {
+            offsets[query as usize + 1] = hits.of(index).len();
         }
     }
     for query in 0..queries {
@@ -190,10 +190,10 @@ fn combine(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     }
     let mut ids = memory::zeroed(offsets[queries])?;
     for (part, hits) in answers() {
-        for (place, &query) in part.iter().enumerate() {
-            pulse.check(1 + hits.of(place).len())?;
+        for (index, &query) in part.iter().enumerate() {
+            pulse.check(1 + hits.of(index).len())?;
             let query = query as usize;
-            ids[offsets[query]..offsets[query + 1]].copy_from_slice(hits.of(place));
+            ids[offsets[query]..offsets[query + 1]].copy_from_slice(hits.of(index));
         }
     }
     let tests = found.iter().map(|hits| hits.tests).sum();
@@ -315,22 +315,22 @@ impl<T: Scalar> Search<'_, T> {
     ) -> Result<()> {
         let start = self.len;
         let window = self.regions.window(query);
-        for &index in nodes {
-            let places = self.tree.nodes()[index as usize].range();
-            let room = room(&mut hits.ids, self.len, places.len())?;
-            if self.takes_all(&window, index as usize) {
-                self.pulse.check(places.len())?;
-                self.len += places.len();
-                room.iter_mut().zip(places).for_each(|(to, place)| *to = place as u32);
+        for &node in nodes {
+            let indices = self.tree.nodes()[node as usize].range();
+            let spare = spare(&mut hits.ids, self.len, indices.len())?;
+            if self.takes_all(&window, node as usize) {
+                self.pulse.check(indices.len())?;
+                self.len += indices.len();
+                spare.iter_mut().zip(indices).for_each(|(to, index)| *to = index as u32);
             } else {
-                hits.tests += places.len() as u64;
-                self.collect(simd, (query, &window), index as usize, room)?;
+                hits.tests += indices.len() as u64;
+                self.collect(simd, (query, &window), node as usize, spare)?;
             }
         }
         let (rows, found) = (self.tree.rows(), &mut hits.ids[start..self.len]);
-        for places in found.chunks_mut(CHUNK) {
-            self.pulse.check(places.len())?;
-            places.iter_mut().for_each(|place| *place = rows[*place as usize]);
+        for indices in found.chunks_mut(CHUNK) {
+            self.pulse.check(indices.len())?;
+            indices.iter_mut().for_each(|index| *index = rows[*index as usize]);
         }
         sort(found, &mut self.pulse)?;
         hits.offsets.push(self.len);
@@ -349,23 +349,23 @@ impl<T: Scalar> Search<'_, T> {
         self.exact && self.mask.is_none() && window.contains(&self.tree.bounds()[node])
     }
 
-    /// Writes the places of the shapes of a leaf that overlap a region.
+    /// Writes the indices of the shapes of a leaf that overlap a region.
     #[inline(always)]
     fn collect<S: Simd<T>>(
         &mut self,
         simd: S,
         (query, window): (u32, &Window<T>),
         leaf: usize,
-        room: &mut [u32],
+        spare: &mut [u32],
     ) -> Result<()> {
         let shapes = self.tree.columns();
-        let places = self.tree.nodes()[leaf].range();
+        let indices = self.tree.nodes()[leaf].range();
         let round = self.tree.bounds()[leaf].radius > T::ZERO;
         let mut count = 0;
-        for first in places.clone().step_by(LANES) {
+        for first in indices.clone().step_by(LANES) {
             self.pulse.check(LANES)?;
             let bits = window.lanes(simd, shapes, first, (round, self.exact));
-            let mut bits = bits & first_lanes(places.end - first);
+            let mut bits = bits & first_lanes(indices.end - first);
             if !self.exact || self.mask.is_some() {
                 for lane in 0..LANES {
                     if bits >> lane & 1 != 0 {
@@ -376,8 +376,8 @@ impl<T: Scalar> Search<'_, T> {
                     }
                 }
             }
-            let to = room[count..].first_chunk_mut().expect("there is room for a block more");
-            simd.pack_places(first as u32, bits, to);
+            let to = spare[count..].first_chunk_mut().expect("a block more is reserved");
+            simd.pack_indices(first as u32, bits, to);
             count += bits.count_ones() as usize;
         }
         self.len += count;
@@ -387,7 +387,7 @@ impl<T: Scalar> Search<'_, T> {
 
 /// Memory for `more` ids after the first `len`, and for a spare block.
 #[inline(always)]
-fn room(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
+fn spare(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
     let needed = len + more + LANES;
     if ids.len() < needed {
         memory::reserve(ids, needed - ids.len())?;

@@ -37,7 +37,7 @@ impl Block {
         of.each_lane(|lane| {
             let masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
             let softness = [0, 1].map(|k| {
-                let is_point = radii[of.places.of(k)[lane] as usize] == 0.0;
+                let is_point = radii[of.indices.of(k)[lane] as usize] == 0.0;
                 if is_point { 0.0 } else { 2.0 * masses[k] }
             });
             [block.softness[0][lane], block.softness[1][lane]] = softness;
@@ -82,8 +82,8 @@ impl Block {
         pass: Pass,
     ) -> [S::Block; 4] {
         let phase = pass.phase() as usize;
-        let [au, zero] = simd.gather(surface_speeds.words(), &pairs.places, 0);
-        let [bu, _] = simd.gather(surface_speeds.words(), &pairs.places, 1);
+        let [au, zero] = simd.gather(surface_speeds.words(), &pairs.indices, 0);
+        let [bu, _] = simd.gather(surface_speeds.words(), &pairs.indices, 1);
         let [ax, ay, bx, by] = velocities;
         let tx = simd.sub(simd.splat(-0.0), simd.load(&pairs.normal[1]));
         let ty = simd.load(&pairs.normal[0]);
@@ -106,8 +106,8 @@ impl Block {
         };
         let au = simd.sub(au, simd.mul(change, simd.load(&self.softness[0])));
         let bu = simd.sub(bu, simd.mul(change, simd.load(&self.softness[1])));
-        simd.scatter([au, zero], surface_speeds.words(), &pairs.places, 0);
-        simd.scatter([bu, zero], surface_speeds.words(), &pairs.places, 1);
+        simd.scatter([au, zero], surface_speeds.words(), &pairs.indices, 0);
+        simd.scatter([bu, zero], surface_speeds.words(), &pairs.indices, 1);
         pairs.pushed(simd, velocities, [tx, ty], change)
     }
 }

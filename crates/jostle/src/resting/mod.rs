@@ -146,7 +146,7 @@ pub struct WallPushes<'a> {
     pub friction: &'a mut [[f32; MAX_WALLS]],
     /// Those of walls that are not the container's.
     pub walls: &'a mut Vec<WallPush>,
-    /// The impulses of the step: the place of the particle, the wall, along the normal, of friction.
+    /// The impulses of the step: the index of the particle, the wall, along the normal, of friction.
     pub impulses: &'a mut Vec<(u32, u32, [f32; 2])>,
 }
 
@@ -175,46 +175,46 @@ impl Support<'_> {
 
     /// The velocity at the beginning of the sub-step. A particle that has had too many events stands
     /// still.
-    fn velocity(&self, place: usize) -> [f32; 2] {
-        if self.is_exhausted(place) { [0.0; 2] } else { self.motions.velocity(place as u32) }
+    fn velocity(&self, index: usize) -> [f32; 2] {
+        if self.is_exhausted(index) { [0.0; 2] } else { self.motions.velocity(index as u32) }
     }
 
     /// Angular velocity times radius at the beginning of the sub-step.
-    fn surface_speed(&self, place: usize) -> f32 {
-        let is_exhausted = self.is_exhausted(place);
-        let velocity = if is_exhausted { 0.0 } else { self.spins.velocity(place as u32) };
-        velocity * self.particles.radii[place]
+    fn surface_speed(&self, index: usize) -> f32 {
+        let is_exhausted = self.is_exhausted(index);
+        let velocity = if is_exhausted { 0.0 } else { self.spins.velocity(index as u32) };
+        velocity * self.particles.radii[index]
     }
 
     /// Those of some particles that may be near enough to walls to rest on them. `near` is scratch.
     fn near_walls<'n>(
         &self,
-        places: Range<usize>,
+        indices: Range<usize>,
         kicks: &[Kick],
         near: &'n mut Vec<u32>,
     ) -> &'n [u32] {
         near.clear();
-        near.resize(places.len(), 0);
+        near.resize(indices.len(), 0);
         let (inner, has_sides) = (self.container.inner(), self.container.has_walls());
         let has_walls = !self.walls.is_empty();
         let h = self.flow.duration as f32;
         let mut count = 0;
-        for place in places {
-            let position = self.motions.position(place as u32);
-            let far = FARTHEST * kicks[place].speed * h;
+        for index in indices {
+            let position = self.motions.position(index as u32);
+            let far = FARTHEST * kicks[index].speed * h;
             // Twice the distance, so that rounding does not matter.
-            let is_inside = inner.contains(position, 2.0 * far + self.particles.radii[place]);
+            let is_inside = inner.contains(position, 2.0 * far + self.particles.radii[index]);
             let is_near = (has_sides & !is_inside)
-                | (has_walls && !self.walls.is_far(place as u32, position, far));
+                | (has_walls && !self.walls.is_far(index as u32, position, far));
             // Without a branch, which would often be predicted wrongly.
-            near[count] = place as u32;
+            near[count] = index as u32;
             count += usize::from(is_near);
         }
         &near[..count]
     }
 
-    fn is_exhausted(&self, place: usize) -> bool {
-        !self.moving[place] && self.particles.movable[place]
+    fn is_exhausted(&self, index: usize) -> bool {
+        !self.moving[index] && self.particles.movable[index]
     }
 
     fn change(&self, kick: &Kick, k: usize) -> f64 {
@@ -226,7 +226,7 @@ impl Support<'_> {
 struct Surfaces {
     gap: f32,
     /// Sum of the radii; the radius at a wall.
-    reach: f32,
+    contact_distance: f32,
     /// The speed at which they separate.
     normal_speed: f32,
     restitution: f32,
@@ -261,7 +261,7 @@ impl Surfaces {
         let [approach, separation] = limits.map(|limit| limit as f32 * a.max(b));
         let closing_speed = gap.max(0.0) / h;
         let is_near = closing_speed <= approach + a + b;
-        let is_touching = gap <= TOUCHING * self.reach;
+        let is_touching = gap <= TOUCHING * self.contact_distance;
         let is_slow = normal_speed <= separation || self.has_pushed;
         let rests = is_touching || normal_speed >= -approach && is_slow;
         if approach == 0.0 || !is_near || !rests {
@@ -329,10 +329,10 @@ impl Resting {
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, has_fast }.run()?;
         for walls in &*walls {
-            walls.store(scene.rows[walls.place as usize], &mut wall_pushes);
-            let mass = scene.particles.masses[walls.place as usize];
+            walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
+            let mass = scene.particles.masses[walls.index as usize];
             let impulses = walls.impulses(mass);
-            wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.place, wall, of)));
+            wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.index, wall, of)));
         }
         self.end(scene, kicks);
         Ok(())
@@ -349,8 +349,8 @@ impl Resting {
         let turning = if scene.has_friction { kicks.len() } else { 0 };
         self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
         let surface_speeds = &self.surface_speeds;
-        parallel::for_rows(scene.threads, turning, |place| {
-            surface_speeds.set(place as u32, scene.surface_speed(place));
+        parallel::for_rows(scene.threads, turning, |index| {
+            surface_speeds.set(index as u32, scene.surface_speed(index));
         });
         let Self { velocities, changes, positions, speeds, .. } = self;
         let (velocities, changes) = (&*velocities, &*changes);
@@ -365,17 +365,17 @@ impl Resting {
         let any_kick = AtomicBool::new(false);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             let mut any = false;
-            for (kick, place) in kicks.iter_mut().zip(first..) {
-                velocities.set(place as u32, scene.velocity(place));
-                positions.set(place as u32, scene.motions.position(place as u32));
+            for (kick, index) in kicks.iter_mut().zip(first..) {
+                velocities.set(index as u32, scene.velocity(index));
+                positions.set(index as u32, scene.motions.position(index as u32));
                 let mut change = [0.0; 2];
-                if scene.moving[place] {
+                if scene.moving[index] {
                     let has_kick = kick.before != [0.0; 2] || kick.after != [0.0; 2];
                     any |= has_kick;
                     (change, kick.speed) = if has_kick { change_of(kick) } else { without_kick };
                 }
-                changes.set(place as u32, change);
-                speeds.set(place as u32, [kick.speed, 0.0]);
+                changes.set(index as u32, change);
+                speeds.set(index as u32, [kick.speed, 0.0]);
             }
             any_kick.fetch_or(any, Ordering::Relaxed);
         });
@@ -429,16 +429,16 @@ impl Resting {
         parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
         let mut list = |uneven| {
             let is_listed =
-                |place: &usize| scene.moving[*place] && contacts.is_uneven(*place as u32) == uneven;
+                |index: &usize| scene.moving[*index] && contacts.is_uneven(*index as u32) == uneven;
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
             parallel::for_each(scene.threads, tasks, |(part, first)| {
                 let WallPart { walls, found, near } = part;
-                let places = first..kicks.len().min(first + WALL_PART);
-                let near = scene.near_walls(places, kicks, near).iter();
-                walls.extend(near.map(|&place| place as usize).filter(is_listed).filter_map(
-                    |place| {
-                        let friction = friction.get(place).copied().unwrap_or_default();
-                        Walls::of(place, normal[place], friction, scene, &kicks[place], found)
+                let indices = first..kicks.len().min(first + WALL_PART);
+                let near = scene.near_walls(indices, kicks, near).iter();
+                walls.extend(near.map(|&index| index as usize).filter(is_listed).filter_map(
+                    |index| {
+                        let friction = friction.get(index).copied().unwrap_or_default();
+                        Walls::of(index, normal[index], friction, scene, &kicks[index], found)
                     },
                 ));
             });
@@ -454,9 +454,9 @@ impl Resting {
         }
         // Those of a particle are set in the sub-step before, if it is not the first of the step.
         if std::mem::replace(&mut self.knows_pushed, true) {
-            for &place in &self.pushed {
-                normal[place as usize] = [0.0; MAX_WALLS];
-                if let Some(of) = friction.get_mut(place as usize) {
+            for &index in &self.pushed {
+                normal[index as usize] = [0.0; MAX_WALLS];
+                if let Some(of) = friction.get_mut(index as usize) {
                     *of = [0.0; MAX_WALLS];
                 }
             }
@@ -465,7 +465,7 @@ impl Resting {
             friction.fill([0.0; MAX_WALLS]);
         }
         self.pushed.clear();
-        self.pushed.extend(self.walls.iter().map(|of| of.place));
+        self.pushed.extend(self.walls.iter().map(|of| of.index));
     }
 
     /// Gives all of its change of velocity to each particle that resting contacts support before
@@ -473,18 +473,18 @@ impl Resting {
     /// falls.
     fn end(&self, scene: &Support<'_>, kicks: &mut [Kick]) {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
-            for (kick, place) in kicks.iter_mut().zip(first..) {
-                if !scene.moving[place] {
+            for (kick, index) in kicks.iter_mut().zip(first..) {
+                if !scene.moving[index] {
                     continue;
                 }
                 if scene.has_friction {
-                    self.set_spin(scene, place);
+                    self.set_spin(scene, index);
                 }
-                let place = place as u32;
-                let (new, old) = (self.velocities.get(place), scene.motions.velocity(place));
-                let impacted = self.after_impacts.get(place);
+                let index = index as u32;
+                let (new, old) = (self.velocities.get(index), scene.motions.velocity(index));
+                let impacted = self.after_impacts.get(index);
                 let from_old = |v: [f32; 2]| [0, 1].map(|k| f64::from(v[k]) - f64::from(old[k]));
-                if new == sum(impacted, self.changes.get(place)) {
+                if new == sum(impacted, self.changes.get(index)) {
                     if impacted != old {
                         let by = from_old(impacted);
                         kick.before = [0, 1].map(|k| kick.before[k] + by[k]);
@@ -499,10 +499,10 @@ impl Resting {
     }
 
     /// Writes the angular velocity of a particle, if friction has changed it.
-    fn set_spin(&self, scene: &Support<'_>, place: usize) {
-        let new = self.surface_speeds.get(place as u32);
-        if new != scene.surface_speed(place) {
-            scene.spins.set_velocity(place as u32, new / scene.particles.radii[place]);
+    fn set_spin(&self, scene: &Support<'_>, index: usize) {
+        let new = self.surface_speeds.get(index as u32);
+        if new != scene.surface_speed(index) {
+            scene.spins.set_velocity(index as u32, new / scene.particles.radii[index]);
         }
     }
 }

@@ -4,7 +4,7 @@
 use super::{friction, relaxation};
 use crate::contacts;
 use crate::motion::{Scalars, Vectors};
-use crate::simd::{LANES, Number, PairPlaces, Simd, Work};
+use crate::simd::{LANES, Number, PairIndices, Simd, Work};
 
 /// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Lanes whose
 /// contact does not rest have impulses of 0, which stay 0.
@@ -21,7 +21,7 @@ pub struct Block {
     least_speeds: [[f32; LANES]; 2],
     /// Impulses of the impacts and of the resting contacts.
     pub impulses: [[f32; LANES]; 2],
-    pub places: PairPlaces,
+    pub indices: PairIndices,
     /// A bit for each contact that rests in this sub-step.
     pub resting: u32,
 }
@@ -66,7 +66,7 @@ impl Block {
             relaxed_masses: [0.0; LANES],
             least_speeds: [[f32::MIN; LANES]; 2],
             impulses: [[0.0; LANES], of.impulses[0]],
-            places: of.places,
+            indices: of.indices,
             resting: 0,
         };
         for lane in 0..LANES {
@@ -102,8 +102,8 @@ impl Block {
     /// The velocities of the first and of the second particles: x and y of each.
     #[inline(always)]
     fn velocities<S: Simd<f32>>(&self, simd: S, of: &Vectors) -> [S::Block; 4] {
-        let [ax, ay] = simd.gather(of.words(), &self.places, 0);
-        let [bx, by] = simd.gather(of.words(), &self.places, 1);
+        let [ax, ay] = simd.gather(of.words(), &self.indices, 0);
+        let [bx, by] = simd.gather(of.words(), &self.indices, 1);
         [ax, ay, bx, by]
     }
 
@@ -111,8 +111,8 @@ impl Block {
     /// impulses times 0. Several threads may write the same value.
     #[inline(always)]
     fn set_velocities<S: Simd<f32>>(&self, simd: S, [ax, ay, bx, by]: [S::Block; 4], of: &Vectors) {
-        simd.scatter([ax, ay], of.words(), &self.places, 0);
-        simd.scatter([bx, by], of.words(), &self.places, 1);
+        simd.scatter([ax, ay], of.words(), &self.indices, 0);
+        simd.scatter([bx, by], of.words(), &self.indices, 1);
     }
 
     /// Corrects the impulses so that the pairs separate with their least speeds, or only applies

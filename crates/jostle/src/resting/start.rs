@@ -6,7 +6,7 @@ use super::pairs::Block;
 use super::{FARTHEST, TOUCHING, friction};
 use crate::contacts;
 use crate::motion::Vectors;
-use crate::simd::{LANES, Number, PairPlaces, Simd, Work};
+use crate::simd::{LANES, Number, PairIndices, Simd, Work};
 use crate::trajectory::rest_speeds;
 
 /// What the contacts of a [`Block`] have in all sub-steps of a step, and the sums of their impulses.
@@ -135,7 +135,7 @@ fn start<S: Simd<f32>>(
 ) -> bool {
     let h = simd.splat(all.duration);
     let zero = simd.splat(0.0);
-    let [x, y] = difference(simd, all.positions, &of.places);
+    let [x, y] = difference(simd, all.positions, &of.indices);
     let x = simd.add(x, simd.load(&of.images[0]));
     let y = simd.add(y, simd.load(&of.images[1]));
     let length = simd.sqrt(simd.add(simd.mul(x, x), simd.mul(y, y)));
@@ -143,17 +143,17 @@ fn start<S: Simd<f32>>(
     let is_apart = simd.less(zero, length) & simd.less(length, simd.splat(f32::INFINITY));
     let nx = simd.choose(is_apart, simd.div(x, length), simd.load(&block.normal[0]));
     let ny = simd.choose(is_apart, simd.div(y, length), simd.load(&block.normal[1]));
-    let reach = simd.load(&of.reaches);
-    let gap = simd.sub(length, reach);
+    let contact_distance = simd.load(&of.contact_distances);
+    let gap = simd.sub(length, contact_distance);
 
-    let [u, v] = difference(simd, all.velocities, &of.places);
+    let [u, v] = difference(simd, all.velocities, &of.indices);
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
     let [a, b] = [0, 1].map(|k| match all.speed_of_all {
         Some(speed) => {
             let moves = simd.less(zero, simd.load(&of.inverse_masses[k]));
             simd.choose(moves, simd.splat(speed), zero)
         }
-        None => simd.gather(all.speeds.words(), &of.places, k)[0],
+        None => simd.gather(all.speeds.words(), &of.indices, k)[0],
     });
     let most = simd.max(a, b);
     let approach = simd.mul(simd.load(&limits.rest_speeds[0]), most);
@@ -164,13 +164,13 @@ fn start<S: Simd<f32>>(
     let closing_speed = simd.div(simd.max(gap, zero), h);
     let is_near = simd.at_most(gap, farthest)
         & simd.at_most(closing_speed, simd.add(simd.add(approach, a), b));
-    let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), reach));
+    let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), contact_distance));
     let has_pushed = simd.less(zero, simd.load(&block.impulses[1]));
     let is_slow = simd.at_most(minus_approach, normal_speed)
         & (simd.at_most(normal_speed, separation) | has_pushed);
     // The normal is taken as constant.
     let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
-    let is_steady = simd.at_most(simd.mul(speed, h), simd.mul(simd.splat(0.5), reach));
+    let is_steady = simd.at_most(simd.mul(speed, h), simd.mul(simd.splat(0.5), contact_distance));
     let resting =
         is_near & (is_touching | is_slow) & is_steady & simd.less(zero, approach) & of.lanes;
 
@@ -185,9 +185,9 @@ fn start<S: Simd<f32>>(
 
 /// Vectors of the second particles minus those of the first.
 #[inline(always)]
-fn difference<S: Simd<f32>>(simd: S, of: &Vectors, places: &PairPlaces) -> [S::Block; 2] {
-    let [ax, ay] = simd.gather(of.words(), places, 0);
-    let [bx, by] = simd.gather(of.words(), places, 1);
+fn difference<S: Simd<f32>>(simd: S, of: &Vectors, indices: &PairIndices) -> [S::Block; 2] {
+    let [ax, ay] = simd.gather(of.words(), indices, 0);
+    let [bx, by] = simd.gather(of.words(), indices, 1);
     [simd.sub(bx, ax), simd.sub(by, ay)]
 }
 

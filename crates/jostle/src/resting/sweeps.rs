@@ -248,13 +248,13 @@ impl State<'_> {
         let Self { velocities, surface_speeds, .. } = *self;
         let Some(halo) = self.scene.halo else { return Ok(()) };
         halo.refresh(
-            |place| {
-                let [u, v] = velocities.get(place);
-                [u, v, surface_speeds.get(place)]
+            |index| {
+                let [u, v] = velocities.get(index);
+                [u, v, surface_speeds.get(index)]
             },
-            |place, [u, v, speed]| {
-                velocities.set(place, [u, v]);
-                surface_speeds.set(place, speed);
+            |index, [u, v, speed]| {
+                velocities.set(index, [u, v]);
+                surface_speeds.set(index, speed);
             },
         )
     }
@@ -269,11 +269,11 @@ impl State<'_> {
         }
     }
 
-    fn accelerate(&self, places: Range<usize>) {
-        for place in places {
-            let velocity = self.velocities.get(place as u32);
-            self.after_impacts.set(place as u32, velocity);
-            self.velocities.set(place as u32, sum(velocity, self.changes.get(place as u32)));
+    fn accelerate(&self, indices: Range<usize>) {
+        for index in indices {
+            let velocity = self.velocities.get(index as u32);
+            self.after_impacts.set(index as u32, velocity);
+            self.velocities.set(index as u32, sum(velocity, self.changes.get(index as u32)));
         }
     }
 }

@@ -13,7 +13,7 @@ const OPPOSED: f32 = -0.5;
 /// A particle that rests on walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Walls {
-    pub place: u32,
+    pub index: u32,
     /// Change of the surface speed by a change of the velocity along the surface: m r²/I, 0 for
     /// points.
     softness: f32,
@@ -40,7 +40,7 @@ impl Walls {
     /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of
     /// friction are from the sub-step before, at the container.
     pub fn of(
-        place: usize,
+        index: usize,
         pushes: [f32; MAX_WALLS],
         frictions: [f32; MAX_WALLS],
         scene: &Support<'_>,
@@ -48,30 +48,30 @@ impl Walls {
         found: &mut Vec<walls::Contact>,
     ) -> Option<Self> {
         let motions = scene.motions;
-        let (position, radius) = (motions.position(place as u32), scene.particles.radii[place]);
+        let (position, radius) = (motions.position(index as u32), scene.particles.radii[index]);
         let h = scene.flow.duration as f32;
         let far = f64::from(FARTHEST * kick.speed * h);
         let mut contacts = [None; MAX_WALLS];
         if !scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
             let walls = scene.container.walls(position, radius);
             contacts = [0, 1, 2, 3].map(|k| {
-                WallContact::of(place, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
+                WallContact::of(index, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
             });
         }
-        let may_rest = || !scene.walls.is_far(place as u32, position, far as f32);
+        let may_rest = || !scene.walls.is_far(index as u32, position, far as f32);
         if !scene.walls.is_empty() && may_rest() {
-            let position = exact(position, motions.residual(place as u32));
-            let place_now = (position, 0.0);
-            scene.walls.contacts(place as u32, place_now, f64::from(radius), far, found);
-            let velocity = motions.velocity(place as u32);
+            let position = exact(position, motions.residual(index as u32));
+            let index_now = (position, 0.0);
+            scene.walls.contacts(index as u32, index_now, f64::from(radius), far, found);
+            let velocity = motions.velocity(index as u32);
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
             // As for two particles, the normal at an end is taken as constant.
             found.retain(|contact| !contact.is_end || speed * h <= 0.5 * radius);
-            let row = scene.rows[place];
+            let row = scene.rows[index];
             let resting = found.iter().filter_map(|of| {
                 let wall = Wall { inward: of.normal.map(|v| v as f32), gap: of.gap as f32 };
                 let pushes = scene.pushes_before(row, of.wall);
-                WallContact::of(place, of.wall, wall, pushes, scene, kick)
+                WallContact::of(index, of.wall, wall, pushes, scene, kick)
             });
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
@@ -79,7 +79,7 @@ impl Walls {
         }
         let rests = contacts.iter().any(Option::is_some);
         let softness = if radius == 0.0 { 0.0 } else { 2.0 };
-        rests.then_some(Self { place: place as u32, softness, contacts })
+        rests.then_some(Self { index: index as u32, softness, contacts })
     }
 
     /// Whether the particle touches a wall and approaches it too fast to rest.
@@ -89,8 +89,8 @@ impl Walls {
 
     /// Starts from the impulses of the sub-step before.
     pub fn start(&self, velocities: &Vectors, surface_speeds: &Scalars) {
-        let mut velocity = velocities.get(self.place);
-        let mut surface_speed = surface_speeds.get(self.place);
+        let mut velocity = velocities.get(self.index);
+        let mut surface_speed = surface_speeds.get(self.index);
         for contact in self.contacts.iter().flatten() {
             let [push, friction] = contact.pushes[Phase::Rest as usize];
             velocity = pushed(velocity, contact.inward, push);
@@ -99,8 +99,8 @@ impl Walls {
                 surface_speed -= friction * self.softness;
             }
         }
-        velocities.set(self.place, velocity);
-        surface_speeds.set(self.place, surface_speed);
+        velocities.set(self.index, velocity);
+        surface_speeds.set(self.index, surface_speed);
     }
 
     /// Corrects the impulses so that the particle leaves each wall with the least speed at
@@ -108,8 +108,8 @@ impl Walls {
     pub fn solve(&mut self, velocities: &Vectors, surface_speeds: &Scalars, pass: Pass) {
         let phase = pass.phase();
         let relaxation = if pass == Pass::Relaxed { RELAXATION } else { 1.0 };
-        let mut velocity = velocities.get(self.place);
-        let mut surface_speed = surface_speeds.get(self.place);
+        let mut velocity = velocities.get(self.index);
+        let mut surface_speed = surface_speeds.get(self.index);
         for contact in self.contacts.iter_mut().flatten() {
             let inward = contact.inward;
             let [u, v] = [0, 1].map(|k| velocity[k] - contact.velocity[k]);
@@ -135,8 +135,8 @@ impl Walls {
                 *friction = new;
             }
         }
-        velocities.set(self.place, velocity);
-        surface_speeds.set(self.place, surface_speed);
+        velocities.set(self.index, velocity);
+        surface_speeds.set(self.index, surface_speed);
     }
 
     /// The walls that push the particle, and the sums of the impulses of both phases.
@@ -150,15 +150,15 @@ impl Walls {
 
     /// Stores the impulses.
     pub fn store(&self, row: u32, to: &mut WallPushes<'_>) {
-        let place = self.place as usize;
+        let index = self.index as usize;
         for contact in self.contacts.iter().flatten() {
             let pushes = contact.pushes[Phase::Rest as usize];
             if contact.wall >= FIRST {
                 to.walls.push(WallPush { row, wall: contact.wall, pushes });
                 continue;
             }
-            to.normal[place][contact.wall as usize] = pushes[0];
-            if let Some(frictions) = to.friction.get_mut(place) {
+            to.normal[index][contact.wall as usize] = pushes[0];
+            if let Some(frictions) = to.friction.get_mut(index) {
                 frictions[contact.wall as usize] = pushes[1];
             }
         }
@@ -168,20 +168,20 @@ impl Walls {
 impl WallContact {
     /// The contact, if it may rest in this sub-step.
     fn of(
-        place: usize,
+        index: usize,
         number: u32,
         wall: Wall,
         pushes: [f32; 2],
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
-        let own = scene.motions.velocity(place as u32);
+        let own = scene.motions.velocity(index as u32);
         let velocity = scene.walls.walls.velocity(number);
         let [u, v] = [0, 1].map(|k| own[k] - velocity[k]);
-        let own = scene.restitution * scene.particles.restitutions[place];
+        let own = scene.restitution * scene.particles.restitutions[index];
         let surfaces = Surfaces {
             gap: wall.gap,
-            reach: scene.particles.radii[place],
+            contact_distance: scene.particles.radii[index],
             normal_speed: wall.inward[0] * u + wall.inward[1] * v,
             restitution: own * scene.walls.walls.restitution(number),
             speeds: [kick.speed, 0.0],
@@ -193,7 +193,7 @@ impl WallContact {
         if !scene.walls.is_empty() && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
             start.bounce = -surfaces.restitution * surfaces.normal_speed;
         }
-        let own = f64::from(scene.particles.spin(place).friction);
+        let own = f64::from(scene.particles.spin(index).friction);
         let friction = scene.walls.walls.friction(number, own) as f32;
         Some(Self {
             wall: number,

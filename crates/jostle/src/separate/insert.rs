@@ -21,25 +21,25 @@ const LINES_OF_ROUND: [f64; 7] = [-1.0, -0.87, -0.5, 0.0, 0.5, 0.87, 1.0];
 /// As [`LINES_OF_ROUND`], for a box.
 const LINES_OF_BOX: [f64; 2] = [-1.0, 1.0];
 
-/// Moves the shapes at `places`, which are movable, to free positions, one after another. One for
+/// Moves the shapes at `indices`, which are movable, to free positions, one after another. One for
 /// which no position is found stays.
 pub fn insert<T: Scalar>(
     bodies: &mut Bodies<T>,
-    places: &[u32],
+    indices: &[u32],
     pusher: &Pusher<T>,
     rules: &Separation<T>,
 ) -> Result<()> {
-    let mut grid = Grid::of(bodies, places)?;
+    let mut grid = Grid::of(bodies, indices)?;
     let mut search = Search { taken: Taken::default(), nearby: Vec::new(), lines: Vec::new() };
     let mut pulse = Pulse::current();
-    for &place in places {
+    for &index in indices {
         pulse.check(grid.cells.len() / bodies.len())?;
         if let Some(free) =
-            search.nearest(bodies, place as usize, (&grid, pusher, rules), &mut pulse)?
+            search.nearest(bodies, index as usize, (&grid, pusher, rules), &mut pulse)?
         {
-            bodies.centers[place as usize] = free;
+            bodies.centers[index as usize] = free;
         }
-        grid.put(place, bodies.centers[place as usize])?;
+        grid.put(index, bodies.centers[index as usize])?;
     }
     Ok(())
 }
@@ -57,53 +57,53 @@ impl<T: Scalar> Search<T> {
     fn nearest(
         &mut self,
         bodies: &Bodies<T>,
-        place: usize,
+        index: usize,
         (grid, pusher, rules): (&Grid<T>, &Pusher<T>, &Separation<T>),
         pulse: &mut Pulse,
     ) -> Result<Option<[T; 2]>> {
-        let extent = [0, 1].map(|axis| bodies.all[place].extent(axis));
-        let mut reach = extent[0].max(extent[1]).max(bodies.mean_extents[0]);
-        reach = reach + reach;
+        let extent = [0, 1].map(|axis| bodies.all[index].extent(axis));
+        let mut range = extent[0].max(extent[1]).max(bodies.mean_extents[0]);
+        range = range + range;
         let mut nearby_before = usize::MAX;
         loop {
-            let wide = [reach + extent[0] + rules.gap, reach + extent[1] + rules.gap];
-            grid.near(bodies, place, wide, &mut self.nearby)?;
+            let wide = [range + extent[0] + rules.gap, range + extent[1] + rules.gap];
+            grid.near(bodies, index, wide, &mut self.nearby)?;
             pulse.check(self.nearby.len())?;
-            let x = |place: &u32| bodies.centers[*place as usize][0];
+            let x = |index: &u32| bodies.centers[*index as usize][0];
             self.nearby.sort_unstable_by(|a, b| x(a).total_order(&x(b)).then(a.cmp(b)));
-            let found = self.along_lines(bodies, place, reach, (pusher, rules), pulse)?;
+            let found = self.along_lines(bodies, index, range, (pusher, rules), pulse)?;
             let all = self.nearby.len() == nearby_before;
             match found {
-                // Shapes beyond the reach may be in the way of a position beyond it.
-                Some((free, distance)) if distance <= reach => return Ok(Some(free)),
-                Some((_, distance)) if !all => reach = distance.max(reach + reach),
+                // Shapes beyond the range may be in the way of a position beyond it.
+                Some((free, distance)) if distance <= range => return Ok(Some(free)),
+                Some((_, distance)) if !all => range = distance.max(range + range),
                 _ if self.nearby.len() > MOST_NEARBY => return Ok(None),
                 _ if all && rules.bounds.is_some() => return Ok(None),
-                Some((_, distance)) => reach = distance.max(reach + reach),
-                None => reach = reach + reach,
+                Some((_, distance)) => range = distance.max(range + range),
+                None => range = range + range,
             }
             nearby_before = self.nearby.len();
         }
     }
 
     /// The nearest position that is free of the shapes nearby, and its distance, if that is at most
-    /// `reach` along x.
+    /// `range` along x.
     fn along_lines(
         &mut self,
         bodies: &Bodies<T>,
-        place: usize,
-        reach: T,
+        index: usize,
+        range: T,
         (pusher, rules): (&Pusher<T>, &Separation<T>),
         pulse: &mut Pulse,
     ) -> Result<Option<([T; 2], T)>> {
-        let (body, wanted) = (&bodies.all[place], bodies.centers[place]);
+        let (body, wanted) = (&bodies.all[index], bodies.centers[index]);
         let limits = [0, 1].map(|axis| {
             let most = [-T::INFINITY, T::INFINITY];
             rules.bounds.map_or(most, |bounds| {
                 [bounds[axis] + body.extent(axis), bounds[axis + 2] - body.extent(axis)]
             })
         });
-        let widest = self.list_lines(bodies, place, reach, (pusher, limits[0]))?;
+        let widest = self.list_lines(bodies, index, range, (pusher, limits[0]))?;
         let mut best: Option<([T; 2], T)> = None;
         for line in 0..self.lines.len() {
             let (away, x) = self.lines[line];
@@ -126,11 +126,11 @@ impl<T: Scalar> Search<T> {
     fn list_lines(
         &mut self,
         bodies: &Bodies<T>,
-        place: usize,
-        reach: T,
+        index: usize,
+        range: T,
         (pusher, limits): (&Pusher<T>, [T; 2]),
     ) -> Result<T> {
-        let (body, wanted) = (&bodies.all[place], bodies.centers[place][0]);
+        let (body, wanted) = (&bodies.all[index], bodies.centers[index][0]);
         let mut widest = T::ZERO;
         self.lines.clear();
         memory::push(&mut self.lines, (T::ZERO, wanted))?;
@@ -143,7 +143,7 @@ impl<T: Scalar> Search<T> {
             for &share in shares {
                 let x = center[0] + needed * T::from_f64(share);
                 let away = (x - wanted).abs();
-                if limits[0] <= x && x <= limits[1] && away <= reach {
+                if limits[0] <= x && x <= limits[1] && away <= range {
                     memory::push(&mut self.lines, (away, x))?;
                 }
             }
@@ -190,8 +190,8 @@ struct Grid<T> {
 }
 
 impl<T: Scalar> Grid<T> {
-    /// A grid of all shapes but those at `places`.
-    fn of(bodies: &Bodies<T>, places: &[u32]) -> Result<Self> {
+    /// A grid of all shapes but those at `indices`.
+    fn of(bodies: &Bodies<T>, indices: &[u32]) -> Result<Self> {
         let (mut min, mut max) = ([T::INFINITY; 2], [-T::INFINITY; 2]);
         let mut widest = [T::ZERO; 2];
         for (body, center) in bodies.all.iter().zip(&bodies.centers) {
@@ -213,10 +213,10 @@ impl<T: Scalar> Grid<T> {
         }
         grid.cells = memory::filled(grid.counts[0] * grid.counts[1], Vec::new())?;
         let mut taken_out = memory::filled(bodies.len(), false)?;
-        places.iter().for_each(|&place| taken_out[place as usize] = true);
-        for (place, &center) in bodies.centers.iter().enumerate() {
-            if !taken_out[place] {
-                grid.put(place as u32, center)?;
+        indices.iter().for_each(|&index| taken_out[index as usize] = true);
+        for (index, &center) in bodies.centers.iter().enumerate() {
+            if !taken_out[index] {
+                grid.put(index as u32, center)?;
             }
         }
         Ok(grid)
@@ -227,22 +227,22 @@ impl<T: Scalar> Grid<T> {
         (along.max(0.0) as usize).min(self.counts[axis] - 1)
     }
 
-    fn put(&mut self, place: u32, center: [T; 2]) -> Result<()> {
+    fn put(&mut self, index: u32, center: [T; 2]) -> Result<()> {
         let cell = self.index(center[1], 1) * self.counts[0] + self.index(center[0], 0);
-        memory::push(&mut self.cells[cell], place)
+        memory::push(&mut self.cells[cell], index)
     }
 
-    /// Lists the shapes whose bounding boxes are within `reach` of a centre along both axes.
+    /// Lists the shapes whose bounding boxes are within `range` of a centre along both axes.
     fn near(
         &self,
         bodies: &Bodies<T>,
-        place: usize,
-        reach: [T; 2],
+        index: usize,
+        range: [T; 2],
         nearby: &mut Vec<u32>,
     ) -> Result<()> {
-        let center = bodies.centers[place];
+        let center = bodies.centers[index];
         let ends = [0, 1].map(|axis| {
-            let far = reach[axis] + self.widest[axis];
+            let far = range[axis] + self.widest[axis];
             self.index(center[axis] - far, axis)..=self.index(center[axis] + far, axis)
         });
         nearby.clear();
@@ -252,7 +252,7 @@ impl<T: Scalar> Grid<T> {
                     let (second, at) =
                         (&bodies.all[other as usize], bodies.centers[other as usize]);
                     let is_near = |axis: usize| {
-                        (at[axis] - center[axis]).abs() < reach[axis] + second.extent(axis)
+                        (at[axis] - center[axis]).abs() < range[axis] + second.extent(axis)
                     };
                     if is_near(0) && is_near(1) {
                         memory::push(nearby, other)?;

@@ -147,8 +147,8 @@ fn in_plane<T: Scalar, K: Scalar>(
         done = rounds.run(false)?;
     }
     if !done {
-        let places = rounds.to_take_out()?;
-        rounds.change(|bodies| insert::insert(bodies, &places, pusher, rules))?;
+        let indices = rounds.to_take_out()?;
+        rounds.change(|bodies| insert::insert(bodies, &indices, pusher, rules))?;
     }
     Ok(rounds.outcome())
 }
@@ -186,7 +186,7 @@ fn along_axis<T: Scalar, K: Scalar>(
         done = outcome.rounds;
     }
     let last = Separation { max_rounds: 0, ..rules.clone() };
-    sweep::place(bodies, axis, pusher, rules)?;
+    sweep::index(bodies, axis, pusher, rules)?;
     let outcome = Rounds::<T, K>::of(bodies, pusher, &last, None)?.outcome();
     Ok(Outcome { rounds: rules.max_rounds.min(done + 1), ..outcome })
 }

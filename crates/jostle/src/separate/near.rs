@@ -81,7 +81,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
 
     /// The distance from its origin up to which a shape may move; slightly less than half the
     /// margin, because of rounding.
-    pub fn reach(&self) -> T {
+    pub fn max_displacement(&self) -> T {
         self.margin * T::from_f64(0.49)
     }
 
@@ -103,11 +103,11 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
         rows: Option<&[u32]>,
         bodies: &Bodies<T>,
     ) -> Result<()> {
-        let mut found = pairs::places_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
+        let mut found = pairs::indices_within(tree, DEFAULT_MAX_PAIRS, &mut self.scratch)?.pairs;
         if let Some(rows) = rows {
-            found.iter_mut().for_each(|pair| *pair = pair.map(|place| rows[place as usize]));
+            found.iter_mut().for_each(|pair| *pair = pair.map(|index| rows[index as usize]));
         }
-        let is_fixed = |place: u32| bodies.all[place as usize].is_fixed();
+        let is_fixed = |index: u32| bodies.all[index as usize].is_fixed();
         if bodies.any_fixed {
             found.retain(|&[i, j]| !(is_fixed(i) && is_fixed(j)));
         }
@@ -124,7 +124,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
         let Self { ends, others, .. } = self;
         ends.clear();
         memory::resize(ends, len, 0)?;
-        found.as_flattened().iter().for_each(|&place| ends[place as usize] += 1);
+        found.as_flattened().iter().for_each(|&index| ends[index as usize] += 1);
         sorting::prefix_sum(ends);
         memory::resize(others, 2 * found.len(), 0)?;
         for &[i, j] in found {
@@ -143,10 +143,10 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
         Ok(())
     }
 
-    /// The places of the shapes listed for the one at `place`.
+    /// The indices of the shapes listed for the one at `index`.
     #[inline(always)]
-    pub fn of_place(&self, place: usize) -> &[u32] {
-        let start = if place == 0 { 0 } else { self.ends[place - 1] };
-        &self.others[start as usize..self.ends[place] as usize]
+    pub fn of_index(&self, index: usize) -> &[u32] {
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        &self.others[start as usize..self.ends[index] as usize]
     }
 }

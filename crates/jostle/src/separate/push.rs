@@ -61,7 +61,7 @@ impl<T: Scalar> Pusher<T> {
     }
 
     /// The vector by which `b` must move relative to `a`. If the shapes coincide along the axis of
-    /// the vector, `b`, which is `rank` places after `a`, moves in the positive direction.
+    /// the vector, `b`, which is `rank` positions after `a`, moves in the positive direction.
     #[inline(always)]
     pub fn push(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
         if let Some(axis) = self.axis {
@@ -127,7 +127,7 @@ impl<T: Scalar> Pusher<T> {
     }
 }
 
-/// A unit vector that depends on the difference of two places, for discs with the same centre.
+/// A unit vector that depends on the difference of two indices, for discs with the same centre.
 fn direction<T: Scalar>(rank: usize) -> [T; 2] {
     /// Points on the circle of radius 65 with integer coordinates, in an order in which
     /// successive ones are far apart.

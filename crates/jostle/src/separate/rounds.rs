@@ -1,6 +1,6 @@
 //! Rounds over the near pairs.
 //!
-//! Within a chunk of places, each pair is moved as soon as it is tested (Gauss-Seidel). Of a pair
+//! Within a chunk of indices, each pair is moved as soon as it is tested (Gauss-Seidel). Of a pair
 //! in two chunks, each moves its own part, and takes the other where it was before the round
 //! (Jacobi). Chunks depend on the order of the shapes alone, so results do not depend on threads.
 
@@ -21,17 +21,17 @@ use crate::quadtree::Quadtree;
 /// After so many rounds the number of overlaps must have fallen by a tenth; otherwise they end.
 const PATIENCE: usize = 32;
 
-/// A set of places of a chunk, one bit each.
+/// A set of indices of a chunk, one bit each.
 #[derive(Clone)]
-struct Places(Vec<u64>);
+struct IndexSet(Vec<u64>);
 
-impl Places {
-    /// No place of a chunk of `len`.
+impl IndexSet {
+    /// No index of a chunk of `len`.
     fn none(len: usize) -> Result<Self> {
         memory::filled(len.div_ceil(64), 0).map(Self)
     }
 
-    /// All places of a chunk of `len`.
+    /// All indices of a chunk of `len`.
     fn fill(&mut self, len: usize) {
         self.0.fill(u64::MAX);
         if let Some(last) = self.0.last_mut().filter(|_| !len.is_multiple_of(64)) {
@@ -53,7 +53,7 @@ impl Places {
         self.0[at / 64] >> (at % 64) & 1 == 1
     }
 
-    /// The first place at `from` or after it.
+    /// The first index at `from` or after it.
     #[inline(always)]
     fn next(&self, from: usize) -> Option<usize> {
         let mut word = from / 64;
@@ -65,7 +65,7 @@ impl Places {
         Some(64 * word + bits.trailing_zeros() as usize)
     }
 
-    /// The places, ascending.
+    /// The indices, ascending.
     fn iter(&self) -> impl Iterator<Item = usize> {
         std::iter::successors(self.next(0), |&at| self.next(at + 1))
     }
@@ -77,14 +77,14 @@ struct Part<T> {
     centers: Vec<[T; 2]>,
     /// The shapes that have moved since their pairs were tested, and those of whose pairs in other
     /// chunks the other one has. No other pair overlaps.
-    stale: Places,
+    stale: IndexSet,
     /// The shapes that have moved in this round.
-    moved: Places,
+    moved: IndexSet,
     /// Pairs that overlapped when they were tested.
     overlaps: usize,
     /// Whether a centre is another one than before the round.
     changed: bool,
-    /// Whether a shape is beyond the reach of its list.
+    /// Whether a shape has moved farther than its list allows.
     left: bool,
 }
 
@@ -110,9 +110,9 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     ) -> Result<Self> {
         let len = bodies.len();
         let part = |index| {
-            let len = places_of(index, len).len();
+            let len = indices_of(index, len).len();
             let centers = memory::filled(len, [T::ZERO; 2])?;
-            let (stale, moved) = (Places::none(len)?, Places::none(len)?);
+            let (stale, moved) = (IndexSet::none(len)?, IndexSet::none(len)?);
             Ok(Mutex::new(Part { centers, stale, moved, overlaps: 0, changed: false, left: false }))
         };
         let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
@@ -173,18 +173,18 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         let len = self.bodies.len();
         for (index, part) in self.parts.iter_mut().enumerate() {
             let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
-            let places = places_of(index, len);
-            part.stale.fill(places.len());
-            part.centers.copy_from_slice(&self.bodies.centers[places]);
+            let indices = indices_of(index, len);
+            part.stale.fill(indices.len());
+            part.centers.copy_from_slice(&self.bodies.centers[indices]);
         }
     }
 
     /// One round; returns the number of overlaps that it met, and whether a shape has moved.
     fn round(&mut self) -> Result<(usize, bool)> {
         let this = &*self;
-        parallel::for_tasks(self.rules.threads, self.parts.len(), |index| {
-            let part = &mut locked(&this.parts[index]);
-            let first = index * CHUNK;
+        parallel::for_tasks(self.rules.threads, self.parts.len(), |number| {
+            let part = &mut locked(&this.parts[number]);
+            let first = number * CHUNK;
             if this.are_round {
                 this.round_over::<true>(first, part);
             } else {
@@ -193,20 +193,20 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             this.end_round(first, part);
         });
         let (mut overlaps, mut changed, mut left) = (0, false, false);
-        for index in 0..self.parts.len() {
-            let part = locked(&self.parts[index]);
+        for number in 0..self.parts.len() {
+            let part = locked(&self.parts[number]);
             overlaps += part.overlaps;
             changed |= part.changed;
             left |= part.left;
             for at in part.moved.iter() {
-                let place = index * CHUNK + at;
-                self.bodies.centers[place] = part.centers[at];
-                let near = self.near.of_place(place);
-                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk(o) == index);
+                let index = number * CHUNK + at;
+                self.bodies.centers[index] = part.centers[at];
+                let near = self.near.of_index(index);
+                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk(o) == number);
                 if is_within(near.first()) && is_within(near.last()) {
                     continue;
                 }
-                for &other in near.iter().filter(|&&other| chunk(other) != index) {
+                for &other in near.iter().filter(|&&other| chunk(other) != number) {
                     locked(&self.parts[chunk(other)]).stale.insert(other as usize % CHUNK);
                 }
             }
@@ -219,7 +219,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         Ok((overlaps, changed))
     }
 
-    /// Moves the pairs of the stale shapes of the chunk that starts at the place `first`.
+    /// Moves the pairs of the stale shapes of the chunk that starts at the index `first`.
     fn round_over<const ROUND: bool>(&self, first: usize, part: &mut Part<T>) {
         let Bodies { all, centers, .. } = &*self.bodies;
         let Part { centers: own, stale, moved, overlaps, .. } = part;
@@ -230,7 +230,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             stale.remove(at);
             let i = first + at;
             let (a, mut from, mut is_moved) = (&all[i], own[at], false);
-            for &other in self.near.of_place(i) {
+            for &other in self.near.of_index(i) {
                 let j = other as usize;
                 let other_at = j.wrapping_sub(first);
                 let is_here = other_at < own.len();
@@ -264,26 +264,26 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
 
     /// Moves the shapes of a chunk into the bounds, and compares with the state before the round.
     fn end_round(&self, first: usize, part: &mut Part<T>) {
-        let reach = self.near.reach();
+        let most = self.near.max_displacement();
         let Part { centers, stale, moved, changed, left, .. } = part;
         (*changed, *left) = (false, false);
         for at in moved.iter() {
-            let place = first + at;
-            let center = self.inside(place, centers[at]);
+            let index = first + at;
+            let center = self.inside(index, centers[at]);
             if center != centers[at] {
                 centers[at] = center;
                 stale.insert(at);
             }
-            let origin = self.near.origins[place];
+            let origin = self.near.origins[index];
             let away = [center[0] - origin[0], center[1] - origin[1]];
-            *changed |= center != self.bodies.centers[place];
-            *left |= away[0] * away[0] + away[1] * away[1] > reach * reach;
+            *changed |= center != self.bodies.centers[index];
+            *left |= away[0] * away[0] + away[1] * away[1] > most * most;
         }
     }
 
     /// The nearest centre at which a shape is in the bounds.
-    fn inside(&self, place: usize, center: [T; 2]) -> [T; 2] {
-        let body = &self.bodies.all[place];
+    fn inside(&self, index: usize, center: [T; 2]) -> [T; 2] {
+        let body = &self.bodies.all[index];
         let Some(bounds) = self.rules.bounds else { return center };
         if body.is_fixed() {
             return center;
@@ -303,10 +303,10 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
             return false;
         }
         let mut entered = false;
-        for place in 0..self.bodies.len() {
-            let center = self.inside(place, self.bodies.centers[place]);
-            entered |= center != self.bodies.centers[place];
-            self.bodies.centers[place] = center;
+        for index in 0..self.bodies.len() {
+            let center = self.inside(index, self.bodies.centers[index]);
+            entered |= center != self.bodies.centers[index];
+            self.bodies.centers[index] = center;
         }
         entered
     }
@@ -321,9 +321,10 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
                 is_out[if all[i].weight < all[j].weight { i } else { j }] = true;
             }
         });
-        let mut places: Vec<u32> = memory::with_room(is_out.iter().filter(|out| **out).count())?;
-        places.extend((0..is_out.len() as u32).filter(|&place| is_out[place as usize]));
-        Ok(places)
+        let mut indices: Vec<u32> =
+            memory::with_capacity(is_out.iter().filter(|out| **out).count())?;
+        indices.extend((0..is_out.len() as u32).filter(|&index| is_out[index as usize]));
+        Ok(indices)
     }
 
     /// Number of pairs that overlap. The lists must be those of the current centres.
@@ -337,10 +338,10 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     fn each_overlap(&self, mut act: impl FnMut(usize, usize)) {
         let Bodies { all, centers, .. } = &*self.bodies;
         let parts: Vec<_> = self.parts.iter().map(locked).collect();
-        let is_stale = |place: usize| parts[place / CHUNK].stale.has(place % CHUNK);
-        for (index, part) in parts.iter().enumerate() {
-            for i in part.stale.iter().map(|at| index * CHUNK + at) {
-                for j in self.near.of_place(i).iter().map(|&other| other as usize) {
+        let is_stale = |index: usize| parts[index / CHUNK].stale.has(index % CHUNK);
+        for (number, part) in parts.iter().enumerate() {
+            for i in part.stale.iter().map(|at| number * CHUNK + at) {
+                for j in self.near.of_index(i).iter().map(|&other| other as usize) {
                     let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
                     // A pair of two of them is met twice.
                     let is_new = j > i || !is_stale(j);
@@ -353,12 +354,12 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 }
 
-fn chunk(place: u32) -> usize {
-    place as usize / CHUNK
+fn chunk(index: u32) -> usize {
+    index as usize / CHUNK
 }
 
-/// The places of a chunk of `len` shapes.
-fn places_of(chunk: usize, len: usize) -> Range<usize> {
+/// The indices of a chunk of `len` shapes.
+fn indices_of(chunk: usize, len: usize) -> Range<usize> {
     chunk * CHUNK..len.min((chunk + 1) * CHUNK)
 }
 

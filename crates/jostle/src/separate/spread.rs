@@ -37,7 +37,7 @@ pub fn is_crowded<T: Scalar, K: Scalar>(
     bodies: &Bodies<T>,
     gap: T,
 ) -> Result<bool> {
-    let mut sums = memory::with_room(bodies.len() + 1)?;
+    let mut sums = memory::with_capacity(bodies.len() + 1)?;
     let mut sum = [0.0; 3];
     sums.push(sum);
     for body in &bodies.all {
@@ -80,7 +80,7 @@ struct Part {
 /// Moves the movable shapes until they have at most a share of the area of each region.
 pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, rules: &Separation<T>, most: f64) -> Result<()> {
     let gap = rules.gap;
-    let mut order: Vec<u32> = memory::with_room(bodies.len())?;
+    let mut order: Vec<u32> = memory::with_capacity(bodies.len())?;
     order.extend((0..bodies.len() as u32).filter(|&i| !bodies.all[i as usize].is_fixed()));
     if order.is_empty() {
         return Ok(());
@@ -113,21 +113,21 @@ struct Spread<'a, T> {
 }
 
 impl<T: Scalar> Spread<'_, T> {
-    fn at(&self, place: u32, axis: usize) -> f64 {
-        self.bodies.centers[place as usize][axis].to_f64()
+    fn at(&self, index: u32, axis: usize) -> f64 {
+        self.bodies.centers[index as usize][axis].to_f64()
     }
 
-    fn area_of(&self, places: &[u32]) -> f64 {
-        places.iter().map(|&place| area(&self.bodies.all[place as usize], self.gap)).sum()
+    fn area_of(&self, indices: &[u32]) -> f64 {
+        indices.iter().map(|&index| area(&self.bodies.all[index as usize], self.gap)).sum()
     }
 
     /// All movable shapes, in a box that has enough room unless the bounds are too small.
     fn root(&mut self, order: &[u32], bounds: Option<[T; 4]>) -> Part {
         let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for &place in order {
+        for &index in order {
             for axis in 0..2 {
-                min[axis] = min[axis].min(self.at(place, axis) - self.unit[axis]);
-                max[axis] = max[axis].max(self.at(place, axis) + self.unit[axis]);
+                min[axis] = min[axis].min(self.at(index, axis) - self.unit[axis]);
+                max[axis] = max[axis].max(self.at(index, axis) + self.unit[axis]);
             }
         }
         let needed = self.area_of(order) / FILL;
@@ -153,17 +153,17 @@ impl<T: Scalar> Spread<'_, T> {
     }
 
     /// Moves shapes linearly, as an interval along an axis becomes another.
-    fn stretch(&mut self, places: &[u32], axis: usize, from: [f64; 2], to: [f64; 2]) {
+    fn stretch(&mut self, indices: &[u32], axis: usize, from: [f64; 2], to: [f64; 2]) {
         if from == to {
             return;
         }
         let width = from[1] - from[0];
         let scale = if width > 0.0 { (to[1] - to[0]) / width } else { 0.0 };
-        for &place in places {
-            let along = if width > 0.0 { self.at(place, axis) - from[0] } else { 0.0 };
+        for &index in indices {
+            let along = if width > 0.0 { self.at(index, axis) - from[0] } else { 0.0 };
             // Not `clamp`: rounding may exchange the two ends of an empty range.
             let moved = (to[0] + along * scale).max(to[0]).min(to[1]);
-            self.bodies.centers[place as usize][axis] = T::from_f64(moved);
+            self.bodies.centers[index as usize][axis] = T::from_f64(moved);
         }
     }
 
@@ -178,7 +178,7 @@ impl<T: Scalar> Spread<'_, T> {
         order.select_nth_unstable_by(middle, compare);
         let (first, second) = order.split_at(middle);
         let highest =
-            first.iter().map(|&place| self.at(place, axis)).fold(part.min[axis], f64::max);
+            first.iter().map(|&index| self.at(index, axis)).fold(part.min[axis], f64::max);
         let line = (highest + self.at(second[0], axis)) / 2.0;
         let across = part.max[1 - axis] - part.min[1 - axis];
         let (low, high) = (part.min[axis], part.max[axis]);
@@ -194,16 +194,16 @@ impl<T: Scalar> Spread<'_, T> {
 
     /// Moves a single shape into its box, if boxes have been enlarged; into its middle if it is
     /// larger.
-    fn enter(&mut self, part: &Part, place: usize) {
+    fn enter(&mut self, part: &Part, index: usize) {
         if !part.enlarged {
             return;
         }
-        let size = sides(&self.bodies.all[place], self.gap);
+        let size = sides(&self.bodies.all[index], self.gap);
         for (axis, side) in size.into_iter().enumerate() {
             let (low, high) = (part.min[axis] + side / 2.0, part.max[axis] - side / 2.0);
-            let center = self.at(place as u32, axis);
+            let center = self.at(index as u32, axis);
             let new = if low > high { (low + high) / 2.0 } else { center.clamp(low, high) };
-            self.bodies.centers[place][axis] = T::from_f64(new);
+            self.bodies.centers[index][axis] = T::from_f64(new);
         }
     }
 }

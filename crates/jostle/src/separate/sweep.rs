@@ -13,8 +13,8 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// Places all movable shapes; one without a free position in the bounds is put into them.
-pub fn place<T: Scalar>(
+/// Indices all movable shapes; one without a free position in the bounds is put into them.
+pub fn index<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
     pusher: &Pusher<T>,
@@ -22,24 +22,24 @@ pub fn place<T: Scalar>(
 ) -> Result<()> {
     let across = 1 - axis;
     let mut order: Vec<u32> = memory::collect(0..bodies.len() as u32)?;
-    let at = |place: &u32| bodies.centers[*place as usize];
+    let at = |index: &u32| bodies.centers[*index as usize];
     order.sort_unstable_by(|a, b| {
         let [a_at, b_at] = [at(a), at(b)];
-        let by_place = a_at[across].total_order(&b_at[across]);
-        by_place.then(a_at[axis].total_order(&b_at[axis])).then(a.cmp(b))
+        let by_position = a_at[across].total_order(&b_at[across]);
+        by_position.then(a_at[axis].total_order(&b_at[axis])).then(a.cmp(b))
     });
     let extents = bodies.all.iter().map(|body| body.extent(across));
     let widest = extents.fold(T::ZERO, T::max) + rules.gap;
     let mut taken = Taken::default();
     let mut placed = memory::filled(bodies.len(), false)?;
     let mut pulse = Pulse::current();
-    for index in far_apart(order.len()) {
-        let own = order[index] as usize;
+    for nth in far_apart(order.len()) {
+        let own = order[nth] as usize;
         let (body, center) = (bodies.all[own], bodies.centers[own]);
-        let reach = body.extent(across) + widest;
+        let range = body.extent(across) + widest;
         let away = |other: u32| bodies.centers[other as usize][across] - center[across];
-        let first = order.partition_point(|&other| away(other) <= -reach);
-        let last = order.partition_point(|&other| away(other) < reach);
+        let first = order.partition_point(|&other| away(other) <= -range);
+        let last = order.partition_point(|&other| away(other) < range);
         pulse.check(last - first)?;
         taken.intervals.clear();
         for &other in &order[first..last] {

@@ -1,4 +1,4 @@
-//! Gather and scatter: pairs of float32 are read from scattered places into vectors, and written.
+//! Gather and scatter: pairs of float32 are read from scattered indices into vectors, and written.
 //!
 //! Each pair is one word, which is read and written atomically, so that threads may share the
 //! column. Single reads and writes are faster than the gather and scatter instructions of the
@@ -13,46 +13,46 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::LANES;
 
-// SAFETY of all below: all places are below the length of the column, and the processor has the
+// SAFETY of all below: all indices are below the length of the column, and the processor has the
 // instructions.
 
-/// The pair at the place of a lane.
+/// The pair at the index of a lane.
 #[inline(always)]
-unsafe fn one(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> f64 {
+unsafe fn one(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> f64 {
     unsafe {
-        let word = from.get_unchecked(places[lane % LANES] as usize);
+        let word = from.get_unchecked(indices[lane % LANES] as usize);
         f64::from_bits(word.load(Ordering::Relaxed))
     }
 }
 
 #[inline(always)]
-unsafe fn set_one(pair: f64, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
+unsafe fn set_one(pair: f64, to: &[AtomicU64], indices: &[u32; LANES], lane: usize) {
     unsafe {
-        let word = to.get_unchecked(places[lane % LANES] as usize);
+        let word = to.get_unchecked(indices[lane % LANES] as usize);
         word.store(pair.to_bits(), Ordering::Relaxed);
     }
 }
 
 /// The pairs of two consecutive lanes.
 #[inline(always)]
-unsafe fn two(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m128d {
-    unsafe { _mm_set_pd(one(from, places, lane + 1), one(from, places, lane)) }
+unsafe fn two(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> __m128d {
+    unsafe { _mm_set_pd(one(from, indices, lane + 1), one(from, indices, lane)) }
 }
 
 #[inline(always)]
-unsafe fn set_two(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
+unsafe fn set_two(pairs: __m128d, to: &[AtomicU64], indices: &[u32; LANES], lane: usize) {
     unsafe {
-        set_one(_mm_cvtsd_f64(pairs), to, places, lane);
-        set_one(_mm_cvtsd_f64(_mm_unpackhi_pd(pairs, pairs)), to, places, lane + 1);
+        set_one(_mm_cvtsd_f64(pairs), to, indices, lane);
+        set_one(_mm_cvtsd_f64(_mm_unpackhi_pd(pairs, pairs)), to, indices, lane + 1);
     }
 }
 
 /// The first and the second numbers of the pairs of four lanes.
 #[inline(always)]
-pub unsafe fn gather_128(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> [__m128; 2] {
+pub unsafe fn gather_128(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> [__m128; 2] {
     unsafe {
-        let low = _mm_castpd_ps(two(from, places, lane));
-        let high = _mm_castpd_ps(two(from, places, lane + 2));
+        let low = _mm_castpd_ps(two(from, indices, lane));
+        let high = _mm_castpd_ps(two(from, indices, lane + 2));
         [_mm_shuffle_ps::<0x88>(low, high), _mm_shuffle_ps::<0xdd>(low, high)]
     }
 }
@@ -62,20 +62,20 @@ pub unsafe fn gather_128(from: &[AtomicU64], places: &[u32; LANES], lane: usize)
 pub unsafe fn scatter_128(
     [x, y]: [__m128; 2],
     to: &[AtomicU64],
-    places: &[u32; LANES],
+    indices: &[u32; LANES],
     lane: usize,
 ) {
     unsafe {
-        set_two(_mm_castps_pd(_mm_unpacklo_ps(x, y)), to, places, lane);
-        set_two(_mm_castps_pd(_mm_unpackhi_ps(x, y)), to, places, lane + 2);
+        set_two(_mm_castps_pd(_mm_unpacklo_ps(x, y)), to, indices, lane);
+        set_two(_mm_castps_pd(_mm_unpackhi_ps(x, y)), to, indices, lane + 2);
     }
 }
 
 /// As [`two`], with AVX, without integer registers, which the compiler uses for atomic words. On
 /// x86 each of these reads is a relaxed atomic load.
 #[inline(always)]
-unsafe fn two_avx(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m128d {
-    let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
+unsafe fn two_avx(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> __m128d {
+    let [first, second] = [indices[lane % LANES], indices[(lane + 1) % LANES]];
     let pairs: __m128d;
     unsafe {
         asm!(
@@ -93,8 +93,8 @@ unsafe fn two_avx(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m
 
 /// As [`set_two`], with AVX: two relaxed atomic stores.
 #[inline(always)]
-unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
-    let [first, second] = [places[lane % LANES], places[(lane + 1) % LANES]];
+unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], indices: &[u32; LANES], lane: usize) {
+    let [first, second] = [indices[lane % LANES], indices[(lane + 1) % LANES]];
     unsafe {
         asm!(
             "vmovlpd qword ptr [{to} + 8 * {first}], {pairs}",
@@ -110,24 +110,24 @@ unsafe fn set_two_avx(pairs: __m128d, to: &[AtomicU64], places: &[u32; LANES], l
 
 /// The pairs of the lanes `lane`, `lane + 1`, `lane + 4` and `lane + 5`.
 #[inline(always)]
-unsafe fn four(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m256d {
-    unsafe { _mm256_set_m128d(two_avx(from, places, lane + 4), two_avx(from, places, lane)) }
+unsafe fn four(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> __m256d {
+    unsafe { _mm256_set_m128d(two_avx(from, indices, lane + 4), two_avx(from, indices, lane)) }
 }
 
 #[inline(always)]
-unsafe fn set_four(pairs: __m256d, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
+unsafe fn set_four(pairs: __m256d, to: &[AtomicU64], indices: &[u32; LANES], lane: usize) {
     unsafe {
-        set_two_avx(_mm256_castpd256_pd128(pairs), to, places, lane);
-        set_two_avx(_mm256_extractf128_pd::<1>(pairs), to, places, lane + 4);
+        set_two_avx(_mm256_castpd256_pd128(pairs), to, indices, lane);
+        set_two_avx(_mm256_extractf128_pd::<1>(pairs), to, indices, lane + 4);
     }
 }
 
 /// The first and the second numbers of the pairs of eight lanes.
 #[inline(always)]
-pub unsafe fn gather_256(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> [__m256; 2] {
+pub unsafe fn gather_256(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> [__m256; 2] {
     unsafe {
-        let low = _mm256_castpd_ps(four(from, places, lane));
-        let high = _mm256_castpd_ps(four(from, places, lane + 2));
+        let low = _mm256_castpd_ps(four(from, indices, lane));
+        let high = _mm256_castpd_ps(four(from, indices, lane + 2));
         [_mm256_shuffle_ps::<0x88>(low, high), _mm256_shuffle_ps::<0xdd>(low, high)]
     }
 }
@@ -137,47 +137,47 @@ pub unsafe fn gather_256(from: &[AtomicU64], places: &[u32; LANES], lane: usize)
 pub unsafe fn scatter_256(
     [x, y]: [__m256; 2],
     to: &[AtomicU64],
-    places: &[u32; LANES],
+    indices: &[u32; LANES],
     lane: usize,
 ) {
     unsafe {
-        set_four(_mm256_castps_pd(_mm256_unpacklo_ps(x, y)), to, places, lane);
-        set_four(_mm256_castps_pd(_mm256_unpackhi_ps(x, y)), to, places, lane + 2);
+        set_four(_mm256_castps_pd(_mm256_unpacklo_ps(x, y)), to, indices, lane);
+        set_four(_mm256_castps_pd(_mm256_unpackhi_ps(x, y)), to, indices, lane + 2);
     }
 }
 
 /// The pairs of the lanes `lane + k` and `lane + k + 1` for k = 0, 4, 8 and 12.
 #[inline(always)]
-unsafe fn eight(from: &[AtomicU64], places: &[u32; LANES], lane: usize) -> __m512 {
+unsafe fn eight(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> __m512 {
     unsafe {
-        let low = _mm512_castpd256_pd512(four(from, places, lane));
-        _mm512_castpd_ps(_mm512_insertf64x4::<1>(low, four(from, places, lane + 8)))
+        let low = _mm512_castpd256_pd512(four(from, indices, lane));
+        _mm512_castpd_ps(_mm512_insertf64x4::<1>(low, four(from, indices, lane + 8)))
     }
 }
 
 #[inline(always)]
-unsafe fn set_eight(pairs: __m512, to: &[AtomicU64], places: &[u32; LANES], lane: usize) {
+unsafe fn set_eight(pairs: __m512, to: &[AtomicU64], indices: &[u32; LANES], lane: usize) {
     unsafe {
         let pairs = _mm512_castps_pd(pairs);
-        set_four(_mm512_castpd512_pd256(pairs), to, places, lane);
-        set_four(_mm512_extractf64x4_pd::<1>(pairs), to, places, lane + 8);
+        set_four(_mm512_castpd512_pd256(pairs), to, indices, lane);
+        set_four(_mm512_extractf64x4_pd::<1>(pairs), to, indices, lane + 8);
     }
 }
 
 /// The first and the second numbers of the pairs of all lanes.
 #[inline(always)]
-pub unsafe fn gather_512(from: &[AtomicU64], places: &[u32; LANES]) -> [__m512; 2] {
+pub unsafe fn gather_512(from: &[AtomicU64], indices: &[u32; LANES]) -> [__m512; 2] {
     unsafe {
-        let (low, high) = (eight(from, places, 0), eight(from, places, 2));
+        let (low, high) = (eight(from, indices, 0), eight(from, indices, 2));
         [_mm512_shuffle_ps::<0x88>(low, high), _mm512_shuffle_ps::<0xdd>(low, high)]
     }
 }
 
 /// Writes the pairs of all lanes.
 #[inline(always)]
-pub unsafe fn scatter_512([x, y]: [__m512; 2], to: &[AtomicU64], places: &[u32; LANES]) {
+pub unsafe fn scatter_512([x, y]: [__m512; 2], to: &[AtomicU64], indices: &[u32; LANES]) {
     unsafe {
-        set_eight(_mm512_unpacklo_ps(x, y), to, places, 0);
-        set_eight(_mm512_unpackhi_ps(x, y), to, places, 2);
+        set_eight(_mm512_unpacklo_ps(x, y), to, indices, 0);
+        set_eight(_mm512_unpackhi_ps(x, y), to, indices, 2);
     }
 }

@@ -47,46 +47,46 @@ pub fn block_mut<V>(column: &mut [V], start: usize) -> &mut [V; LANES] {
     column[start..].first_chunk_mut().expect("columns carry spare rows")
 }
 
-/// The two float32 of the word at `place`.
+/// The two float32 of the word at `index`.
 #[inline(always)]
-pub fn numbers_at(from: &[AtomicU64], place: u32) -> [f32; 2] {
-    let word = from[place as usize].load(Ordering::Relaxed);
+pub fn numbers_at(from: &[AtomicU64], index: u32) -> [f32; 2] {
+    let word = from[index as usize].load(Ordering::Relaxed);
     [word as u32, (word >> 32) as u32].map(f32::from_bits)
 }
 
-/// Replaces the two float32 of the word at `place`.
+/// Replaces the two float32 of the word at `index`.
 #[inline(always)]
-pub fn set_numbers_at(to: &[AtomicU64], place: u32, numbers: [f32; 2]) {
+pub fn set_numbers_at(to: &[AtomicU64], index: u32, numbers: [f32; 2]) {
     let [a, b] = numbers.map(|number| u64::from(number.to_bits()));
-    to[place as usize].store(a | b << 32, Ordering::Relaxed);
+    to[index as usize].store(a | b << 32, Ordering::Relaxed);
 }
 
-/// The places of [`LANES`] pairs in columns of words. The largest is stored, so that one test is
+/// The indices of [`LANES`] pairs in columns of words. The largest is stored, so that one test is
 /// sufficient for all.
 #[derive(Clone, Copy, Debug)]
-pub struct PairPlaces {
-    places: [[u32; LANES]; 2],
+pub struct PairIndices {
+    indices: [[u32; LANES]; 2],
     largest: u32,
 }
 
-impl PairPlaces {
-    /// The places of the first and of the second of each pair.
-    pub fn new(places: [[u32; LANES]; 2]) -> Self {
-        let largest = places.as_flattened().iter().copied().fold(0, u32::max);
-        Self { places, largest }
+impl PairIndices {
+    /// The indices of the first and of the second of each pair.
+    pub fn new(indices: [[u32; LANES]; 2]) -> Self {
+        let largest = indices.as_flattened().iter().copied().fold(0, u32::max);
+        Self { indices, largest }
     }
 
-    /// The places of the first (k = 0) or of the second (k = 1) of each pair.
+    /// The indices of the first (k = 0) or of the second (k = 1) of each pair.
     #[inline(always)]
     pub fn of(&self, k: usize) -> &[u32; LANES] {
-        &self.places[k]
+        &self.indices[k]
     }
 
-    /// As [`of`](Self::of). Panics unless all places are below `len`.
+    /// As [`of`](Self::of). Panics unless all indices are below `len`.
     #[inline(always)]
     fn below(&self, len: usize, k: usize) -> &[u32; LANES] {
-        assert!((self.largest as usize) < len, "a place is too large");
-        &self.places[k]
+        assert!((self.largest as usize) < len, "an index is too large");
+        &self.indices[k]
     }
 }
 
@@ -99,7 +99,7 @@ pub trait Simd<T: Number>: Copy {
     fn splat(self, value: T) -> Self::Block;
     /// Loads a block.
     fn load(self, from: &[T; LANES]) -> Self::Block;
-    /// Loads a block from two places.
+    /// Loads a block from two indices.
     fn load_halves(self, low: &[T; HALF], high: &[T; HALF]) -> Self::Block;
     /// Stores a block.
     fn store(self, block: Self::Block, to: &mut [T; LANES]);
@@ -127,24 +127,24 @@ pub trait Simd<T: Number>: Copy {
     fn at_most(self, a: Self::Block, b: Self::Block) -> u32;
     /// a in lanes whose bit is set, b in the others (blend).
     fn choose(self, bits: u32, a: Self::Block, b: Self::Block) -> Self::Block;
-    /// The first and the second numbers of the words at the places of the k-th of each pair.
+    /// The first and the second numbers of the words at the indices of the k-th of each pair.
     #[inline(always)]
-    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
+    fn gather(self, from: &[AtomicU64], indices: &PairIndices, k: usize) -> [Self::Block; 2] {
         let mut columns = [[T::default(); LANES]; 2];
-        for (lane, &place) in places.below(from.len(), k).iter().enumerate() {
-            let word = numbers_at(from, place);
+        for (lane, &index) in indices.below(from.len(), k).iter().enumerate() {
+            let word = numbers_at(from, index);
             (columns[0][lane], columns[1][lane]) = (T::from(word[0]), T::from(word[1]));
         }
         columns.map(|column| self.load(&column))
     }
-    /// Writes words to the places of the k-th of each pair. Of several words with the same place
+    /// Writes words to the indices of the k-th of each pair. Of several words with the same index
     /// one is written.
     #[inline(always)]
-    fn scatter(self, blocks: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
+    fn scatter(self, blocks: [Self::Block; 2], to: &[AtomicU64], indices: &PairIndices, k: usize) {
         let mut columns = [[T::default(); LANES]; 2];
         blocks.into_iter().zip(&mut columns).for_each(|(block, to)| self.store(block, to));
-        for (lane, &place) in places.below(to.len(), k).iter().enumerate() {
-            set_numbers_at(to, place, [columns[0][lane].single(), columns[1][lane].single()]);
+        for (lane, &index) in indices.below(to.len(), k).iter().enumerate() {
+            set_numbers_at(to, index, [columns[0][lane].single(), columns[1][lane].single()]);
         }
     }
     /// Writes the numbers whose bit is set, contiguously (stream compaction). Numbers after these
@@ -155,7 +155,7 @@ pub trait Simd<T: Number>: Copy {
     /// Writes the pairs of `first` with those of `others` whose bit is set, as [`Simd::pack`].
     fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
     /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
     /// As [`Simd::pair_with`], the smaller number of each pair first; the others are in two halves.
     fn ordered_pairs(
         self,
@@ -165,7 +165,7 @@ pub trait Simd<T: Number>: Copy {
         to: &mut [[u32; 2]; LANES],
     );
     /// Writes `first` + lane for every set bit, as [`Simd::pack`].
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }
 
 /// A computation that is generic over the vector instructions.
@@ -269,10 +269,10 @@ mod tests {
         fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
             let (a, b) = (simd.load(&self.0), simd.load(&self.1));
             let words: [AtomicU64; LANES] = std::array::from_fn(|_| AtomicU64::default());
-            let places = |step: u32| std::array::from_fn(|lane| (lane as u32 * step + 3) % 16);
-            let places = PairPlaces::new([places(5), places(7)]);
-            simd.scatter([a, b], &words, &places, 0);
-            let shuffled = simd.gather(&words, &places, 1);
+            let indices = |step: u32| std::array::from_fn(|lane| (lane as u32 * step + 3) % 16);
+            let indices = PairIndices::new([indices(5), indices(7)]);
+            simd.scatter([a, b], &words, &indices, 0);
+            let shuffled = simd.gather(&words, &indices, 1);
             let halves: [[T; HALF]; 2] =
                 [1, 5].map(|from| std::array::from_fn(|lane| self.0[from + lane]));
             let blocks = [
@@ -297,17 +297,17 @@ mod tests {
             });
             let mut packed = Vec::new();
             for bits in SETS {
-                let (mut numbers, mut places) = ([T::default(); LANES], [0; LANES]);
+                let (mut numbers, mut indices) = ([T::default(); LANES], [0; LANES]);
                 let mut pairs = [[[0; 2]; LANES]; 3];
                 simd.pack(a, bits, &mut numbers);
-                simd.pack_places(70, bits, &mut places);
+                simd.pack_indices(70, bits, &mut indices);
                 simd.pair_with(5, &OTHERS, bits, &mut pairs[0]);
-                simd.pair_with_places(6, 80, bits, &mut pairs[1]);
+                simd.pair_with_indices(6, 80, bits, &mut pairs[1]);
                 let [low, high] = [&OTHERS[..HALF], &OTHERS[HALF..]].map(|half| half.try_into());
                 simd.ordered_pairs(12, [low.unwrap(), high.unwrap()], bits, &mut pairs[2]);
                 let count = bits.count_ones() as usize;
                 let pairs = pairs.map(|pairs| pairs[..count].to_vec());
-                packed.push((numbers[..count].to_vec(), pairs, places[..count].to_vec()));
+                packed.push((numbers[..count].to_vec(), pairs, indices[..count].to_vec()));
             }
             let bits =
                 [simd.both_negative(a, b), simd.less(a, b), simd.at_most(a, b), simd.at_most(a, a)];

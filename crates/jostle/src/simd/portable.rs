@@ -16,9 +16,9 @@ pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
     });
 }
 
-/// [`Simd::pack_places`], one set bit after the other.
+/// [`Simd::pack_indices`], one set bit after the other.
 #[inline(always)]
-pub fn pack_places(first: u32, bits: u32, to: &mut [u32; LANES]) {
+pub fn pack_indices(first: u32, bits: u32, to: &mut [u32; LANES]) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
         to[count % LANES] = first + lane as u32;
@@ -137,7 +137,7 @@ impl<T: Number> Simd<T> for Portable {
         pair_with(first, |lane| others[lane % LANES], bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         pair_with(first, |lane| start + lane as u32, bits, to);
     }
     #[inline(always)]
@@ -151,7 +151,7 @@ impl<T: Number> Simd<T> for Portable {
         ordered_pairs(first, others, bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places(first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices(first, bits, to);
     }
 }

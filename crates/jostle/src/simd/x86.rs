@@ -12,7 +12,7 @@ use std::arch::x86_64::*;
 use std::sync::atomic::AtomicU64;
 
 use super::gather;
-use super::{HALF, Instructions, LANES, Number, PairPlaces, Simd, Work, portable};
+use super::{HALF, Instructions, LANES, Number, PairIndices, Simd, Work, portable};
 
 /// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
 /// several times longer to compile.
@@ -406,17 +406,17 @@ impl Simd<f32> for Avx512 {
     );
 
     #[inline(always)]
-    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
-        let places = places.below(from.len(), k);
+    fn gather(self, from: &[AtomicU64], indices: &PairIndices, k: usize) -> [Self::Block; 2] {
+        let indices = indices.below(from.len(), k);
         // SAFETY: the line above, and the token.
-        let [x, y] = unsafe { gather::gather_512(from, places) };
+        let [x, y] = unsafe { gather::gather_512(from, indices) };
         [[x], [y]]
     }
     #[inline(always)]
-    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
-        let places = places.below(to.len(), k);
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], indices: &PairIndices, k: usize) {
+        let indices = indices.below(to.len(), k);
         // SAFETY: the line above, and the token.
-        unsafe { gather::scatter_512([x[0], y[0]], to, places) }
+        unsafe { gather::scatter_512([x[0], y[0]], to, indices) }
     }
     #[inline(always)]
     fn pack(self, [from]: Self::Block, bits: u32, to: &mut [f32; LANES]) {
@@ -451,12 +451,12 @@ impl Simd<f32> for Avx512 {
         pairs_512(self, first, others, bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         pairs_512(self, first, counted_512(self, start), bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_512(self, first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_512(self, first, bits, to);
     }
 }
 
@@ -511,12 +511,12 @@ impl Simd<f64> for Avx512 {
         pairs_512(self, first, others, bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         pairs_512(self, first, counted_512(self, start), bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_512(self, first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_512(self, first, bits, to);
     }
 }
 
@@ -588,7 +588,7 @@ fn ordered_pairs_512(
 }
 
 #[inline(always)]
-fn pack_places_512(token: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
+fn pack_indices_512(token: Avx512, first: u32, bits: u32, to: &mut [u32; LANES]) {
     // SAFETY: the token proves the instructions; the array is one register long.
     unsafe {
         let packed = _mm512_maskz_compress_epi32(bits as u16, counted_512(token, first));
@@ -618,20 +618,20 @@ impl Simd<f32> for Avx2 {
     );
 
     #[inline(always)]
-    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
-        let places = places.below(from.len(), k);
+    fn gather(self, from: &[AtomicU64], indices: &PairIndices, k: usize) -> [Self::Block; 2] {
+        let indices = indices.below(from.len(), k);
         // SAFETY: the line above, and the token.
         let [[a, b], [c, d]] =
-            unsafe { [gather::gather_256(from, places, 0), gather::gather_256(from, places, 8)] };
+            unsafe { [gather::gather_256(from, indices, 0), gather::gather_256(from, indices, 8)] };
         [[a, c], [b, d]]
     }
     #[inline(always)]
-    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
-        let places = places.below(to.len(), k);
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], indices: &PairIndices, k: usize) {
+        let indices = indices.below(to.len(), k);
         // SAFETY: the line above, and the token.
         unsafe {
-            gather::scatter_256([x[0], y[0]], to, places, 0);
-            gather::scatter_256([x[1], y[1]], to, places, 8);
+            gather::scatter_256([x[0], y[0]], to, indices, 0);
+            gather::scatter_256([x[1], y[1]], to, indices, 8);
         }
     }
     #[inline(always)]
@@ -668,12 +668,12 @@ impl Simd<f32> for Avx2 {
         pairs_256(self, first, others, bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_with_places_256(self, first, start, bits, to);
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_with_indices_256(self, first, start, bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_256(self, first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_256(self, first, bits, to);
     }
 }
 
@@ -732,12 +732,12 @@ impl Simd<f64> for Avx2 {
         pairs_256(self, first, others, bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_with_places_256(self, first, start, bits, to);
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_with_indices_256(self, first, start, bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_places_256(self, first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_256(self, first, bits, to);
     }
 }
 
@@ -763,26 +763,26 @@ impl Simd<f32> for Sse2 {
     );
 
     #[inline(always)]
-    fn gather(self, from: &[AtomicU64], places: &PairPlaces, k: usize) -> [Self::Block; 2] {
-        let places = places.below(from.len(), k);
+    fn gather(self, from: &[AtomicU64], indices: &PairIndices, k: usize) -> [Self::Block; 2] {
+        let indices = indices.below(from.len(), k);
         // SAFETY: the line above; every x86-64 processor has SSE2.
         unsafe {
-            let [a, b] = gather::gather_128(from, places, 0);
-            let [c, d] = gather::gather_128(from, places, 4);
-            let [e, f] = gather::gather_128(from, places, 8);
-            let [g, h] = gather::gather_128(from, places, 12);
+            let [a, b] = gather::gather_128(from, indices, 0);
+            let [c, d] = gather::gather_128(from, indices, 4);
+            let [e, f] = gather::gather_128(from, indices, 8);
+            let [g, h] = gather::gather_128(from, indices, 12);
             [[a, c, e, g], [b, d, f, h]]
         }
     }
     #[inline(always)]
-    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], places: &PairPlaces, k: usize) {
-        let places = places.below(to.len(), k);
+    fn scatter(self, [x, y]: [Self::Block; 2], to: &[AtomicU64], indices: &PairIndices, k: usize) {
+        let indices = indices.below(to.len(), k);
         // SAFETY: the line above; every x86-64 processor has SSE2.
         unsafe {
-            gather::scatter_128([x[0], y[0]], to, places, 0);
-            gather::scatter_128([x[1], y[1]], to, places, 4);
-            gather::scatter_128([x[2], y[2]], to, places, 8);
-            gather::scatter_128([x[3], y[3]], to, places, 12);
+            gather::scatter_128([x[0], y[0]], to, indices, 0);
+            gather::scatter_128([x[1], y[1]], to, indices, 4);
+            gather::scatter_128([x[2], y[2]], to, indices, 8);
+            gather::scatter_128([x[3], y[3]], to, indices, 12);
         }
     }
     pack_one_by_one!(f32);
@@ -802,12 +802,12 @@ impl Simd<f32> for Sse2 {
         portable::pair_with(first, |lane| others[lane % LANES], bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         portable::pair_with(first, |lane| start + lane as u32, bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        portable::pack_places(first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        portable::pack_indices(first, bits, to);
     }
 }
 
@@ -848,12 +848,12 @@ impl Simd<f64> for Sse2 {
         portable::pair_with(first, |lane| others[lane % LANES], bits, to);
     }
     #[inline(always)]
-    fn pair_with_places(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
         portable::pair_with(first, |lane| start + lane as u32, bits, to);
     }
     #[inline(always)]
-    fn pack_places(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        portable::pack_places(first, bits, to);
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        portable::pack_indices(first, bits, to);
     }
 }
 
@@ -951,7 +951,7 @@ fn ordered_pairs_256(
 
 /// Pairs of `first` with `start` + lane for every set bit.
 #[inline(always)]
-fn pairs_with_places_256(
+fn pairs_with_indices_256(
     token: Avx2,
     first: u32,
     start: u32,
@@ -1016,7 +1016,7 @@ fn eight_pairs(_: Avx2, first: u32, others: __m256i, to: &mut [[u32; 2]; LANES],
 }
 
 #[inline(always)]
-fn pack_places_256(token: Avx2, first: u32, bits: u32, to: &mut [u32; LANES]) {
+fn pack_indices_256(token: Avx2, first: u32, bits: u32, to: &mut [u32; LANES]) {
     let low = packed_256(token, counted_256(token, first), bits);
     let high = packed_256(token, counted_256(token, first.wrapping_add(8)), bits >> 8);
     let behind = (bits & 0xff).count_ones() as usize;

@@ -139,11 +139,11 @@ pub fn enters<T: Scalar>(
         return into_convex(&hexagon, displacement, slop);
     }
     let through_side = |side: Side<T>| {
-        let (room, approach) = side.approach(radius, displacement);
-        if !(approach > T::ZERO && room >= T::ZERO && room <= approach) {
+        let (clearance, approach) = side.approach(radius, displacement);
+        if !(approach > T::ZERO && clearance >= T::ZERO && clearance <= approach) {
             return None;
         }
-        let share = room / approach;
+        let share = clearance / approach;
         let position = side.position(displacement.map(|v| v * share));
         (-slop <= position && position <= side.length + slop).then(|| (share, side.normal()))
     };
@@ -163,17 +163,17 @@ fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, v: [T; 2], slop: T) -> Option<(T
     let mut normal = [T::ZERO; 2];
     for side in sides(hexagon) {
         let inwards = if side.is_along { slop + slop + slop } else { slop };
-        let (room, approach) = side.approach(-inwards, v);
+        let (clearance, approach) = side.approach(-inwards, v);
         if approach == T::ZERO {
-            if room >= T::ZERO {
+            if clearance >= T::ZERO {
                 return None;
             }
         } else if approach > T::ZERO {
-            if room / approach > enter {
-                (enter, normal) = (room / approach, side.normal());
+            if clearance / approach > enter {
+                (enter, normal) = (clearance / approach, side.normal());
             }
         } else {
-            leave = leave.min(room / approach);
+            leave = leave.min(clearance / approach);
         }
     }
     (enter < leave && T::ZERO <= enter && enter <= T::ONE).then_some((enter, normal))

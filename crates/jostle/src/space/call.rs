@@ -69,13 +69,13 @@ impl<T: Scalar> Call<'_, T> {
         stack: &mut Vec<u32>,
         near: &mut Vec<Obstacle<T>>,
     ) {
-        for index in self.layers.indices() {
-            let (tree, slot) = self.layers.layer(index);
-            each_overlap(tree, bounds, -T::INFINITY, stack, |place| {
-                if let Some(slot) = slot(tree.rows()[place])
+        for number in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(number);
+            each_overlap(tree, bounds, -T::INFINITY, stack, |index| {
+                if let Some(slot) = slot(tree.rows()[index])
                     && self.rides.rows[slot as usize] == NONE
                 {
-                    let solid = Solid::Shape(tree.columns().shape(place));
+                    let solid = Solid::Shape(tree.columns().shape(index));
                     near.push(Obstacle { solid, turns, index: slot });
                 }
             });
@@ -86,8 +86,8 @@ impl<T: Scalar> Call<'_, T> {
                 near.push(Obstacle { solid: Solid::Shape(shape), turns, index: slot });
             }
         }
-        self.walls.each_near(bounds, stack, |index, ends| {
-            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | index });
+        self.walls.each_near(bounds, stack, |wall, ends| {
+            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | wall });
         });
     }
 }

@@ -61,8 +61,8 @@ impl<T: Scalar> Crowd<T> {
         self.levels.extend(self.bodies.iter().map(|body| cells::level_of(side(body).max(least))));
         self.all_levels.clear();
         for &level in &self.levels {
-            if let Err(place) = self.all_levels.binary_search(&level) {
-                self.all_levels.insert(place, level);
+            if let Err(at) = self.all_levels.binary_search(&level) {
+                self.all_levels.insert(at, level);
             }
         }
         self.heads.clear();

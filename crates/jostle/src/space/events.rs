@@ -113,7 +113,7 @@ impl<T: Scalar> Space<T> {
     /// The pairs of ids, sorted, from ascending keys.
     fn sorted_ids(&self, keys: &[Key]) -> Result<Vec<[Id; 2]>> {
         let mut pulse = Pulse::current();
-        let mut ids = memory::with_room(keys.len())?;
+        let mut ids = memory::with_capacity(keys.len())?;
         let are_ids = self.slots.are_ids();
         for some in keys.chunks(CHUNK) {
             pulse.check(some.len())?;
@@ -183,7 +183,7 @@ impl Changes {
         if !any_removed {
             return memory::collect(self.slots.iter().copied());
         }
-        let mut present = memory::with_room(self.slots.len())?;
+        let mut present = memory::with_capacity(self.slots.len())?;
         present.extend(self.slots.iter().copied().filter(|&slot| layers.has(slot)));
         Ok(present)
     }

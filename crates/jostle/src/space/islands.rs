@@ -29,7 +29,7 @@ impl Islands {
         let roots: Vec<u32> = memory::collect((0..len as u32).map(|row| sets.root(row)))?;
         let mut rows: Vec<u32> = memory::collect(0..len as u32)?;
         rows.sort_unstable_by_key(|&row| (roots[row as usize], row));
-        let mut ends: Vec<u32> = memory::with_room(len)?;
+        let mut ends: Vec<u32> = memory::with_capacity(len)?;
         let root = |index: usize| roots[rows[index] as usize];
         let is_end = |&end: &usize| end == len || root(end) != root(end - 1);
         ends.extend((1..=len).filter(is_end).map(|end| end as u32));

@@ -151,7 +151,7 @@ fn append<V: Copy>(values: &mut Vec<V>, more: &[V]) -> Result<()> {
 /// The keys of two ascending lists that have none in common.
 pub(super) fn merged(a: &[Key], b: &[Key]) -> Result<Vec<Key>> {
     let mut pulse = Pulse::current();
-    let mut all = memory::with_room(a.len() + b.len())?;
+    let mut all = memory::with_capacity(a.len() + b.len())?;
     let [mut at_a, mut at_b] = [0; 2];
     loop {
         let steps = CHUNK.min(a.len() - at_a).min(b.len() - at_b);
@@ -174,7 +174,7 @@ pub(super) fn merged(a: &[Key], b: &[Key]) -> Result<Vec<Key>> {
 /// The keys of which a slot `is_changed`, and the others.
 pub(super) fn parted(keys: &[Key], is_changed: &[bool]) -> Result<[Vec<Key>; 2]> {
     let mut pulse = Pulse::current();
-    let mut parts = [memory::with_room(keys.len())?, memory::with_room(keys.len())?];
+    let mut parts = [memory::with_capacity(keys.len())?, memory::with_capacity(keys.len())?];
     for some in keys.chunks(CHUNK) {
         pulse.check(some.len())?;
         for &key in some {

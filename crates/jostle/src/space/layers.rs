@@ -65,10 +65,10 @@ impl<T: Scalar> Layer<T> {
         self.alive == self.slots.len()
     }
 
-    /// The slot of the shape at a place of the tree.
+    /// The slot of the shape at an index of the tree.
     #[inline(always)]
-    fn slot_at(&self, place: u32) -> u32 {
-        self.slots[self.tree.rows()[place as usize] as usize]
+    fn slot_at(&self, index: u32) -> u32 {
+        self.slots[self.tree.rows()[index as usize] as usize]
     }
 }
 
@@ -190,7 +190,7 @@ impl<T: Scalar> Layers<T> {
         layers.copied().chain(fresh).reduce(Bounds::join)
     }
 
-    /// Whether a place of a layer still holds the shape in its slot.
+    /// Whether an index of a layer still holds the shape in its slot.
     #[inline(always)]
     fn is_home(&self, slot: u32, layer: usize) -> bool {
         usize::from(self.home[slot as usize]) == layer
@@ -259,11 +259,11 @@ impl<T: Scalar> Layers<T> {
         settings: Settings,
     ) -> Result<Option<usize>> {
         let mut is_rest: Vec<bool> = memory::collect(self.home.iter().map(|&h| h != NOWHERE))?;
-        let mut all: Vec<u32> = memory::with_room(slots.len())?;
+        let mut all: Vec<u32> = memory::with_capacity(slots.len())?;
         let present = (0..).zip(&is_rest).filter(|(_, present)| **present);
         all.extend(present.map(|(slot, _)| slot));
         chosen.iter().for_each(|&slot| is_rest[slot as usize] = false);
-        let mut rest: Vec<u32> = memory::with_room(slots.len() - chosen.len())?;
+        let mut rest: Vec<u32> = memory::with_capacity(slots.len() - chosen.len())?;
         rest.extend(all.iter().filter(|slot| is_rest[**slot as usize]));
         let chosen = memory::collect(chosen.iter().copied())?;
         // A failure from here on leaves all of them fresh.
@@ -388,13 +388,13 @@ impl<T: Scalar> Layers<T> {
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);
         let left = max_pairs - found.len();
-        let places = if a == b {
-            pairs::places_within(&first.tree, left, scratch)
+        let indices = if a == b {
+            pairs::indices_within(&first.tree, left, scratch)
         } else {
             let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
-            pairs::places_between(&first.tree, &second.tree, shift, filters, left, scratch)
+            pairs::indices_between(&first.tree, &second.tree, shift, filters, left, scratch)
         };
-        let mut pairs = places.map_err(|error| of_all(error, max_pairs))?.pairs;
+        let mut pairs = indices.map_err(|error| of_all(error, max_pairs))?.pairs;
         let all_alive = first.is_alive() && second.is_alive();
         let mut pulse = Pulse::current();
         let mut kept = 0;
@@ -436,21 +436,21 @@ impl<T: Scalar> Layers<T> {
     /// Says what is wrong, if anything is: every shape has one home, and its layer knows.
     pub(super) fn check(&self, slots: &Slots<T>) -> std::result::Result<(), String> {
         let mut seen = 0;
-        for (index, layer) in self.layers.iter().enumerate() {
+        for (number, layer) in self.layers.iter().enumerate() {
             layer.tree.check()?;
             let mut count = 0;
-            for (place, &row) in layer.tree.rows().iter().enumerate() {
+            for (index, &row) in layer.tree.rows().iter().enumerate() {
                 let slot = layer.slots[row as usize];
-                if !self.is_home(slot, index) {
+                if !self.is_home(slot, number) {
                     continue;
                 }
                 count += 1;
-                if layer.tree.columns().shape(place) != slots.shape(slot) {
-                    return Err(format!("layer {index} holds an old shape of slot {slot}"));
+                if layer.tree.columns().shape(index) != slots.shape(slot) {
+                    return Err(format!("layer {number} holds an old shape of slot {slot}"));
                 }
             }
             if count != layer.alive {
-                return Err(format!("{count} of layer {index} are alive, not {}", layer.alive));
+                return Err(format!("{count} of layer {number} are alive, not {}", layer.alive));
             }
             seen += count;
         }

@@ -39,7 +39,7 @@ impl Links {
     /// Links the pairs of a list; all slots are less than `slots`.
     pub(super) fn of(list: &[Key], slots: usize) -> Result<Self> {
         let mut pulse = Pulse::current();
-        let (records, heads) = (memory::with_room(list.len())?, memory::filled(slots, NONE)?);
+        let (records, heads) = (memory::with_capacity(list.len())?, memory::filled(slots, NONE)?);
         let mut links = Self { records, free: Vec::new(), heads };
         for &key in list {
             pulse.check(RECORD_WORK)?;
@@ -51,7 +51,7 @@ impl Links {
     /// The keys of all pairs, ascending.
     pub(super) fn list(&self) -> Result<Vec<Key>> {
         let mut pulse = Pulse::current();
-        let mut list = memory::with_room(self.len())?;
+        let mut list = memory::with_capacity(self.len())?;
         for pair in self.pairs() {
             pulse.check(1)?;
             list.push(key_of(pair));

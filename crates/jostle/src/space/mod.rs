@@ -132,7 +132,7 @@ impl<T: Scalar> Space<T> {
         self.layers.widen(count)?;
         self.touching.widen(count)?;
         self.changes.widen(count)?;
-        let mut ids = memory::with_room(shapes.len())?;
+        let mut ids = memory::with_capacity(shapes.len())?;
         for row in 0..shapes.len() {
             let slot = self.slots.put(&self.period.wrap_shape(shapes.shape(row)));
             self.note(slot);

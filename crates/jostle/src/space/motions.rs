@@ -80,7 +80,7 @@ impl<T> Default for Scratch<T> {
 pub struct Island<'a, T> {
     /// The call.
     pub call: &'a Call<'a, T>,
-    /// Its rows, ascending. The index of a shape is its place here.
+    /// Its rows, ascending. The index of a shape is its index here.
     pub rows: &'a [u32],
     /// That of the task.
     pub scratch: &'a mut Scratch<T>,
@@ -101,8 +101,8 @@ impl<T: Scalar> Island<'_, T> {
             memory::resize(pushed, rows.len(), Pushed::default())?;
             memory::resize(skipped, rows.len(), false)?;
         }
-        for place in 0..rows.len() {
-            let index = self.scratch.riders.order[place] as usize;
+        for nth in 0..rows.len() {
+            let index = self.scratch.riders.order[nth] as usize;
             self.push_riders(index, pulse)?;
             let mut walk = self.walk(index);
             pulse.check(WORK + self.scratch.near.len())?;
@@ -137,7 +137,7 @@ impl<T: Scalar> Island<'_, T> {
         for rider in &above[..] {
             let (floor, by) = match rider.floor.checked_sub(1) {
                 None => (index, plan.moved),
-                Some(place) => (above[place].index as usize, pushes[place].0),
+                Some(nth) => (above[nth].index as usize, pushes[nth].0),
             };
             let body = crowd.get(rider.index as usize);
             let [a, b] = period.nearest_images(crowd.get(floor), body);
@@ -147,10 +147,10 @@ impl<T: Scalar> Island<'_, T> {
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
             skipped[rider.index as usize] = false;
         }
-        for place in (0..self.scratch.above.len()).rev() {
-            let (by, _) = self.scratch.pushes[place];
+        for nth in (0..self.scratch.above.len()).rev() {
+            let (by, _) = self.scratch.pushes[nth];
             if by != [T::ZERO; 2] {
-                self.push(self.scratch.above[place].index as usize, by);
+                self.push(self.scratch.above[nth].index as usize, by);
                 pulse.check(WORK + self.scratch.near.len())?;
             }
         }

@@ -34,7 +34,7 @@ impl<T: Scalar> Space<T> {
     pub fn pairs_within(&mut self, wanted: &Wanted<T>) -> Result<Vec<[Id; 2]>> {
         let found = self.pairs_of_slots(wanted)?;
         let mut pulse = Pulse::current();
-        let mut ids = memory::with_room(found.len())?;
+        let mut ids = memory::with_capacity(found.len())?;
         for pair in found {
             pulse.check(1)?;
             ids.push(self.pair_of_ids(pair));

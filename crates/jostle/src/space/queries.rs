@@ -53,7 +53,7 @@ impl<T: Scalar> Space<T> {
             Ok((query::search_here(tree, regions, mask)?, slot))
         });
         let layers = layers.collect::<Result<Vec<_>>>()?;
-        let mut fresh: Vec<u32> = memory::with_room(self.layers.fresh_listed())?;
+        let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
         fresh.extend(self.layers.fresh());
         let mut all = Hits::with_room_for(regions.len())?;
         let mut pulse = Pulse::current();
@@ -115,9 +115,9 @@ impl<T: Scalar> Space<T> {
                 best.offer(distance, self.slots.id(slot) as u64);
             }
         }
-        for index in self.layers.indices() {
-            let (tree, slot) = self.layers.layer(index);
-            let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
+        for number in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(number);
+            let id_of = |index| slot(tree.rows()[index]).map(|slot| self.slots.id(slot) as u64);
             best.search(tree, point, mask, &id_of);
         }
     }
@@ -158,9 +158,9 @@ impl<T: Scalar> Space<T> {
                 best.offer_in(&self.period, &shape, self.slots.id(slot) as u64);
             }
         }
-        for index in self.layers.indices() {
-            let (tree, slot) = self.layers.layer(index);
-            let id_of = |place| slot(tree.rows()[place]).map(|slot| self.slots.id(slot) as u64);
+        for number in self.layers.indices() {
+            let (tree, slot) = self.layers.layer(number);
+            let id_of = |index| slot(tree.rows()[index]).map(|slot| self.slots.id(slot) as u64);
             best.search(tree, mask, &id_of);
         }
     }

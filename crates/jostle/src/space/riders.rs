@@ -29,7 +29,7 @@ pub struct Riders {
 pub struct Rider {
     /// Its index in the island.
     pub index: u32,
-    /// The place of its floor in the list, plus 1; 0 if it stands on the lowest one.
+    /// The index of its floor in the list, plus 1; 0 if it stands on the lowest one.
     pub floor: usize,
     depth: u32,
 }

@@ -141,7 +141,7 @@ impl<T: Scalar> Slots<T> {
     /// All ids, ascending.
     pub(super) fn ids(&self) -> Result<Vec<Id>> {
         let present = self.generations.iter().zip(0..).filter(|(g, _)| **g & VACANT == 0);
-        let mut ids: Vec<Id> = memory::with_room(self.len)?;
+        let mut ids: Vec<Id> = memory::with_capacity(self.len)?;
         ids.extend(present.map(|(_, slot)| self.id(slot)));
         if !ids.is_sorted() {
             sorting::sort(&mut ids, &mut Pulse::current())?;
@@ -188,7 +188,7 @@ impl<T: Scalar> Slots<T> {
             self.call = 0;
         }
         self.call += 1;
-        let mut slots = memory::with_room(ids.len())?;
+        let mut slots = memory::with_capacity(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
             let Some(slot) = self.slot(id) else {
                 return Err(Error::at("ids", index, id, self.why_unknown(id)));
@@ -203,7 +203,7 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of `ids`, which may be named more than once.
     pub(super) fn look_up(&self, ids: &[Id]) -> Result<Vec<u32>> {
-        let mut slots = memory::with_room(ids.len())?;
+        let mut slots = memory::with_capacity(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
             let slot = self.slot(id);
             slots.push(slot.ok_or_else(|| Error::at("ids", index, id, self.why_unknown(id)))?);
@@ -327,9 +327,9 @@ impl<T: Scalar> Slots<T> {
         if self.maxes.is_empty() && max != min {
             self.maxes.clone_from(&self.mins);
         }
-        let place = slot as usize;
-        let mut changed = std::mem::replace(&mut self.mins[place], min) != min;
-        if let Some(old) = self.maxes.get_mut(place) {
+        let index = slot as usize;
+        let mut changed = std::mem::replace(&mut self.mins[index], min) != min;
+        if let Some(old) = self.maxes.get_mut(index) {
             changed |= std::mem::replace(old, max) != max;
         }
         changed

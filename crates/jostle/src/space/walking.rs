@@ -91,7 +91,7 @@ impl<T: Scalar> Space<T> {
         displacements: &[[T; 2]],
         rules: &SlideRules<T>,
     ) -> Result<Vec<Walk<T>>> {
-        let mut fresh: Vec<u32> = memory::with_room(self.layers.fresh_listed())?;
+        let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
         let is_walker = |slot: u32| self.rides.rows[slot as usize] != NONE;
         fresh.extend(self.layers.fresh().filter(|&slot| !is_walker(slot)));
         if fresh.len() > FEW {
@@ -122,15 +122,15 @@ impl<T: Scalar> Space<T> {
         walks.sort_unstable_by_key(|walk| walk.row);
         let hits = walks.iter().map(|walk| walk.hits.len()).sum();
         let mut all = Slides {
-            displacements: memory::with_room(walks.len())?,
-            remaining: memory::with_room(walks.len())?,
-            on_floor: memory::with_room(walks.len())?,
-            on_wall: memory::with_room(walks.len())?,
-            on_ceiling: memory::with_room(walks.len())?,
-            floors: memory::with_room(walks.len())?,
-            offsets: memory::with_room(walks.len() + 1)?,
-            ids: memory::with_room(hits)?,
-            normals: memory::with_room(hits)?,
+            displacements: memory::with_capacity(walks.len())?,
+            remaining: memory::with_capacity(walks.len())?,
+            on_floor: memory::with_capacity(walks.len())?,
+            on_wall: memory::with_capacity(walks.len())?,
+            on_ceiling: memory::with_capacity(walks.len())?,
+            floors: memory::with_capacity(walks.len())?,
+            offsets: memory::with_capacity(walks.len() + 1)?,
+            ids: memory::with_capacity(hits)?,
+            normals: memory::with_capacity(hits)?,
         };
         all.offsets.push(0);
         for (walk, &slot) in walks.iter().zip(walkers) {

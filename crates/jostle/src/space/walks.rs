@@ -96,7 +96,7 @@ impl<T: Scalar> Call<'_, T> {
             }
             Ok(walks)
         });
-        let mut all = memory::with_room(len)?;
+        let mut all = memory::with_capacity(len)?;
         for part in parts {
             all.extend(part?);
         }
@@ -116,7 +116,7 @@ impl<T: Scalar> Call<'_, T> {
         sets
     }
 
-    /// A box that contains all positions that a shape may take, with room for its rounding, unless
+    /// A box that contains all positions that a shape may take, with a margin for rounding, unless
     /// it leaves an obstacle from far inside, or its floor is carried too.
     fn region(&self, row: usize) -> [[T; 2]; 2] {
         let (shape, displacement) = (self.body(row), self.displacements[row]);
@@ -129,9 +129,9 @@ impl<T: Scalar> Call<'_, T> {
         let length = sum(displacement) + carried;
         let extent = [0, 1].map(|axis| shape.half_size[axis] + shape.radius);
         let size = sum(shape.min) + sum(self.period.sides()) + length + sum(extent);
-        let room = length + extent[0] + extent[1] + size * T::EPSILON * T::from_f64(256.0);
+        let margin = length + extent[0] + extent[1] + size * T::EPSILON * T::from_f64(256.0);
         let [x, y] = shape.min;
-        let reach = [extent[0] + room, extent[1] + room];
-        [[x - reach[0], y - reach[1]], [x + reach[0], y + reach[1]]]
+        let half_width = [extent[0] + margin, extent[1] + margin];
+        [[x - half_width[0], y - half_width[1]], [x + half_width[0], y + half_width[1]]]
     }
 }

@@ -75,8 +75,8 @@ impl<T: Scalar> Walls<T> {
             return;
         }
         let region = Bounds { category: u32::MAX, mask: u32::MAX, ..*region };
-        each_overlap(&self.tree, &region, -T::INFINITY, stack, |place| {
-            let row = self.tree.rows()[place];
+        each_overlap(&self.tree, &region, -T::INFINITY, stack, |index| {
+            let row = self.tree.rows()[index];
             act(row, self.ends[row as usize]);
         });
     }

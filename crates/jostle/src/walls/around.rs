@@ -53,8 +53,8 @@ impl Around<'_> {
     /// A test in float32 that is true only if a disc at a position is certainly farther than
     /// `extent` from all walls.
     #[inline(always)]
-    pub fn is_far(&self, place: u32, [x, y]: [f32; 2], extent: f32) -> bool {
-        let at = place as usize;
+    pub fn is_far(&self, index: u32, [x, y]: [f32; 2], extent: f32) -> bool {
+        let at = index as usize;
         let [p, q] = self.particles.positions[at];
         let square = (x - p) * (x - p) + (y - q) * (y - q);
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
@@ -66,30 +66,30 @@ impl Around<'_> {
     /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not count
     /// if the path leads away from it.
     #[inline(always)]
-    pub fn may_touch(&self, place: u32, path: &Path, extent: f32, left: Option<u32>) -> [bool; 2] {
+    pub fn may_touch(&self, index: u32, path: &Path, extent: f32, left: Option<u32>) -> [bool; 2] {
         let [x, y] = path.displacement;
         let far = (x * x + y * y).sqrt() + extent;
-        if self.is_far(place, path.position, far) {
+        if self.is_far(index, path.position, far) {
             return [false; 2];
         }
-        self.may_touch_near(place, path, far, extent, left)
+        self.may_touch_near(index, path, far, extent, left)
     }
 
     /// Tests the listed walls of the disc. Not inlined, because few discs need it.
     #[inline(never)]
     fn may_touch_near(
         &self,
-        place: u32,
+        index: u32,
         path: &Path,
         far: f32,
         extent: f32,
         left: Option<u32>,
     ) -> [bool; 2] {
-        let (at, near) = (place as usize, self.near);
+        let (at, near) = (index as usize, self.near);
         let ([x, y], [p, q]) = (path.position, self.particles.positions[at]);
         let square = (x - p) * (x - p) + (y - q) * (y - q);
-        let room = near.reaches[at] - far;
-        if room < 0.0 || square > room * room {
+        let clearance = near.max_displacements[at] - far;
+        if clearance < 0.0 || square > clearance * clearance {
             return [true; 2];
         }
         let radius = self.particles.radii[at];
@@ -117,7 +117,7 @@ impl Around<'_> {
     /// with others. A wall acts as if it were moved by the offset, which is 0 but on a torus.
     pub fn each(
         &self,
-        place: u32,
+        index: u32,
         [min, max]: [Vector; 2],
         extent: f64,
         mut act: impl FnMut(u32, Vector),
@@ -126,18 +126,18 @@ impl Around<'_> {
             return;
         }
         let Particles { positions, residuals, radii, .. } = self.particles;
-        let at = place as usize;
+        let at = index as usize;
         let radius = f64::from(radii[at]);
         let anchor = exact(positions[at], residuals[at]);
         let far = vector(|k| (anchor[k] - min[k]).max(max[k] - anchor[k]));
         // The circles of the bounds and the boxes of the walls have a reserve for rounding.
-        if dot(far, far).sqrt() + extent <= f64::from(self.near.reaches[at]) {
-            self.near.each(place, act);
+        if dot(far, far).sqrt() + extent <= f64::from(self.near.max_displacements[at]) {
+            self.near.each(index, act);
         } else {
             let margin = (radius + extent) * (1.0 + MARGIN);
             let mut stack = STACK.take();
-            self.walls.each_near([min, max], margin, &mut stack, |index, offset| {
-                act(FIRST + index, offset);
+            self.walls.each_near([min, max], margin, &mut stack, |wall, offset| {
+                act(FIRST + wall, offset);
             });
             STACK.set(stack);
         }
@@ -147,26 +147,26 @@ impl Around<'_> {
     /// gives those of each wall.
     pub fn impact(
         &self,
-        place: u32,
+        index: u32,
         segment: &Segment,
         until: f64,
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
     ) -> Option<(Impact, u32)> {
         let mut start = segment.time;
-        let radius = f64::from(self.particles.radii[place as usize]);
+        let radius = f64::from(self.particles.radii[index as usize]);
         let (velocity, span) = (segment.velocity, until - start);
         let fastest = dot(velocity, velocity).sqrt() + dot(gravity, gravity).sqrt() * span;
         let longest = fastest * span;
-        if self.is_far(place, segment.position.map(|v| v as f32), longest as f32) {
+        if self.is_far(index, segment.position.map(|v| v as f32), longest as f32) {
             return None;
         }
         // Not a number without displacement of a point.
         let parts = longest / (PART * radius);
         let is_long = parts > 1.0;
         let mut search = Search { around: self, segment, until, radius, gravity, first: None };
-        if !is_long && self.stays_near(place, segment.position, longest) {
-            self.near.each(place, |wall, offset| {
+        if !is_long && self.stays_near(index, segment.position, longest) {
+            self.near.each(index, |wall, offset| {
                 search.test(wall, offset, [start, until], &limits);
             });
             return search.first;
@@ -175,7 +175,7 @@ impl Around<'_> {
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);
-            self.each(place, bounds, 0.0, |wall, offset| {
+            self.each(index, bounds, 0.0, |wall, offset| {
                 search.test(wall, offset, [start, end], &limits);
             });
             if search.first.is_some_and(|(impact, _)| impact.time <= end) {
@@ -188,11 +188,11 @@ impl Around<'_> {
 
     /// Whether a disc stays where the walls near it were searched, if it moves by `longest` at most from
     /// a position.
-    fn stays_near(&self, place: u32, position: Vector, longest: f64) -> bool {
-        let at = place as usize;
+    fn stays_near(&self, index: u32, position: Vector, longest: f64) -> bool {
+        let at = index as usize;
         let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
         let offset = less(position, anchor);
-        dot(offset, offset).sqrt() + longest <= f64::from(self.near.reaches[at])
+        dot(offset, offset).sqrt() + longest <= f64::from(self.near.max_displacements[at])
     }
 
     /// A segment relative to a wall with an offset.
@@ -220,8 +220,8 @@ impl Around<'_> {
     }
 
     /// Unit normal of a wall where a disc begins a segment, towards the disc.
-    pub fn normal(&self, place: u32, wall: u32, now: &Segment) -> Vector {
-        let radius = f64::from(self.particles.radii[place as usize]);
+    pub fn normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
+        let radius = f64::from(self.particles.radii[index as usize]);
         let seen = self.seen_from(wall, [0.0; 2], now);
         self.walls.nearest_contact(wall, seen.position, seen.velocity, radius).normal
     }
@@ -231,7 +231,7 @@ impl Around<'_> {
     /// smallest gap.
     pub fn contacts(
         &self,
-        place: u32,
+        index: u32,
         (position, time): (Vector, f64),
         radius: f64,
         extent: f64,
@@ -239,10 +239,10 @@ impl Around<'_> {
     ) {
         found.clear();
         let path = Path { position: position.map(|v| v as f32), displacement: [0.0; 2] };
-        if self.may_touch(place, &path, extent as f32, None) == [false; 2] {
+        if self.may_touch(index, &path, extent as f32, None) == [false; 2] {
             return;
         }
-        self.each(place, [position; 2], extent, |wall, offset| {
+        self.each(index, [position; 2], extent, |wall, offset| {
             let position = self.position_from(wall, less(position, offset), time);
             if !self.walls.is_near(wall, [position; 2], radius + extent) {
                 return;
@@ -306,12 +306,12 @@ impl Search<'_> {
 
 /// A box that contains the trajectory of a centre between two times.
 fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
-    let [a, b] = times.map(|time| segment.place_at(time, gravity));
+    let [a, b] = times.map(|time| segment.index_at(time, gravity));
     // Where a parabola has its vertex along an axis, or one of the ends.
     let vertex = |k: usize| {
         let time = segment.time - segment.velocity[k] / gravity[k];
         let is_between = segment.falls && times[0] < time && time < times[1];
-        if is_between { segment.place_at(time, gravity)[k] } else { a[k] }
+        if is_between { segment.index_at(time, gravity)[k] } else { a[k] }
     };
     [vector(|k| a[k].min(b[k]).min(vertex(k))), vector(|k| a[k].max(b[k]).max(vertex(k)))]
 }
@@ -326,11 +326,11 @@ impl Walls {
         let [x, y] = vector(|k| 0.5 * (min[k] + max[k]) - line.ends[0][k]);
         let [width, height] = vector(|k| 0.5 * (max[k] - min[k]));
         // The skin of points, and a reserve for rounding.
-        let reach = line.reach(radius) + line.least_radius;
+        let contact_distance = line.contact_distance(radius) + line.least_radius;
         let [ax, ay] = [ux.abs(), uy.abs()];
         let (across, along) = (x * uy - y * ux, x * ux + y * uy);
-        let far = reach + (ax * width + ay * height);
-        across.abs() <= reach + (ay * width + ax * height)
+        let far = contact_distance + (ax * width + ay * height);
+        across.abs() <= contact_distance + (ay * width + ax * height)
             && along >= -far
             && along <= line.length + far
     }
@@ -350,8 +350,8 @@ impl Walls {
         let [ux, uy] = line.along;
         // Its distances from the first end across the wall and along it, at both times.
         let [[a, along_a], [b, along_b]] = times.map(|time| {
-            let place = segment.place_at(time, gravity);
-            let [x, y] = vector(|k| place[k] - line.ends[0][k]);
+            let index = segment.index_at(time, gravity);
+            let [x, y] = vector(|k| index[k] - line.ends[0][k]);
             [y * ux - x * uy, x * ux + y * uy]
         });
         // A parabola leaves its chord by at most g t² / 8.
@@ -359,8 +359,8 @@ impl Walls {
         let sag =
             if segment.falls { 0.125 * dot(gravity, gravity).sqrt() * span * span } else { 0.0 };
         // The skin of points, and a reserve for rounding.
-        let reach = line.reach(radius) + line.least_radius;
-        let far = reach + sag;
+        let contact_distance = line.contact_distance(radius) + line.least_radius;
+        let far = contact_distance + sag;
         let is_apart = a.min(b) > far
             || a.max(b) < -far
             || along_a.max(along_b) < -far
@@ -371,7 +371,7 @@ impl Walls {
         let speed = side * dot(line.across(), segment.velocity);
         let leaves = !segment.falls
             && speed >= 0.0
-            && (side * a > reach || line.part_at(segment.position) == Part::Side);
+            && (side * a > contact_distance || line.part_at(segment.position) == Part::Side);
         !(is_apart || leaves)
     }
 
@@ -411,8 +411,8 @@ impl Walls {
             category: DEFAULT_CATEGORY,
             mask: DEFAULT_MASK,
         });
-        each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |place| {
-            let image = &self.images[self.tree.rows()[place] as usize];
+        each_overlap(&self.tree, &bounds, f32::NEG_INFINITY, stack, |index| {
+            let image = &self.images[self.tree.rows()[index] as usize];
             act(image.wall, image.offset);
         });
     }

@@ -64,7 +64,7 @@ impl Walls {
         };
         // Without −0.
         let normal = normal.map(|v| v + 0.0);
-        Contact { wall, normal, gap: distance - line.reach(radius), is_end }
+        Contact { wall, normal, gap: distance - line.contact_distance(radius), is_end }
     }
 
     /// The same, if the part of the wall that is closest acts on the disc.
@@ -78,7 +78,7 @@ impl Walls {
     /// the wall along the path from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
         let line = self.line(wall - FIRST);
-        line.distance(to) >= line.reach(radius) && !self.is_crossed(wall, from, to)
+        line.distance(to) >= line.contact_distance(radius) && !self.is_crossed(wall, from, to)
     }
 
     /// Whether the path from one point to another crosses a wall.

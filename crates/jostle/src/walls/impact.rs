@@ -18,7 +18,7 @@ impl Walls {
     ) -> Option<Impact> {
         let index = wall - FIRST;
         let line = self.line(index);
-        let reach = line.reach(radius);
+        let contact_distance = line.contact_distance(radius);
         let acceleration = if segment.falls { gravity } else { [0.0; 2] };
         let mut first = None::<Impact>;
         let parts = [Part::Side, Part::End(0), Part::End(1)];
@@ -39,7 +39,7 @@ impl Walls {
                         let side = if distance < 0.0 { -1.0 } else { 1.0 };
                         let speed = side * dot(across, velocity);
                         let pull = -side * dot(across, acceleration);
-                        flat_impact(side * distance - reach, speed, pull, start, &limits)
+                        flat_impact(side * distance - contact_distance, speed, pull, start, &limits)
                     }
                     Part::End(end) => {
                         let relative = Relative {
@@ -48,7 +48,7 @@ impl Walls {
                             velocity: velocity.map(|v| -v),
                             acceleration: acceleration.map(|v| -v),
                         };
-                        relative.impact(reach, &limits)
+                        relative.impact(contact_distance, &limits)
                     }
                 }
             });
@@ -71,7 +71,7 @@ impl Walls {
         let mut start = segment.time;
         loop {
             let end = self.next_change(index, part, segment, gravity, start).min(until);
-            let middle = segment.place_at(0.5 * (start + end), gravity);
+            let middle = segment.index_at(0.5 * (start + end), gravity);
             if self.acts(index, part, middle)
                 && let Some(impact) = test([start, end])
             {

@@ -118,7 +118,7 @@ pub struct Walls {
     /// The same in float32, moved by the offsets of images.
     segments: LineSegments,
     /// Where in this order each wall is.
-    places: Vec<u32>,
+    indices: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
     /// wall k lies.
     starts: Vec<u32>,
@@ -188,7 +188,7 @@ impl Line {
     }
 
     /// The distance from centre to wall at which a disc touches it.
-    fn reach(&self, radius: f64) -> f64 {
+    fn contact_distance(&self, radius: f64) -> f64 {
         radius.max(self.least_radius)
     }
 }
@@ -208,7 +208,7 @@ impl Walls {
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, torus, images, lines, segments, places, tree, .. } = self;
+        let Self { all, torus, images, lines, segments, indices, tree, .. } = self;
         images.clear();
         images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
         let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
@@ -236,9 +236,9 @@ impl Walls {
             let ends = line.ends.map(|end| vector(|k| end[k] + images[row as usize].offset[k]));
             LineSegment::new(ends, line.least_radius, line.displacement_length)
         }));
-        places.resize(all.len(), 0);
+        indices.resize(all.len(), 0);
         let own = (0..).zip(tree.rows()).filter(|&(_, &row)| (row as usize) < all.len());
-        own.for_each(|(place, &row)| places[row as usize] = place);
+        own.for_each(|(index, &row)| indices[row as usize] = index);
         self.find_covering();
         Ok(())
     }
@@ -280,14 +280,14 @@ impl Walls {
     }
 
     /// The distance from the wall with a number at which a disc touches it.
-    pub fn reach(&self, wall: u32, radius: f64) -> f64 {
-        wall.checked_sub(FIRST).map_or(radius, |index| self.line(index).reach(radius))
+    pub fn contact_distance(&self, wall: u32, radius: f64) -> f64 {
+        wall.checked_sub(FIRST).map_or(radius, |index| self.line(index).contact_distance(radius))
     }
 
     /// Wall `index` in float64.
     #[inline(always)]
     fn line(&self, index: u32) -> &Line {
-        &self.lines[self.places[index as usize] as usize]
+        &self.lines[self.indices[index as usize] as usize]
     }
 
     /// The wall with a number; none if the number is that of a wall of the container.
@@ -324,7 +324,7 @@ impl Walls {
         }
         (self.starts, self.covering) = (starts, covering);
         for (index, end) in shared {
-            self.lines[self.places[index as usize] as usize].has_end[end] = false;
+            self.lines[self.indices[index as usize] as usize].has_end[end] = false;
         }
     }
 

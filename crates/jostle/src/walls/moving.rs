@@ -82,10 +82,10 @@ impl Walls {
 
     /// Moves the walls that have a velocity for `dt` seconds.
     fn advance(&mut self, dt: f64) {
-        for (wall, &place) in self.all.iter_mut().zip(&self.places) {
+        for (wall, &index) in self.all.iter_mut().zip(&self.indices) {
             if wall.moves() {
                 wall.advance(dt);
-                let line = &mut self.lines[place as usize];
+                let line = &mut self.lines[index as usize];
                 *line = Line { has_end: line.has_end, ..Line::of(wall, line.home) };
             }
         }

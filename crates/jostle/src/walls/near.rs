@@ -30,7 +30,7 @@ pub struct Near {
     offsets: Vec<Vector>,
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched.
-    pub(super) reaches: Vec<f32>,
+    pub(super) max_displacements: Vec<f32>,
     /// Displacements after which discs certainly touch no wall yet; at most these distances.
     pub(super) free: Vec<f32>,
     found: Vec<[u32; 2]>,
@@ -45,7 +45,7 @@ impl Near {
         &mut self,
         walls: &Walls,
         bounds: &Quadtree<f32>,
-        (reaches, usual): (&[f32], f32),
+        (max_displacements, usual): (&[f32], f32),
         method: Method,
         most: usize,
     ) -> Result<()> {
@@ -56,13 +56,13 @@ impl Near {
         }
         // The tree has the images that discs may touch in their bounds.
         let usual = if walls.torus.is_some() { 0.0 } else { usual };
-        let is_near = |[wall, place]: [u32; 2]| {
-            let circle = bounds.columns().shape(place as usize);
+        let is_near = |[wall, index]: [u32; 2]| {
+            let circle = bounds.columns().shape(index as usize);
             let line = &walls.lines[wall as usize];
             let distance = line.distance(less(circle.min.map(f64::from), walls.offset_at(wall)));
-            let reach =
-                line.reach(f64::from(circle.radius)) * (1.0 + MARGIN) + line.displacement_length;
-            distance <= reach + f64::from(usual)
+            let near = line.contact_distance(f64::from(circle.radius)) * (1.0 + MARGIN)
+                + line.displacement_length;
+            distance <= near + f64::from(usual)
         };
         let Self { join, found, .. } = self;
         join.keep(std::mem::take(found));
@@ -85,27 +85,27 @@ impl Near {
         if method == Method::Brute {
             found.retain(|&pair| is_near(pair));
         }
-        self.reaches.clear();
-        self.reaches.extend(reaches.iter().map(|reach| reach + usual));
+        self.max_displacements.clear();
+        self.max_displacements.extend(max_displacements.iter().map(|most| most + usual));
         self.free.clear();
-        self.free.extend_from_slice(&self.reaches);
-        self.arrange(walls, bounds, reaches);
+        self.free.extend_from_slice(&self.max_displacements);
+        self.arrange(walls, bounds, max_displacements);
         Ok(())
     }
 
     /// Sorts the walls that were found by discs, and finds the displacements after which these touch
     /// none yet.
-    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, reaches: &[f32]) {
+    fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, max_displacements: &[f32]) {
         self.starts.resize(bounds.len() + 2, 0);
-        self.found.iter().for_each(|&[_, place]| self.starts[place as usize + 2] += 1);
-        for place in 2..self.starts.len() {
-            self.starts[place] += self.starts[place - 1];
+        self.found.iter().for_each(|&[_, index]| self.starts[index as usize + 2] += 1);
+        for index in 2..self.starts.len() {
+            self.starts[index] += self.starts[index - 1];
         }
         self.walls.resize(self.found.len(), NearWall::default());
         let offsets = if walls.torus.is_some() { self.found.len() } else { 0 };
         self.offsets.resize(offsets, [0.0; 2]);
-        for &[wall, place] in &self.found {
-            let next = &mut self.starts[place as usize + 1];
+        for &[wall, index] in &self.found {
+            let next = &mut self.starts[index as usize + 1];
             let image = &walls.images[walls.tree.rows()[wall as usize] as usize];
             let (number, segment) = (FIRST + image.wall, walls.segments.at(wall));
             self.walls[*next as usize] = NearWall { number, segment };
@@ -113,11 +113,12 @@ impl Near {
                 *offset = image.offset;
             }
             *next += 1;
-            let (line, at) = (&walls.lines[wall as usize], place as usize);
+            let (line, at) = (&walls.lines[wall as usize], index as usize);
             let Columns { x, y, radius, .. } = bounds.columns();
             let center = [x[at], y[at]].map(f64::from);
             // The radius of the disc, with the reserve of the circle for rounding.
-            let radius = line.reach(f64::from(radius[at]) - f64::from(reaches[at]));
+            let radius =
+                line.contact_distance(f64::from(radius[at]) - f64::from(max_displacements[at]));
             let distance = line.distance(less(center, walls.offset_at(wall)));
             let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;
             self.free[at] = self.free[at].min(left as f32);
@@ -125,8 +126,8 @@ impl Near {
     }
 
     /// Calls `act` with the number and the offset of each wall near a disc.
-    pub(super) fn each(&self, place: u32, mut act: impl FnMut(u32, Vector)) {
-        let [first, end] = [place, place + 1].map(|at| self.starts[at as usize] as usize);
+    pub(super) fn each(&self, index: u32, mut act: impl FnMut(u32, Vector)) {
+        let [first, end] = [index, index + 1].map(|at| self.starts[at as usize] as usize);
         for (at, wall) in (first..).zip(&self.walls[first..end]) {
             act(wall.number, self.offsets.get(at).copied().unwrap_or_default());
         }
@@ -134,12 +135,12 @@ impl Near {
 }
 
 impl Walls {
-    /// The offset of the wall at a place of the tree.
+    /// The offset of the wall at an index of the tree.
     #[inline(always)]
-    fn offset_at(&self, place: u32) -> Vector {
+    fn offset_at(&self, index: u32) -> Vector {
         if self.torus.is_none() {
             return [0.0; 2];
         }
-        self.images[self.tree.rows()[place as usize] as usize].offset
+        self.images[self.tree.rows()[index as usize] as usize].offset
     }
 }

@@ -1,7 +1,7 @@
 //! Walls on a torus: a wall acts as if it were repeated by whole sides of the torus.
 //!
 //! The tree contains the images that a disc may touch which begins a step on the torus and stays in
-//! its bounds. Farther away the place of a disc is moved to the torus first.
+//! its bounds. Farther away the position of a disc is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
 use crate::container::{Container, ROUNDING, size};

@@ -37,7 +37,7 @@ pub(super) struct Island {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sleepers {
     pub(super) discs: Discs,
-    /// Those of the last step in which they were awake. Their places are rows: the other
+    /// Those of the last step in which they were awake. Their indices are rows: the other
     /// particle may be immovable, and is awake then.
     pub(super) contacts: Vec<Contact>,
     /// Those of that step.
@@ -161,7 +161,7 @@ impl Asleep {
         self.indices().map(|at| self.sleepers.discs.rows[at])
     }
 
-    /// The contacts of the sleeping particles; their places are rows.
+    /// The contacts of the sleeping particles; their indices are rows.
     pub(super) fn contacts(&self) -> impl Iterator<Item = &Contact> {
         let range = |island: u32| self.sleepers.islands[island as usize].contacts.clone();
         self.islands().flat_map(range).map(|at| &self.sleepers.contacts[at as usize])
@@ -228,7 +228,7 @@ impl Asleep {
                 let max = MAX_CANDIDATES;
                 let found = match settings.method {
                     Method::Quadtree => {
-                        pairs::places_between(circles, tree, image, Filters::Apply, max, join)
+                        pairs::indices_between(circles, tree, image, Filters::Apply, max, join)
                     }
                     Method::Brute => {
                         let [circles, others] = [circles, tree].map(Quadtree::columns);
@@ -263,7 +263,7 @@ impl Asleep {
             let contacts = &self.sleepers.contacts[start as usize..end as usize];
             contacts
                 .iter()
-                .flat_map(|contact| contact.places)
+                .flat_map(|contact| contact.indices)
                 .any(|row| rows.binary_search(&row).is_ok())
         };
         self.islands().filter(touches).collect()
@@ -345,7 +345,7 @@ impl Asleep {
         // Of islands that are awake, rows may be gone. Nothing reads them.
         let renumber = |row: &mut u32| *row = new.get(*row as usize).copied().unwrap_or(0);
         rows.iter_mut().for_each(renumber);
-        contacts.iter_mut().flat_map(|contact| &mut contact.places).for_each(renumber);
+        contacts.iter_mut().flat_map(|contact| &mut contact.indices).for_each(renumber);
         wall_impulses.iter_mut().for_each(|of| renumber(&mut of.row));
     }
 }

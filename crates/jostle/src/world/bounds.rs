@@ -62,7 +62,8 @@ impl World {
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::StepScratch { reaches, forces, usual_speed, shapes, .. } = &mut self.scratch;
+        let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
+            &mut self.scratch;
         let (particles, settings) = (&self.particles, &self.settings);
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
@@ -70,10 +71,10 @@ impl World {
         // Particles that merge are not searched again, so their bounds contain the estimated
         // displacements by springs.
         let is_merging = settings.on_touch == OnTouch::Merge;
-        let by_springs = if is_merging { &forces.reaches[..] } else { &[] };
+        let by_springs = if is_merging { &forces.max_displacements[..] } else { &[] };
         let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
-        let pulled = |place: usize| {
-            force_displacement(accelerations.get(place), by_springs.get(place), dt).unwrap_or(0.0)
+        let pulled = |index: usize| {
+            force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
         };
         let longest =
             if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
@@ -83,32 +84,44 @@ impl World {
         fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
         let radii = shapes.radii.rows_mut();
         radii.resize(len, 0.0);
-        reaches.resize(len, 0.0);
+        max_displacements.resize(len, 0.0);
         let is_cut = AtomicBool::new(false);
         let sides = torus_sides(&settings.container);
-        parallel::for_chunks_of_two(threads, reaches, radii, |first, reaches, radii| {
-            let bounds = reaches.iter_mut().zip(radii);
-            let columns = particles.velocities[first..].iter().zip(&particles.positions[first..]);
-            let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
-            let mut any_cut = false;
-            let all = bounds.zip(columns).zip(own).zip(first..);
-            for ((((reach, radius), (&velocity, &center)), (&own_radius, &is_movable)), place) in
-                all
-            {
-                let own = distance_at(velocity, dt);
-                let mut by_forces = fall;
-                if is_pulled {
-                    by_forces += pulled(place);
+        parallel::for_chunks_of_two(
+            threads,
+            max_displacements,
+            radii,
+            |first, max_displacements, radii| {
+                let bounds = max_displacements.iter_mut().zip(radii);
+                let columns =
+                    particles.velocities[first..].iter().zip(&particles.positions[first..]);
+                let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
+                let mut any_cut = false;
+                let all = bounds.zip(columns).zip(own).zip(first..);
+                for (
+                    (
+                        ((max_displacement, radius), (&velocity, &center)),
+                        (&own_radius, &is_movable),
+                    ),
+                    index,
+                ) in all
+                {
+                    let own = distance_at(velocity, dt);
+                    let mut by_forces = fall;
+                    if is_pulled {
+                        by_forces += pulled(index);
+                    }
+                    let (least, by_forces) =
+                        if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
+                    *max_displacement = (own.max(least) + by_forces).min(longest);
+                    any_cut |= *max_displacement < own + by_forces;
+                    *radius = own_radius + *max_displacement + rounding_of(center, sides);
                 }
-                let (least, by_forces) = if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
-                *reach = (own.max(least) + by_forces).min(longest);
-                any_cut |= *reach < own + by_forces;
-                *radius = own_radius + *reach + rounding_of(center, sides);
-            }
-            if any_cut {
-                is_cut.store(true, Ordering::Relaxed);
-            }
-        });
+                if any_cut {
+                    is_cut.store(true, Ordering::Relaxed);
+                }
+            },
+        );
         self.scratch.bounded = !is_cut.into_inner();
     }
 
@@ -136,8 +149,8 @@ impl World {
         let density = count as f64 / area;
         let least = TAU * density * radius * radius;
         let most = 2.0 * least + CANDIDATES;
-        let room = (most / (TAU * density)).sqrt() - radius;
-        let parts = (displacement / room).ceil();
+        let clearance = (most / (TAU * density)).sqrt() - radius;
+        let parts = (displacement / clearance).ceil();
         let most = (count as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
         // Not finite where there is no area.
         let parts = if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 };
@@ -277,7 +290,7 @@ impl Grown {
 pub(super) struct StepBounds<'a> {
     tree: &'a Quadtree<f32>,
     particles: &'a Particles,
-    reaches: &'a mut [f32],
+    max_displacements: &'a mut [f32],
     grown: &'a mut Grown,
     container: Container,
     /// Typical distance between neighbouring particles.
@@ -288,13 +301,13 @@ impl<'a> StepBounds<'a> {
     pub(super) fn new(
         tree: &'a Quadtree<f32>,
         particles: &'a Particles,
-        reaches: &'a mut [f32],
+        max_displacements: &'a mut [f32],
         grown: &'a mut Grown,
         container: Container,
     ) -> Self {
         let area = container.area().unwrap_or(f64::INFINITY);
         let spacing = (area / particles.len() as f64).sqrt() as f32;
-        Self { tree, particles, reaches, grown, container, spacing }
+        Self { tree, particles, max_displacements, grown, container, spacing }
     }
 
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
@@ -303,13 +316,14 @@ impl<'a> StepBounds<'a> {
         if distance > ONE_CIRCLE * f64::from(self.container.max_displacement()) {
             return self.cover_by_chain(outside, gravity, end);
         }
-        let reach = &mut self.reaches[index as usize];
+        let max_displacement = &mut self.max_displacements[index as usize];
         // Another of its segments may have made them large enough.
-        if distance > f64::from(*reach) {
-            *reach = (distance * GROWTH) as f32;
+        if distance > f64::from(*max_displacement) {
+            *max_displacement = (distance * GROWTH) as f32;
             let center = self.particles.positions[index as usize];
-            let radius =
-                self.particles.radii[index as usize] + *reach + rounding(center, &self.container);
+            let radius = self.particles.radii[index as usize]
+                + *max_displacement
+                + rounding(center, &self.container);
             let times = [0.0, f64::INFINITY];
             self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
         }
@@ -344,7 +358,7 @@ impl<'a> StepBounds<'a> {
         let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
         for number in 0..count as usize {
             let times = [number, number + 1].map(|number| time + number as f64 * interval);
-            let middle = segment.place_at(0.5 * (times[0] + times[1]), gravity);
+            let middle = segment.index_at(0.5 * (times[0] + times[1]), gravity);
             let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
@@ -366,8 +380,8 @@ impl<'a> StepBounds<'a> {
 }
 
 impl Bounds for StepBounds<'_> {
-    fn reaches(&self) -> &[f32] {
-        self.reaches
+    fn max_displacements(&self) -> &[f32] {
+        self.max_displacements
     }
 
     fn begin_window(&mut self) {
@@ -441,12 +455,12 @@ impl StepBounds<'_> {
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }
                 };
-                let work = each_overlap(self.tree, &of, 0.0, stack, |place| {
-                    add(place as u32, [0; 2], true);
+                let work = each_overlap(self.tree, &of, 0.0, stack, |index| {
+                    add(index as u32, [0; 2], true);
                 });
                 pulse.check(work)?;
-                let work = each_overlap(tree, &of, 0.0, stack, |place| {
-                    let other = &circles[tree.rows()[place] as usize];
+                let work = each_overlap(tree, &of, 0.0, stack, |index| {
+                    let other = &circles[tree.rows()[index] as usize];
                     let [start, end] = other.times;
                     if start <= circle.times[1] && circle.times[0] <= end {
                         add(other.index, other.tile, other.is_whole());

@@ -22,9 +22,9 @@ pub(super) const NONE: u32 = u32::MAX;
 /// The impulses of a contact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Resting {
-    /// The ids of both, the smaller first.
+    /// The ids of both. The first is movable; if both are, it is the smaller one.
     pub(super) ids: [Id; 2],
-    /// Their rows, [`NONE`] for particles of other ranks.
+    /// Their rows, [`NONE`] if this rank does not know them as own ones.
     pub(super) rows: [u32; 2],
     /// Along the normal, and of friction.
     pub(super) impulses: [f32; 2],
@@ -98,7 +98,7 @@ impl Push {
     pub(super) const SIZE: usize = 28;
 
     /// Those of a wall.
-    fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
+    pub(super) fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
         Self { id, wall, impulses, pushes }
     }
 
@@ -145,7 +145,7 @@ impl World {
 
     /// The contacts at rest that own particles had after the last step.
     fn resting_of_own(&self) -> Vec<Resting> {
-        let Self { domain, contacts, rows, .. } = self;
+        let Self { domain, contacts, particles, rows, .. } = self;
         let Some(domain) = domain else { return Vec::new() };
         if !domain.has_contacts {
             return domain.resting.clone();
@@ -154,8 +154,9 @@ impl World {
         let resting = |contact: &Contact| {
             // Impulses across the sides of a torus are not kept.
             let is_kept = contact.impulse > 0.0 && contact.image == [0.0; 2];
-            let mut both = contact.places.map(|place| rows[place as usize]);
-            both.sort_unstable_by_key(|&row| ids[row as usize]);
+            let mut indices = contact.indices.map(|index| index as usize);
+            indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
+            let both = indices.map(|at| rows[at]);
             let is_own = both.iter().any(|&row| domain.owns(row));
             (is_kept && is_own).then(|| Resting {
                 ids: both.map(|row| ids[row as usize]),
@@ -166,14 +167,14 @@ impl World {
         contacts.lasting().filter_map(resting).collect()
     }
 
-    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of the
-    /// smaller id; the pushes of walls; which sleep; and the contacts of these.
+    /// What is kept of own particles, as bytes: of each particle; contacts at rest, each on the rank of its
+    /// first particle; the pushes of walls; which sleep; and the contacts of these.
     pub fn own_kept(&self) -> [Vec<u8>; 5] {
         let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
         let Some(domain) = &self.domain else { return bytes };
         let [kept, resting, pushes, members, touches] = &mut bytes;
-        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            kept_of(&self.persistent, domain.id(row), place).put(kept);
+        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
+            kept_of(&self.persistent, domain.id(row), index).put(kept);
         }
         let all = self.resting_of_own();
         all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| of.put(resting));
@@ -240,22 +241,22 @@ impl World {
         let unknown = || damaged("an impulse is on no particle");
         let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
         let count = self.rows.len();
-        let places = self.places().to_vec();
+        let indices = self.indices().to_vec();
         let Persistent { wall_pushes, wall_frictions, drifts } = &mut self.persistent;
         for of in kept.chunks_exact(Kept::SIZE).map(Kept::get) {
-            let place = places[row_of(of.id)? as usize] as usize;
+            let index = indices[row_of(of.id)? as usize] as usize;
             let [pushes, frictions] = of.sides;
             if pushes != [0.0; MAX_WALLS] {
                 wall_pushes.resize(count, Default::default());
-                wall_pushes[place] = pushes;
+                wall_pushes[index] = pushes;
             }
             if frictions != [0.0; MAX_WALLS] {
                 wall_frictions.resize(count, Default::default());
-                wall_frictions[place] = frictions;
+                wall_frictions[index] = frictions;
             }
             if of.drift != Drift::UNKNOWN {
                 drifts.resize(count, Drift::UNKNOWN);
-                drifts[place] = of.drift;
+                drifts[index] = of.drift;
             }
         }
         for push in pushes.chunks_exact(Push::SIZE).map(Push::get) {
@@ -273,9 +274,9 @@ impl World {
         touches: Vec<SleepingContact>,
     ) -> Result<()> {
         let row_of = |id: Id| rows.get(&id).copied();
-        let places = self.places();
-        let place = |(&id, &island): (&Id, &Id)| Some((island, places[row_of(id)? as usize]));
-        let mut all: Vec<(Id, u32)> = members.iter().filter_map(place).collect();
+        let indices = self.indices();
+        let index = |(&id, &island): (&Id, &Id)| Some((island, indices[row_of(id)? as usize]));
+        let mut all: Vec<(Id, u32)> = members.iter().filter_map(index).collect();
         all.sort_unstable();
         if all.len() < members.len() || all.iter().any(|of| !self.particles.movable[of.1 as usize])
         {
@@ -287,7 +288,7 @@ impl World {
         sleeping.names.resize(self.rows.len(), 0);
         for island in all.chunk_by(|a, b| a.0 == b.0) {
             let (name, first) = island[0];
-            sleeping.members.extend(island.iter().map(|&(_, place)| [first, place]));
+            sleeping.members.extend(island.iter().map(|&(_, index)| [first, index]));
             sleeping.names[first as usize] = name;
         }
         sleeping.members.sort_unstable();
@@ -324,11 +325,18 @@ impl World {
             return Ok(());
         };
         domain.resting.extend(new.map(known));
+        let mut unknown: HashMap<Id, u32> = HashMap::new();
+        for of in &domain.resting {
+            let missing = of.rows.iter().zip(of.ids).filter(|(row, _)| **row == NONE);
+            unknown.extend(missing.map(|(_, id)| (id, NONE)));
+        }
+        // An immovable particle may have been on this rank when it did not know the other one.
+        for (id, row) in domain.ids[..domain.own].iter().zip(0..) {
+            unknown.entry(*id).and_modify(|known| *known = row);
+        }
         for of in &mut domain.resting {
             for (row, id) in of.rows.iter_mut().zip(of.ids) {
-                if *row == NONE {
-                    *row = rows.get(&id).copied().unwrap_or(NONE);
-                }
+                *row = unknown.get(&id).copied().unwrap_or(*row);
             }
         }
         // A contact that this rank had before knows both rows.
@@ -353,15 +361,15 @@ impl World {
 
     /// Adds contacts with their impulses; `row_of` has the rows that they do not know.
     fn insert_resting(&mut self, all: &[Resting], row_of: impl Fn(Id) -> Option<u32>) {
-        let places = self.places();
+        let indices = self.indices();
         let contact = |of: &Resting| {
             let row = |k: usize| match of.rows[k] {
                 NONE => row_of(of.ids[k]),
                 row => Some(row),
             };
-            let places = [row(0)?, row(1)?].map(|row| places[row as usize]);
+            let indices = [row(0)?, row(1)?].map(|row| indices[row as usize]);
             let [impulse, friction_impulse] = of.impulses;
-            Some(Contact { places, impulse, friction_impulse, ..Contact::default() })
+            Some(Contact { indices, impulse, friction_impulse, ..Contact::default() })
         };
         let all: Vec<Contact> = all.iter().filter_map(contact).collect();
         self.contacts.insert(all.into_iter(), self.rows.len());
@@ -375,11 +383,11 @@ pub(super) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
     }
 }
 
-/// What is kept of the particle at a place.
-pub(super) fn kept_of(persistent: &Persistent, id: Id, place: usize) -> Kept {
+/// What is kept of the particle at an index.
+pub(super) fn kept_of(persistent: &Persistent, id: Id, index: usize) -> Kept {
     let Persistent { wall_pushes, wall_frictions, drifts } = persistent;
-    let sides = [wall_pushes, wall_frictions].map(|column| sparse_value(column, place));
-    Kept { id, sides, drift: sparse_value(drifts, place) }
+    let sides = [wall_pushes, wall_frictions].map(|column| sparse_value(column, index));
+    Kept { id, sides, drift: sparse_value(drifts, index) }
 }
 
 /// The contacts of sleeping islands with rows in place of ids, and the number of the island of each.
@@ -391,13 +399,13 @@ fn contacts_of_rows(
     let numbers: HashMap<Id, u32> = new.islands.iter().map(|of| of.name).zip(0..).collect();
     let mut all = Vec::new();
     for of in touches {
-        let places = of.ids.map(&row_of);
-        let ([Some(a), Some(b)], Some(&number)) = (places, numbers.get(&of.island)) else {
+        let indices = of.ids.map(&row_of);
+        let ([Some(a), Some(b)], Some(&number)) = (indices, numbers.get(&of.island)) else {
             return Err(damaged("no such particle sleeps"));
         };
         // Pairs that only touch have no contact.
         if of.contact.touched || of.contact.impulse > 0.0 {
-            all.push((number, Contact { places: [a, b], ..of.contact }));
+            all.push((number, Contact { indices: [a, b], ..of.contact }));
         }
     }
     all.sort_by_key(|&(number, _)| number);

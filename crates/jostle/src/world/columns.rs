@@ -11,25 +11,25 @@ use crate::table::Table;
 impl World {
     /// A copy of all particles in the order of adding.
     pub fn particles(&self) -> Particles {
-        self.particles_at(self.places())
+        self.particles_at(self.indices())
     }
 
     /// A copy of the particles in some rows, in this order.
     pub(super) fn particles_in(&self, rows: &[u32]) -> Particles {
-        self.particles_at(&self.places_of(rows))
+        self.particles_at(&self.indices_of(rows))
     }
 
-    /// A copy of the particles at some places, in this order.
-    fn particles_at(&self, places: &[u32]) -> Particles {
+    /// A copy of the particles at some indices, in this order.
+    fn particles_at(&self, indices: &[u32]) -> Particles {
         let mut copy = Particles::default();
         if self.asleep.is_empty() {
-            copy.gather(&self.particles, places, Some(1));
+            copy.gather(&self.particles, indices, Some(1));
             return copy;
         }
-        copy.resize(places.len());
-        for (row, &place) in places.iter().enumerate() {
-            let (all, at) = self.disc_at(place as usize);
-            copy.put(places.len(), row, all, at);
+        copy.resize(indices.len());
+        for (row, &index) in indices.iter().enumerate() {
+            let (all, at) = self.disc_at(index as usize);
+            copy.put(indices.len(), row, all, at);
         }
         copy.drop_defaults();
         copy
@@ -129,45 +129,45 @@ impl World {
         column
     }
 
-    /// The columns of the particle at a place, and its row in them.
-    pub(super) fn disc_at(&self, place: usize) -> (&Particles, usize) {
-        match place.checked_sub(self.rows.len()) {
-            None => (&self.particles, place),
+    /// The columns of the particle at an index, and its row in them.
+    pub(super) fn disc_at(&self, index: usize) -> (&Particles, usize) {
+        match index.checked_sub(self.rows.len()) {
+            None => (&self.particles, index),
             Some(at) => (&self.asleep.sleepers().discs.particles, at),
         }
     }
 
-    /// The places of some rows.
-    pub(super) fn places_of(&self, rows: &[u32]) -> Vec<u32> {
-        let places = if rows.is_empty() { &[] } else { self.places() };
-        rows.iter().map(|&row| places[row as usize]).collect()
+    /// The indices of some rows.
+    pub(super) fn indices_of(&self, rows: &[u32]) -> Vec<u32> {
+        let indices = if rows.is_empty() { &[] } else { self.indices() };
+        rows.iter().map(|&row| indices[row as usize]).collect()
     }
 
-    /// The place of each row; those of sleeping particles come after those of all others. They are
-    /// computed when they are first needed, and kept until [`World::forget_places`].
-    pub(super) fn places(&self) -> &[u32] {
-        let places = self.places.get_or_init(|| self.find_places());
-        debug_assert!(self.are_places(places));
-        places
+    /// The index of each row; those of sleeping particles come after those of all others. They are
+    /// computed when they are first needed, and kept until [`World::forget_indices`].
+    pub(super) fn indices(&self) -> &[u32] {
+        let indices = self.indices.get_or_init(|| self.find_indices());
+        debug_assert!(self.are_indices(indices));
+        indices
     }
 
     /// Must be called when the order of the particles or their number changes.
-    pub(super) fn forget_places(&mut self) {
-        self.places.take();
+    pub(super) fn forget_indices(&mut self) {
+        self.indices.take();
     }
 
-    fn find_places(&self) -> Vec<u32> {
-        let mut places = vec![0; self.len()];
-        self.rows_and_places().for_each(|(row, place)| places[row as usize] = place);
-        places
+    fn find_indices(&self) -> Vec<u32> {
+        let mut indices = vec![0; self.len()];
+        self.rows_and_indices().for_each(|(row, index)| indices[row as usize] = index);
+        indices
     }
 
-    fn are_places(&self, places: &[u32]) -> bool {
-        let is_right = |(row, place): (u32, u32)| places.get(row as usize) == Some(&place);
-        places.len() == self.len() && self.rows_and_places().all(is_right)
+    fn are_indices(&self, indices: &[u32]) -> bool {
+        let is_right = |(row, index): (u32, u32)| indices.get(row as usize) == Some(&index);
+        indices.len() == self.len() && self.rows_and_indices().all(is_right)
     }
 
-    fn rows_and_places(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+    fn rows_and_indices(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         let (awake, rows) = (self.rows.len(), &self.asleep.sleepers().discs.rows);
         let asleep = self.asleep.indices().map(move |at| (rows[at], (awake + at) as u32));
         self.rows.iter().copied().zip(0..).chain(asleep)

@@ -45,7 +45,7 @@ impl World {
             particles, scratch: StepScratch { pairs, sensed, candidate_merges, .. }, ..
         } = self;
         if !particles.sensors.is_empty() {
-            let is_sensor = |place: u32| particles.is_sensor(place as usize);
+            let is_sensor = |index: u32| particles.is_sensor(index as usize);
             take(pairs, sensed, |[a, b]| is_sensor(a) || is_sensor(b));
         }
         candidate_merges.clear();
@@ -61,8 +61,8 @@ impl World {
         let StepScratch { moving, exhausted, .. } = &mut self.scratch;
         moving.clone_from(&self.particles.movable);
         if !exhausted.is_empty() {
-            let places = self.rows.iter().zip(moving.iter_mut());
-            places.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
+            let indices = self.rows.iter().zip(moving.iter_mut());
+            indices.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
     }
 }
@@ -93,8 +93,8 @@ fn find_overlapping(
 /// Whether two particles overlap by more than [`OVERLAP`], the second moved by `image`.
 #[inline(always)]
 fn overlap(particles: &Particles, [a, b]: [u32; 2], image: [f32; 2]) -> bool {
-    let [p, q] = [a, b].map(|place| particles.positions[place as usize]);
-    let [c, d] = [a, b].map(|place| particles.residuals[place as usize]);
+    let [p, q] = [a, b].map(|index| particles.positions[index as usize]);
+    let [c, d] = [a, b].map(|index| particles.residuals[index as usize]);
     let [x, y] = [0, 1].map(|k| (q[k] - p[k] + image[k]) + (d[k] - c[k]));
     let radius_sum = particles.radii[a as usize] + particles.radii[b as usize];
     let limit = radius_sum * (1.0 - OVERLAP);

@@ -1,4 +1,4 @@
-//! The columns of the particles by places, each declared once. What a step computes anew is in `StepScratch`.
+//! The columns of the particles by indices, each declared once. What a step computes anew is in `StepScratch`.
 
 use super::sleeping::Drift;
 use crate::container::MAX_WALLS;
@@ -6,7 +6,7 @@ use crate::particles::Particles;
 use crate::table;
 
 table! {
-    /// All columns by places: those that a step reorders, and that sleeping particles keep.
+    /// All columns by indices: those that a step reorders, and that sleeping particles keep.
     #[derive(Clone, Debug, Default)]
     pub(super) struct Discs {
         pub(super) particles: nested Particles,
@@ -39,10 +39,10 @@ impl Persistent {
         self.wall_frictions.clear();
     }
 
-    /// The same for one place.
-    pub(super) fn forget_sides_of(&mut self, place: usize) {
+    /// The same for one index.
+    pub(super) fn forget_sides_of(&mut self, index: usize) {
         for column in [&mut self.wall_pushes, &mut self.wall_frictions] {
-            if let Some(pushes) = column.get_mut(place) {
+            if let Some(pushes) = column.get_mut(index) {
                 *pushes = [0.0; MAX_WALLS];
             }
         }

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::World;
 use super::asleep::Asleep;
 use super::domain::Domain;
-use super::{OnTouch, World};
 use crate::decomposition::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::error::{Error, Result};
 use crate::forces::{self, Force, Kinds};
@@ -60,8 +60,8 @@ impl World {
             received: Vec::new(),
             has_contacts: false,
             resting: Vec::new(),
-            sent_places: Vec::new(),
-            ghost_places: Vec::new(),
+            sent_indices: Vec::new(),
+            ghost_indices: Vec::new(),
             ghost_ranks: Vec::new(),
             ghost_pairs: Vec::new(),
             own_pairs: HashMap::new(),
@@ -74,6 +74,9 @@ impl World {
             steps: 0,
             repeats: 0,
             widening: 1.0,
+            widened: 1.0,
+            further: HashMap::new(),
+            is_static: false,
             work: 1.0,
             rebalance_every: None,
             is_stale: true,
@@ -86,10 +89,6 @@ impl World {
 
     /// Refuses what a distributed world cannot do.
     pub fn check_distributable(&self) -> Result<()> {
-        if self.settings.on_touch == OnTouch::Merge {
-            let rule = "particles of different ranks do not merge";
-            return Err(Error::of("on_touch", "merge", rule));
-        }
         for (index, force) in self.forces.iter().enumerate() {
             let name = match force {
                 Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,
@@ -141,8 +140,8 @@ impl World {
     pub fn own_records(&self) -> Vec<u8> {
         let Some(domain) = &self.domain else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
-        for (place, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_record(&mut bytes, self.name_of(domain, row), &self.particles, place);
+        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
+            put_record(&mut bytes, self.name_of(domain, row), &self.particles, index);
         }
         let discs = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {

@@ -41,6 +41,18 @@ pub(super) struct Announced {
     pub(super) distance: f32,
 }
 
+/// Particles that get further than announced are announced this much further.
+const FURTHER: f32 = 1.25;
+
+/// What merging particles change, for [`World::undo`](super::World::undo).
+#[derive(Debug)]
+pub(super) struct Count {
+    ids: Vec<Id>,
+    own: usize,
+    total: usize,
+    awake: usize,
+}
+
 /// A hash of the contact of an own particle with a ghost.
 pub(super) struct PairDigest {
     /// The rows of both.
@@ -73,7 +85,7 @@ pub(super) struct Domain {
     pub(super) foreign: Asleep,
     /// The names of those of their islands that the step would touch.
     pub(super) touched: Vec<Id>,
-    /// How far the particle at each place may get before it leaves its circle.
+    /// How far the particle at each index may get before it leaves its circle.
     pub(super) left: Vec<f32>,
     pub(super) is_elastic: bool,
     pub(super) has_friction: bool,
@@ -91,9 +103,9 @@ pub(super) struct Domain {
     pub(super) has_contacts: bool,
     /// Contacts at rest that own particles had after the step before.
     pub(super) resting: Vec<Resting>,
-    /// The places of the rows that are sent, and of the ghosts of each rank.
-    pub(super) sent_places: Vec<Vec<u32>>,
-    pub(super) ghost_places: Vec<Vec<u32>>,
+    /// The indices of the rows that are sent, and of the ghosts of each rank.
+    pub(super) sent_indices: Vec<Vec<u32>>,
+    pub(super) ghost_indices: Vec<Vec<u32>>,
     /// The rank of each ghost.
     pub(super) ghost_ranks: Vec<u32>,
     /// Hashes of the colours of the contacts of each ghost with own particles; by rows.
@@ -106,9 +118,9 @@ pub(super) struct Domain {
     pub(super) may_meet: Vec<bool>,
     /// Whether each own row is a ghost of another rank.
     pub(super) is_sent: Vec<bool>,
-    /// Whether the particle at each place is an own one.
+    /// Whether the particle at each index is an own one.
     pub(super) is_own: Vec<bool>,
-    /// Places of particles that other ranks have too.
+    /// Indices of particles that other ranks have too.
     pub(super) shared: Vec<u32>,
     /// Own rows that have got further than announced, and how far.
     pub(super) far: Vec<(u32, f32)>,
@@ -116,8 +128,13 @@ pub(super) struct Domain {
     pub(super) steps: u64,
     /// Steps that were repeated because ghosts were missing.
     pub(super) repeats: u64,
-    /// Factor of the margin with which the next step begins, the same on all ranks.
+    /// Factor of the margin with which the next step begins, the same on all ranks, and that of this step.
     pub(super) widening: f64,
+    pub(super) widened: f64,
+    /// Distances that own particles got further in this step than announced.
+    pub(super) further: HashMap<Id, f32>,
+    /// Whether the ghosts are only those that are near own particles now.
+    pub(super) is_static: bool,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
     pub(super) work: f64,
     /// Steps after which domains are chosen anew; None if the imbalance decides.
@@ -134,8 +151,8 @@ pub(super) struct Domain {
 impl Domain {
     /// What the events of a sub-step share with other ranks.
     pub(super) fn halo(&self) -> Halo<'_> {
-        let Self { group, awake, is_own, shared, sent_places, ghost_places, .. } = self;
-        Halo { group, total: *awake, is_own, shared, sent: sent_places, ghosts: ghost_places }
+        let Self { group, awake, is_own, shared, sent_indices, ghost_indices, .. } = self;
+        Halo { group, total: *awake, is_own, shared, sent: sent_indices, ghosts: ghost_indices }
     }
 
     /// Whether domains are chosen in this step; the same on all ranks.
@@ -165,7 +182,7 @@ impl Domain {
         (row as usize) < self.own
     }
 
-    /// The values of own particles, from those of all places.
+    /// The values of own particles, from those of all indices.
     pub(super) fn own_of<V>(
         &self,
         all: impl Iterator<Item = V>,
@@ -194,6 +211,34 @@ impl Domain {
         self.has_friction
     }
 
+    /// Notes the distances of particles that have got further than announced.
+    pub(super) fn note_further(&mut self) {
+        let Self { far, further, ids, .. } = self;
+        for (row, distance) in far.drain(..) {
+            let known = further.entry(ids[row as usize]).or_insert(0.0);
+            *known = known.max(distance * FURTHER);
+        }
+    }
+
+    /// The ids of all rows, and how many particles there are.
+    pub(super) fn count(&self) -> Count {
+        let Self { own, total, awake, .. } = *self;
+        Count { ids: self.ids.clone(), own, total, awake }
+    }
+
+    /// Restores these.
+    pub(super) fn restore(&mut self, Count { ids, own, total, awake }: Count) {
+        (self.ids, self.own, self.total, self.awake) = (ids, own, total, awake);
+    }
+
+    /// The rank that owns the particle in a row.
+    pub(super) fn rank_of(&self, row: u32) -> usize {
+        match (row as usize).checked_sub(self.own) {
+            Some(ghost) => self.ghost_ranks[ghost] as usize,
+            None => locked(&self.group).rank(),
+        }
+    }
+
     /// Notes how many ghosts came from each rank.
     pub(super) fn note_received(&mut self, received: Vec<usize>) {
         let ranks = (0..).zip(&received);
@@ -210,32 +255,32 @@ impl Domain {
         self.may_meet.resize(len, false);
     }
 
-    /// Lists the places of own and of shared particles.
-    pub(super) fn list_places(&mut self, rows: &[u32]) {
+    /// Lists the indices of own and of shared particles.
+    pub(super) fn list_indices(&mut self, rows: &[u32]) {
         if self.ids.len() == self.own && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
             self.shared.clear();
             let size = self.sent.len();
-            (self.sent_places, self.ghost_places) = (vec![vec![]; size], vec![vec![]; size]);
+            (self.sent_indices, self.ghost_indices) = (vec![vec![]; size], vec![vec![]; size]);
             return;
         }
-        let mut places = vec![0; self.ids.len()];
-        (0..).zip(rows).for_each(|(place, &row)| places[row as usize] = place);
-        self.sent_places.resize(self.sent.len(), Vec::new());
-        for (places_of, rows) in self.sent_places.iter_mut().zip(&self.sent) {
-            places_of.clear();
-            places_of.extend(rows.iter().map(|&row| places[row as usize]));
+        let mut indices = vec![0; self.ids.len()];
+        (0..).zip(rows).for_each(|(index, &row)| indices[row as usize] = index);
+        self.sent_indices.resize(self.sent.len(), Vec::new());
+        for (indices_of, rows) in self.sent_indices.iter_mut().zip(&self.sent) {
+            indices_of.clear();
+            indices_of.extend(rows.iter().map(|&row| indices[row as usize]));
         }
-        let mut ghosts = places[self.own..].iter().copied();
+        let mut ghosts = indices[self.own..].iter().copied();
         let ranks = self.received.iter().map(|&count| ghosts.by_ref().take(count).collect());
-        self.ghost_places = ranks.collect();
+        self.ghost_indices = ranks.collect();
         let Self { is_own, shared, is_sent, own, .. } = self;
         is_own.clear();
         is_own.extend(rows.iter().map(|&row| (row as usize) < *own));
         shared.clear();
         let is_shared = |row: u32| is_sent.get(row as usize).is_none_or(|&is_sent| is_sent);
-        shared.extend((0..).zip(rows).filter(|(_, row)| is_shared(**row)).map(|(place, _)| place));
+        shared.extend((0..).zip(rows).filter(|(_, row)| is_shared(**row)).map(|(index, _)| index));
     }
 
     /// Hashes of the contacts of own particles with ghosts, and of their colours, which follow from those
@@ -248,9 +293,9 @@ impl Domain {
         rows: &[u32],
     ) -> Vec<PairDigest> {
         let mut found = Vec::new();
-        contacts.each_coloured(lists, |places, [colour, kind]| {
-            let movable = places.map(|place| particles.movable[place as usize]);
-            let rows = places.map(|place| rows[place as usize]);
+        contacts.each_coloured(lists, |indices, [colour, kind]| {
+            let movable = indices.map(|index| particles.movable[index as usize]);
+            let rows = indices.map(|index| rows[index as usize]);
             let [a, b] = rows.map(|row| self.ids[row as usize]);
             let colour = u64::from(colour) << 8 | u64::from(kind);
             let hash = digest(digest(digest(1, a.min(b) as u64), a.max(b) as u64), colour);
@@ -303,15 +348,17 @@ impl Domain {
         container: &Container,
         scratch: &mut StepScratch,
     ) {
-        let StepScratch { limits, reaches, .. } = scratch;
+        let StepScratch { limits, max_displacements, .. } = scratch;
         let has_sleepers = self.asleep > 0;
         limits.clear();
         self.left.clear();
         if self.sent.len() < 2 {
-            limits.extend(reaches.iter().filter(|_| has_sleepers));
+            limits.extend(max_displacements.iter().filter(|_| has_sleepers));
             return;
         }
-        for ((&row, position), &reach) in rows.iter().zip(&particles.positions).zip(&*reaches) {
+        for ((&row, position), &max_displacement) in
+            rows.iter().zip(&particles.positions).zip(&*max_displacements)
+        {
             let Some(of) = self.announced.get(row as usize) else {
                 limits.push(f32::INFINITY);
                 self.left.push(f32::INFINITY);
@@ -325,11 +372,11 @@ impl Domain {
                 (x.hypot(y) * 1.000_01) as f32
             };
             let left = of.distance - moved;
-            if left < reach {
-                self.far.push((row, moved + reach));
+            if left < max_displacement {
+                self.far.push((row, moved + max_displacement));
             }
             self.left.push(left);
-            limits.push(if has_sleepers { left.min(reach) } else { left });
+            limits.push(if has_sleepers { left.min(max_displacement) } else { left });
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::space::Id;
 
 /// The velocities of what motors drive, before a step.
 pub(super) struct Driven {
-    /// Place, velocity and angular velocity.
+    /// Index, velocity and angular velocity.
     particles: Vec<(usize, [f32; 2], f32)>,
     /// Index and velocity.
     walls: Vec<(usize, [f32; 2])>,
@@ -22,18 +22,18 @@ impl World {
         for motor in forces::motors(&self.forces) {
             let drive = motor.drive(self.time, dt);
             let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
-            for place in self.places_of(&rows) {
-                let place = place as usize;
+            for index in self.indices_of(&rows) {
+                let index = index as usize;
                 let all = &mut self.particles;
                 // It may have become movable, and may sleep then.
-                if all.movable.get(place) != Some(&false) {
+                if all.movable.get(index) != Some(&false) {
                     continue;
                 }
-                before.particles.push((place, all.velocities[place], all.spin(place).velocity));
-                let position = exact(all.positions[place], all.residuals[place]);
+                before.particles.push((index, all.velocities[index], all.spin(index).velocity));
+                let position = exact(all.positions[index], all.residuals[index]);
                 let offset = self.settings.container.minimum_image(drive.offset(position));
-                all.velocities[place] = drive.velocity_at(offset);
-                all.set_angular_velocity(place, drive.angular_velocity);
+                all.velocities[index] = drive.velocity_at(offset);
+                all.set_angular_velocity(index, drive.angular_velocity);
             }
             for &wall in &motor.walls {
                 let wall = wall as usize;
@@ -47,9 +47,9 @@ impl World {
     /// Takes back what [`World::drive`] did before a step that failed, in reverse order: several
     /// motors may drive the same particle.
     pub(super) fn restore_driven(&mut self, before: Driven) {
-        for (place, velocity, angular_velocity) in before.particles.into_iter().rev() {
-            self.particles.velocities[place] = velocity;
-            self.particles.set_angular_velocity(place, angular_velocity);
+        for (index, velocity, angular_velocity) in before.particles.into_iter().rev() {
+            self.particles.velocities[index] = velocity;
+            self.particles.set_angular_velocity(index, angular_velocity);
         }
         for (wall, velocity) in before.walls.into_iter().rev() {
             self.walls.set_velocity(wall, velocity);
@@ -60,12 +60,12 @@ impl World {
     /// Refuses motors of movable particles, and forces of walls that do not exist.
     pub(super) fn check_motors(&self, forces: &[Force]) -> Result<()> {
         check_walls(forces, self.walls.all().len())?;
-        let places = self.places();
+        let indices = self.indices();
         for (index, motor) in motors(forces) {
             let is_movable = |&&id: &&Id| {
                 let row = self.ids.row(id).expect("it is in the world");
                 // Immovable particles never sleep.
-                self.particles.movable.get(places[row as usize] as usize) != Some(&false)
+                self.particles.movable.get(indices[row as usize] as usize) != Some(&false)
             };
             if let Some(id) = motor.ids.iter().find(is_movable) {
                 let value = format!("a motor of particle {id}");

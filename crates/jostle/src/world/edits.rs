@@ -28,12 +28,10 @@ impl World {
         }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
-        if !self.given.is_empty() {
-            self.given.resize(new, [0.0; 2]);
-        }
+        self.given.iter_mut().for_each(|given| given.resize(new, [0.0; 2]));
         forces::change_kinds(&mut self.forces, |kinds| kinds.resize(new, 0));
         self.persistent.resize(self.rows.len());
-        self.forget_places();
+        self.forget_indices();
         Ok(ids)
     }
 
@@ -53,7 +51,7 @@ impl World {
             (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
         });
         self.shorten_renumbering();
-        Ok(())
+        self.end_given_of_none()
     }
 
     /// Removes rows, so that the others move up; returns how many remain before each.
@@ -68,25 +66,22 @@ impl World {
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
         self.keep(&keep);
         self.ids.remove(gone);
-        retain_unless(&mut self.given, gone);
-        if self.given.iter().all(|given| *given == [0.0; 2]) {
-            self.given.clear();
-        }
+        self.given.iter_mut().for_each(|given| retain_unless(given, gone));
         forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
-        self.forget_places();
+        self.forget_indices();
         shifted
     }
 
-    /// Keeps some places of all columns, and the contacts between them.
+    /// Keeps some indices of all columns, and the contacts between them.
     pub(super) fn keep(&mut self, keep: &[bool]) {
         self.particles.keep(keep);
         self.particles.simplify();
         self.persistent.keep(keep);
         dense::keep(&mut self.rows, keep);
         self.contacts.retain(keep);
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// A copy of some particles, in this order. It costs as much as there are ids.
@@ -143,9 +138,9 @@ impl World {
             radii.check(|radii| self.settings.container.check_fit(radii))?;
         }
         self.wake_edited(rows, changes)?;
-        // Those that still sleep have not changed; their places are behind those of all others.
-        let places = self.places_of(rows);
-        changes.write(&mut self.particles, &places);
+        // Those that still sleep have not changed; their indices are behind those of all others.
+        let indices = self.indices_of(rows);
+        changes.write(&mut self.particles, &indices);
         Ok(())
     }
 
@@ -156,16 +151,16 @@ impl World {
             return Ok(());
         }
         let (mut driven, mut changed) = (Vec::new(), Vec::new());
-        for (index, (&row, place)) in rows.iter().zip(self.places_of(rows)).enumerate() {
-            let (all, at) = self.disc_at(place as usize);
-            match changes.effect(index, all, at) {
+        for (nth, (&row, index)) in rows.iter().zip(self.indices_of(rows)).enumerate() {
+            let (all, at) = self.disc_at(index as usize);
+            match changes.effect(nth, all, at) {
                 Effect::None => {}
                 Effect::Velocity if !all.movable[at] => driven.push(row),
                 _ => changed.push(row),
             }
         }
-        for place in self.places_of(&changed) {
-            if let Some(drift) = self.persistent.drifts.get_mut(place as usize) {
+        for index in self.indices_of(&changed) {
+            if let Some(drift) = self.persistent.drifts.get_mut(index as usize) {
                 *drift = Drift::UNKNOWN;
             }
         }

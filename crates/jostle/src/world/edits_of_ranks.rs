@@ -55,12 +55,12 @@ impl World {
     /// which only the velocities change, `changed` those of other changes.
     pub(super) fn wake_edited_of_ranks(&mut self, driven: &[u32], changed: &[u32]) -> Result<()> {
         let Some(domain) = &self.domain else { return Ok(()) };
-        let (places, awake) = (self.places_of(changed), self.rows.len());
-        let is_fixed = |&place: &u32| self.particles.movable.get(place as usize) == Some(&false);
-        let indices = places.iter().filter_map(|&place| (place as usize).checked_sub(awake));
-        let islands = self.asleep.islands_of(indices);
+        let (indices, awake) = (self.indices_of(changed), self.rows.len());
+        let is_fixed = |&index: &u32| self.particles.movable.get(index as usize) == Some(&false);
+        let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+        let islands = self.asleep.islands_of(sleeping);
         let own = Changed {
-            wakes_all: places.iter().any(is_fixed),
+            wakes_all: indices.iter().any(is_fixed),
             driven: driven.iter().map(|&row| domain.id(row)).collect(),
             names: self.asleep.names(&islands).collect(),
         };
@@ -122,7 +122,7 @@ impl World {
         let at_end = &mut self.record.at_end;
         let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
         self.record.gone.extend(removed);
-        Ok(())
+        self.end_given_of_none()
     }
 
     /// The ids of the particles of this rank, and the id that is given next.

@@ -15,8 +15,8 @@ use crate::particles::{self, Particles};
 #[derive(Debug, Default)]
 pub(super) struct ForceScratch {
     pub(super) all: forces::Scratch,
-    /// The place of each row, where forces name particles.
-    pub(super) places: Vec<u32>,
+    /// The index of each row, where forces name particles.
+    pub(super) indices: Vec<u32>,
     /// Positions of the particles in the middle of the sub-step.
     pub(super) halfway: Vec<[f32; 2]>,
     /// Their velocities at its beginning.
@@ -25,7 +25,7 @@ pub(super) struct ForceScratch {
     pub(super) accelerations: Vec<[f32; 2]>,
     pub(super) old_accelerations: Vec<[f32; 2]>,
     /// Estimated displacements by springs; empty if there are none.
-    pub(super) reaches: Vec<f32>,
+    pub(super) max_displacements: Vec<f32>,
     /// Islands of particles connected by springs.
     pub(super) groups: DisjointSets,
     pub(super) sprung: SpringSolver,
@@ -44,8 +44,8 @@ impl ForceScratch {
     /// Writes the positions in the middle of a sub-step of `h` seconds.
     pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
         let columns = self.halfway.iter_mut().zip(&mut self.velocities);
-        for ((middle, before), place) in columns.zip(0..) {
-            let (position, velocity) = (motions.position(place), motions.velocity(place));
+        for ((middle, before), index) in columns.zip(0..) {
+            let (position, velocity) = (motions.position(index), motions.velocity(index));
             *before = velocity;
             *middle = container.wrap(halfway(position, velocity, h));
         }
@@ -56,18 +56,18 @@ impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
     pub(super) fn apply_forces(&mut self, dt: f32) -> Result<()> {
-        let substeps = self.scratch.substeps;
+        let (substeps, has_accelerations) = (self.scratch.substeps, self.has_accelerations());
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
-        scratch.reaches.clear();
-        if self.forces.is_empty() && self.given.is_empty() {
+        scratch.max_displacements.clear();
+        if self.forces.is_empty() && self.given.is_none() {
             return Ok(());
         }
-        find_places(&self.forces, &self.rows, &mut scratch.places);
+        find_indices(&self.forces, &self.rows, &mut scratch.indices);
         let h = dt / substeps as f32;
         let particles = &self.particles;
-        if !self.given.is_empty() || forces::pull(&self.forces) {
+        if has_accelerations {
             let all = particles.positions.iter().zip(&particles.velocities);
             scratch.halfway.clear();
             let wrap = |there| settings.container.wrap(there);
@@ -79,20 +79,28 @@ impl World {
         let particles = &self.particles;
         let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
         if all.peek().is_some() {
-            let ForceScratch { places, groups, reaches, .. } = scratch;
-            let bodies = bodies(particles, &particles.positions, (&self.rows, places), settings);
-            forces::springs::reach(all, &bodies, &particles.velocities, dt, groups, reaches);
+            let ForceScratch { indices, groups, max_displacements, .. } = scratch;
+            let bodies = bodies(particles, &particles.positions, (&self.rows, indices), settings);
+            forces::springs::max_displacements(
+                all,
+                &bodies,
+                &particles.velocities,
+                dt,
+                groups,
+                max_displacements,
+            );
         }
-        let ForceScratch { accelerations, reaches, .. } = &self.scratch.forces;
+        let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
         let particles = &self.particles;
-        let displacement =
-            |place: usize| force_displacement(accelerations.get(place), reaches.get(place), dt);
+        let displacement = |index: usize| {
+            force_displacement(accelerations.get(index), max_displacements.get(index), dt)
+        };
         let longest = (0..particles.len()).filter_map(displacement).fold(0.0, f32::max);
         if longest <= particles::FARTHEST {
             return Ok(());
         }
         let most = particles::FARTHEST;
-        let id = self.id_of(longest, |place| displacement(place).unwrap_or(0.0));
+        let id = self.id_of(longest, |index| displacement(index).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
     }
@@ -100,13 +108,13 @@ impl World {
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.extent_of_halfway()?;
-        let Self { particles, rows, settings, scratch, .. } = self;
-        let ForceScratch { all: scratch, places, halfway, velocities, accelerations, .. } =
+        let Self { particles, rows, given, settings, scratch, .. } = self;
+        let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
-        let bodies = bodies(particles, halfway, (rows, places), settings);
+        let bodies = bodies(particles, halfway, (rows, indices), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         forces::accelerate(&self.forces, &bodies, scratch, accelerations);
-        add_given(accelerations, rows, &self.given);
+        add_given(accelerations, rows, given.as_deref());
         self.share_accelerations()
     }
 
@@ -117,12 +125,12 @@ impl World {
         let Particles { positions, residuals, velocities, masses, movable, .. } =
             &mut self.particles;
         parallel::for_chunks(threads, velocities, |first, velocities| {
-            for (velocity, place) in velocities.iter_mut().zip(first..) {
-                let ([x, y], [a, b], [u, v]) = (positions[place], residuals[place], *velocity);
+            for (velocity, index) in velocities.iter_mut().zip(first..) {
+                let ([x, y], [a, b], [u, v]) = (positions[index], residuals[index], *velocity);
                 let state = [x, y, a, b, u, v].map(f64::from);
                 let [x, y, a, b, u, v] = state;
-                if movable[place]
-                    && let Some(new) = bath.velocity(masses[place], dt, &[x, y, a, b, u, v, time])
+                if movable[index]
+                    && let Some(new) = bath.velocity(masses[index], dt, &[x, y, a, b, u, v, time])
                 {
                     *velocity = new;
                 }
@@ -135,9 +143,9 @@ impl World {
         let (particles, settings) = (&self.particles, &self.settings);
         for force in &mut self.forces {
             if let Force::Springs(springs) = force {
-                let places = &self.scratch.forces.places;
+                let indices = &self.scratch.forces.indices;
                 let rows = &self.rows;
-                let bodies = bodies(particles, &particles.positions, (rows, places), settings);
+                let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
                 springs.break_stretched(&bodies);
             }
         }
@@ -152,23 +160,23 @@ pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs
     })
 }
 
-/// Writes the place of each row, if any force names particles.
-pub(super) fn find_places(forces: &[Force], rows: &[u32], places: &mut Vec<u32>) {
-    places.clear();
+/// Writes the index of each row, if any force names particles.
+pub(super) fn find_indices(forces: &[Force], rows: &[u32], indices: &mut Vec<u32>) {
+    indices.clear();
     if forces::name_any(forces) {
-        places.resize(rows.len(), 0);
-        for (place, &row) in rows.iter().enumerate() {
-            places[row as usize] = place as u32;
+        indices.resize(rows.len(), 0);
+        for (index, &row) in rows.iter().enumerate() {
+            indices[row as usize] = index as u32;
         }
     }
 }
 
-/// The particles at some positions, as arguments of the forces, with the row of each place and the
-/// place of each row.
+/// The particles at some positions, as arguments of the forces, with the row of each index and the
+/// index of each row.
 pub(super) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
-    (rows, places): (&'a [u32], &'a [u32]),
+    (rows, indices): (&'a [u32], &'a [u32]),
     settings: &WorldSettings,
 ) -> Bodies<'a> {
     let (container, threads) = (settings.container, settings.tree.threads);
@@ -178,7 +186,7 @@ pub(super) fn bodies<'a>(
         masses: &particles.masses,
         radii: &particles.radii,
         rows,
-        places,
+        indices,
         container,
         seconds: 0.0,
         method: settings.method,
@@ -196,11 +204,11 @@ fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
 /// Estimated displacement by forces in `dt` seconds, beside that of the velocity.
 pub(super) fn force_displacement(
     acceleration: Option<&[f32; 2]>,
-    reach: Option<&f32>,
+    max_displacement: Option<&f32>,
     dt: f32,
 ) -> Option<f32> {
     let pulled = acceleration.map(|a| a[0].abs().max(a[1].abs()) * dt * dt);
-    match (pulled, reach) {
+    match (pulled, max_displacement) {
         (None, None) => None,
         (a, b) => Some(a.unwrap_or(0.0) + b.copied().unwrap_or(0.0)),
     }

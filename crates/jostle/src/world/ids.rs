@@ -144,11 +144,17 @@ impl World {
         if len > MOST_RENUMBERED {
             return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
         }
-        let mut new = memory::with_room(len)?;
+        let mut new = memory::with_capacity(len)?;
         new.resize(len, None);
         self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
         Ok(Some(new))
+    }
+
+    /// Of a distributed world: the old and the new id of particles that were own ones when they merged. The
+    /// new one may have merged since, on another rank.
+    pub fn own_renumbering(&self) -> Vec<[Id; 2]> {
+        self.renumbered.clone().unwrap_or_default()
     }
 
     /// Records that particles merged: the old id and the new one of each, by old ids.

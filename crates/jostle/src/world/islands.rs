@@ -26,7 +26,7 @@ pub(super) struct SleepingContact {
     pub(super) island: Id,
     /// The ids of both. The first sleeps; if both do, it is the smaller one.
     pub(super) ids: [Id; 2],
-    /// The contact in the last step in which the island was awake. Its places have no meaning.
+    /// The contact in the last step in which the island was awake. Its indices have no meaning.
     pub(super) contact: Contact,
     /// Whether their surfaces touched at the end of that step, as far as this is wanted.
     pub(super) is_near: bool,
@@ -36,14 +36,14 @@ impl SleepingContact {
     /// Bytes of a contact.
     pub(super) const SIZE: usize = 66;
 
-    /// A contact whose places have these ids.
+    /// A contact whose indices have these ids.
     pub(super) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
         let is_first = match contact.inverse_masses.map(|inverse| inverse > 0.0) {
             [true, true] => a < b,
             [is_first, _] => is_first,
         };
-        let (ids, places) = if is_first { ([a, b], [0, 1]) } else { ([b, a], [1, 0]) };
-        let contact = Contact { places, ..*contact }.ascending();
+        let (ids, indices) = if is_first { ([a, b], [0, 1]) } else { ([b, a], [1, 0]) };
+        let contact = Contact { indices, ..*contact }.ascending();
         Self { island, ids, contact, is_near: false }
     }
 
@@ -55,7 +55,8 @@ impl SleepingContact {
         [first, second, self.island as u64].store(&mut to[start..start + 24]);
         let Contact { image: [x, y], normal: [u, v], totals: [n, t], .. } = self.contact;
         let Contact { gap, impulse, friction_impulse, touched, .. } = self.contact;
-        let numbers = [x, y, u, v, gap, impulse, friction_impulse, n, t, self.contact.reach];
+        let numbers =
+            [x, y, u, v, gap, impulse, friction_impulse, n, t, self.contact.contact_distance];
         numbers.store(&mut to[start + 24..start + 64]);
         [u8::from(touched), u8::from(self.is_near)].store(&mut to[start + 64..]);
     }
@@ -63,15 +64,22 @@ impl SleepingContact {
     /// Reads one.
     pub(super) fn get(from: &[u8]) -> Self {
         let [first, second, island] = <[u64; 3]>::load(&from[..24]).map(|id| id as Id);
-        let [x, y, u, v, gap, impulse, friction_impulse, n, t, reach] =
+        let [x, y, u, v, gap, impulse, friction_impulse, n, t, contact_distance] =
             <[f32; 10]>::load(&from[24..64]);
         let [touched, is_near] = <[u8; 2]>::load(&from[64..]).map(|flag| flag > 0);
         let contact = Contact {
-            places: [0, 1],
+            indices: [0, 1],
             image: [x, y],
             normal: [u, v],
             totals: [n, t],
-            ..Contact { gap, impulse, friction_impulse, reach, touched, ..Contact::default() }
+            ..Contact {
+                gap,
+                impulse,
+                friction_impulse,
+                contact_distance,
+                touched,
+                ..Contact::default()
+            }
         };
         Self { island, ids: [first, second], contact, is_near }
     }
@@ -179,11 +187,11 @@ impl World {
         let Some(domain) = domain else { return Ok(()) };
         let Scratch { island_of, first, names, .. } = &scratch.sleeping;
         for pair in pairs {
-            let sleeps = |&place: &u32| island_of[place as usize] != NONE;
-            let Some(place) = pair.into_iter().find(sleeps) else { continue };
-            let island = names[first[place as usize] as usize];
-            let ids = pair.map(|place| domain.id(rows[place as usize]));
-            let inverse_masses = pair.map(|place| particles.inverse_mass(place as usize));
+            let sleeps = |&index: &u32| island_of[index as usize] != NONE;
+            let Some(index) = pair.into_iter().find(sleeps) else { continue };
+            let island = names[first[index as usize] as usize];
+            let ids = pair.map(|index| domain.id(rows[index as usize]));
+            let inverse_masses = pair.map(|index| particles.inverse_mass(index as usize));
             let contact = Contact { inverse_masses, ..Contact::default() };
             let new = SleepingContact::new(island, ids, &contact);
             domain.sleeping.push(SleepingContact { is_near: true, ..new });
@@ -204,21 +212,21 @@ impl World {
     }
 }
 
-/// The groups of own particles with ghosts, by their first places.
+/// The groups of own particles with ghosts, by their first indices.
 fn groups_with_ghosts(
     domain: &Domain,
     (first, names): (&[u32], &[Id]),
     of_islands: &[IslandMotion],
 ) -> Result<BTreeMap<u32, Group>> {
-    let label = |place: u32| names[first[place as usize] as usize];
+    let label = |index: u32| names[first[index as usize] as usize];
     let mut groups = BTreeMap::new();
-    let ghosts = domain.halo().labels(|place| label(place) as u64)?;
-    for (place, other) in ghosts {
-        if label(place) == NO_NAME {
+    let ghosts = domain.halo().labels(|index| label(index) as u64)?;
+    for (index, other) in ghosts {
+        if label(index) == NO_NAME {
             continue;
         }
-        let first = first[place as usize];
-        let (label, motion) = (label(place), of_islands[first as usize]);
+        let first = first[index as usize];
+        let (label, motion) = (label(index), of_islands[first as usize]);
         let new = || Group { label, motion, others: Vec::new() };
         groups.entry(first).or_insert_with(new).others.push(other as Id);
     }
@@ -269,14 +277,14 @@ mod tests {
         }
         assert!(Group::get(&mut from).is_none());
         let contact = Contact {
-            places: [0, 1],
+            indices: [0, 1],
             image: [1.0, 2.0],
             normal: [0.6, 0.8],
             gap: -0.25,
             impulse: 3.0,
             friction_impulse: -4.0,
             totals: [5.0, 6.0],
-            reach: 7.0,
+            contact_distance: 7.0,
             touched: true,
             ..Contact::default()
         };

@@ -6,9 +6,10 @@
 //! a limited number of iterations.
 
 use super::edits::renumber;
-use super::{StepScratch, World};
+use super::{OnTouch, StepScratch, World};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
 use crate::forces;
 use crate::motion::Motions;
 use crate::parallel;
@@ -18,12 +19,12 @@ use crate::space::Id;
 use crate::table::Table;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
-const ROUNDS: usize = 16;
+pub(super) const ROUNDS: usize = 16;
 
 /// A candidate pair of particles that may merge.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CandidateMerge {
-    places: [u32; 2],
+    indices: [u32; 2],
     /// Offset that is added to the second (torus).
     image: [f32; 2],
     /// Sum of the radii.
@@ -39,12 +40,12 @@ pub(super) fn list_candidates(
 ) {
     candidates.clear();
     for (image, pairs) in lists {
-        for &places in pairs {
-            let [a, b] = places.map(|place| place as usize);
+        for &indices in pairs {
+            let [a, b] = indices.map(|index| index as usize);
             if all.movable[a] || all.movable[b] {
                 let radius_sum = all.radii[a] + all.radii[b];
                 candidates.push(CandidateMerge {
-                    places,
+                    indices,
                     image: *image,
                     radius_sum,
                     has_touched: false,
@@ -67,7 +68,7 @@ pub(super) fn mark_touching(
 
 fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
     let both = |f: fn(&Motions, u32) -> [f32; 2]| {
-        let [a, b] = candidate.places.map(|place| f(motions, place).map(f64::from));
+        let [a, b] = candidate.indices.map(|index| f(motions, index).map(f64::from));
         [b[0] - a[0], b[1] - a[1]]
     };
     let (offset, displacement) = (both(Motions::position), both(Motions::displacement));
@@ -87,96 +88,98 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
 
 impl World {
     /// Merges the particles that touched, and those that merged particles then overlap.
-    pub(super) fn merge(&mut self) {
+    pub(super) fn merge(&mut self) -> Result<()> {
+        if self.settings.on_touch != OnTouch::Merge {
+            return Ok(());
+        }
         let candidates = std::mem::take(&mut self.scratch.candidate_merges);
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
-        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.places).collect();
+        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
         self.scratch.candidate_merges = candidates;
+        if self.domain.is_some() {
+            return self.merge_with_other_ranks(touching);
+        }
         for _ in 0..ROUNDS {
             self.record_pairs(&touching);
-            if touching.is_empty() || !self.merge_touching(&touching) {
-                return;
+            if touching.is_empty() || !self.merge_touching(&touching)? {
+                return Ok(());
             }
             // If there are too many pairs to list, the next step returns the error.
-            let Ok((overlaps, tests)) = self.overlapping() else { return };
-            self.stats.tests += tests;
-            let is_sensor = |place: u32| self.particles.is_sensor(place as usize);
-            touching = overlaps.into_iter().map(|overlap| overlap.places).collect();
-            touching.retain(|&[a, b]| !is_sensor(a) && !is_sensor(b));
+            let Ok(overlaps) = self.pairs_to_merge() else { return Ok(()) };
+            touching = overlaps;
         }
+        Ok(())
     }
 
-    /// Merges each island of these pairs of places; returns whether any merged.
-    fn merge_touching(&mut self, touching: &[[u32; 2]]) -> bool {
+    /// The pairs of indices that overlap and may merge.
+    pub(super) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
+        let (overlaps, tests) = self.overlapping()?;
+        self.stats.tests += tests;
+        let is_sensor = |index: u32| self.particles.is_sensor(index as usize);
+        let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
+        Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
+    }
+
+    /// Merges each island of these pairs of indices; returns whether any merged.
+    fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
         let mut groups = DisjointSets::default();
         groups.reset(self.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
         let mut members: Vec<[u32; 2]> =
-            touching.iter().flatten().map(|&place| [groups.root(place), place]).collect();
+            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
         members.sort_unstable();
         members.dedup();
         // The new row of each old one, before renumbering: the smallest of its island.
         let mut heirs: Vec<u32> = (0..self.len() as u32).collect();
         let mut any = false;
         for group in members.chunk_by(|a, b| a[0] == b[0]) {
-            let places: Vec<usize> = group.iter().map(|&[_, place]| place as usize).collect();
-            let Some(one) = union(&self.particles, &places, &self.settings.container) else {
+            let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
+            let Some(one) = union(&self.particles, &indices, &self.settings.container) else {
                 continue;
             };
             any = true;
-            self.merge_given(&places);
-            self.merge_kinds(&places);
+            self.merge_given(&indices);
+            self.merge_kinds(&indices);
             let len = self.rows.len();
-            self.particles.put(len, places[0], &one, 0);
-            self.persistent.forget_sides_of(places[0]);
-            let rows = places.iter().map(|&place| self.rows[place]);
+            self.particles.put(len, indices[0], &one, 0);
+            self.persistent.forget_sides_of(indices[0]);
+            let rows = indices.iter().map(|&index| self.rows[index]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);
-            // The merged particle has the first place: it comes from the state, not from the row.
-            let holder = places.iter().position(|&place| self.rows[place] == first).unwrap_or(0);
-            self.rows.swap(places[0], places[holder]);
+            // The merged particle has the first index: it comes from the state, not from the row.
+            let holder = indices.iter().position(|&index| self.rows[index] == first).unwrap_or(0);
+            self.rows.swap(indices[0], indices[holder]);
         }
         if any {
-            self.close_up(&heirs);
+            self.close_up(&heirs)?;
         }
-        any
+        Ok(any)
     }
 
     /// The smallest row of merging particles gets the sum of their given forces over their mass.
-    fn merge_given(&mut self, places: &[usize]) {
-        if self.given.is_empty() {
-            return;
-        }
-        let (mut mass, mut sum) = (0.0, [0.0; 2]);
-        for &place in places {
-            let own = f64::from(self.particles.masses[place]);
-            let given = self.given[self.rows[place] as usize];
-            mass += own;
-            sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
-        }
-        let rows = places.iter().map(|&place| self.rows[place]);
+    fn merge_given(&mut self, indices: &[usize]) {
+        let Some(given) = &mut self.given else { return };
+        let of = |&index: &usize| (self.particles.masses[index], given[self.rows[index] as usize]);
+        let joint = joint_acceleration(indices.iter().map(of));
+        let rows = indices.iter().map(|&index| self.rows[index]);
         let first = rows.fold(u32::MAX, u32::min);
-        self.given[first as usize] = sum.map(|force| (force / mass) as f32);
+        given[first as usize] = joint;
     }
 
     /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.
-    fn merge_kinds(&mut self, places: &[usize]) {
+    fn merge_kinds(&mut self, indices: &[usize]) {
         let (masses, rows) = (&self.particles.masses, &self.rows);
-        let first = places.iter().fold(u32::MAX, |first, &place| first.min(rows[place]));
+        let first = indices.iter().fold(u32::MAX, |first, &index| first.min(rows[index]));
         forces::change_kinds(&mut self.forces, |kinds| {
-            let order = |a: &&usize, b: &&usize| {
-                let kind = |place: usize| kinds[rows[place] as usize];
-                let by_mass = masses[**a].total_cmp(&masses[**b]);
-                by_mass.then_with(|| kind(**b).cmp(&kind(**a)))
-            };
-            if let Some(&heaviest) = places.iter().max_by(order) {
-                kinds[first as usize] = kinds[rows[heaviest] as usize];
+            let of = |&index: &usize| (masses[index], kinds[rows[index] as usize]);
+            if let Some(kind) = kind_of_heaviest(indices.iter().map(of)) {
+                kinds[first as usize] = kind;
             }
         });
     }
 
     /// Removes the rows that became others.
-    fn close_up(&mut self, heirs: &[u32]) {
+    fn close_up(&mut self, heirs: &[u32]) -> Result<()> {
         let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
         let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
         let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
@@ -192,6 +195,7 @@ impl World {
             Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
         self.record_renumbering(merged);
+        self.end_given_of_none()
     }
 
     /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
@@ -211,37 +215,58 @@ impl World {
     }
 }
 
+/// The sum of the given forces on merging particles over their mass, from masses and accelerations.
+pub(super) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
+    let (mut mass, mut sum) = (0.0, [0.0; 2]);
+    for (own, given) in all {
+        let own = f64::from(own);
+        mass += own;
+        sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
+    }
+    sum.map(|force| (force / mass) as f32)
+}
+
+/// The kind of the heaviest of merging particles, from masses and kinds; the smallest of several.
+pub(super) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
+    let order = |a: &(f32, u8), b: &(f32, u8)| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(&a.1));
+    all.max_by(order).map(|(_, kind)| kind)
+}
+
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
 /// would not be valid or not fit into the container.
-fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Particles> {
-    let origin = all.positions[places[0]].map(f64::from);
+pub(super) fn union(
+    all: &Particles,
+    indices: &[usize],
+    container: &Container,
+) -> Option<Particles> {
+    let origin = all.positions[indices[0]].map(f64::from);
     let mut mass = 0.0f64;
     let mut square = 0.0f64;
     let mut bounce = 0.0f64;
     let mut moment = [0.0f64; 2];
     let mut momentum = [0.0f64; 2];
-    for &place in places {
-        let own = f64::from(all.masses[place]);
-        let radius = f64::from(all.radii[place]);
-        let offset = [0, 1].map(|k| f64::from(all.positions[place][k]) - origin[k]);
+    for &index in indices {
+        let own = f64::from(all.masses[index]);
+        let radius = f64::from(all.radii[index]);
+        let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
         let offset = container.minimum_image(offset);
         mass += own;
         square += radius * radius;
-        bounce += own * f64::from(all.restitutions[place]);
+        bounce += own * f64::from(all.restitutions[index]);
         moment = [0, 1].map(|k| moment[k] + own * offset[k]);
-        momentum = [0, 1].map(|k| momentum[k] + own * f64::from(all.velocities[place][k]));
+        momentum = [0, 1].map(|k| momentum[k] + own * f64::from(all.velocities[index][k]));
     }
     let (whole, radius) = (mass as f32, square.sqrt() as f32);
     if !(whole <= MASS_RANGE[1] && radius <= FARTHEST && container.check_fit(&[radius]).is_ok()) {
         return None;
     }
     // The position is that of the heaviest immovable particle, if there is any.
-    let anchors = places.iter().filter(|&&place| !all.movable[place]);
+    let anchors = indices.iter().filter(|&&index| !all.movable[index]);
     let anchor = anchors
         .copied()
         .reduce(|best, next| if all.masses[next] > all.masses[best] { next } else { best });
     let (position, velocity) = match anchor {
-        Some(place) => (all.positions[place], all.velocities[place]),
+        Some(index) => (all.positions[index], all.velocities[index]),
         None => {
             let center = [0, 1].map(|k| (origin[k] + moment[k] / mass) as f32);
             let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
@@ -258,37 +283,37 @@ fn union(all: &Particles, places: &[usize], container: &Container) -> Option<Par
         masses: vec![whole],
         restitutions: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
         movable: vec![anchor.is_none()],
-        spins: vec![spin_of(all, places, container, radius)],
-        filters: vec![filter_of(all, places)],
+        spins: vec![spin_of(all, indices, container, radius)],
+        filters: vec![filter_of(all, indices)],
         sensors: vec![],
     })
 }
 
-/// The filter of the merged particle, which may touch whatever one of `places` may touch.
-fn filter_of(all: &Particles, places: &[usize]) -> Filter {
+/// The filter of the merged particle, which may touch whatever one of `indices` may touch.
+fn filter_of(all: &Particles, indices: &[usize]) -> Filter {
     let none = Filter { category: 0, mask: 0 };
-    places.iter().map(|&place| all.filter(place)).fold(none, |sum, own| Filter {
+    indices.iter().map(|&index| all.filter(index)).fold(none, |sum, own| Filter {
         category: sum.category | own.category,
         mask: sum.mask | own.mask,
     })
 }
 
-/// The rotation of the merged particle at the first of `places`: the mean friction weighted by mass,
+/// The rotation of the merged particle at the first of `indices`: the mean friction weighted by mass,
 /// the angle of the first, and, if any has friction or turns, the sum of angular momentum about the
 /// centre of mass.
-fn spin_of(all: &Particles, places: &[usize], container: &Container, radius: f32) -> Spin {
-    if places.iter().all(|&place| Spin { angle: 0.0, ..all.spin(place) } == Spin::default()) {
-        return Spin { angle: all.spin(places[0]).angle, ..Spin::default() };
+fn spin_of(all: &Particles, indices: &[usize], container: &Container, radius: f32) -> Spin {
+    if indices.iter().all(|&index| Spin { angle: 0.0, ..all.spin(index) } == Spin::default()) {
+        return Spin { angle: all.spin(indices[0]).angle, ..Spin::default() };
     }
-    let origin = all.positions[places[0]].map(f64::from);
-    let velocity = |place: usize| all.velocities[place].map(f64::from);
+    let origin = all.positions[indices[0]].map(f64::from);
+    let velocity = |index: usize| all.velocities[index].map(f64::from);
     let [mut mass, mut friction, mut angular] = [0.0f64; 3];
     let [mut moment, mut momentum] = [[0.0f64; 2]; 2];
-    for &place in places {
-        let (own, spin) = (f64::from(all.masses[place]), all.spin(place));
-        let offset = [0, 1].map(|k| f64::from(all.positions[place][k]) - origin[k]);
-        let ([x, y], [u, v]) = (container.minimum_image(offset), velocity(place));
-        let own_radius = f64::from(all.radii[place]);
+    for &index in indices {
+        let (own, spin) = (f64::from(all.masses[index]), all.spin(index));
+        let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
+        let ([x, y], [u, v]) = (container.minimum_image(offset), velocity(index));
+        let own_radius = f64::from(all.radii[index]);
         mass += own;
         friction += own * f64::from(spin.friction);
         angular += own * (x * v - y * u + 0.5 * own_radius * own_radius * f64::from(spin.velocity));
@@ -302,6 +327,6 @@ fn spin_of(all: &Particles, places: &[usize], container: &Container, radius: f32
     Spin {
         friction: (friction / mass) as f32,
         velocity: if inertia > 0.0 { limit(angular / inertia) } else { 0.0 },
-        angle: all.spin(places[0]).angle,
+        angle: all.spin(indices[0]).angle,
     }
 }

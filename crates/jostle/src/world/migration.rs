@@ -6,9 +6,11 @@ use std::sync::Mutex;
 
 use super::World;
 use super::carried::{NONE, Resting, kept_of, put_push};
+use super::edits::retain_unless;
 use super::ids::Ids;
+use crate::bytes::Plain;
 use crate::decomposition::{
-    Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_places,
+    Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
 use crate::error::Result;
 use crate::forces;
@@ -22,6 +24,8 @@ struct Leaving {
     kept: Vec<Vec<u8>>,
     resting: Vec<Vec<u8>>,
     pushes: Vec<Vec<u8>>,
+    /// Given accelerations, if there are any.
+    given: Vec<Vec<u8>>,
     /// The rank of each row that leaves.
     destinations: HashMap<u32, usize>,
 }
@@ -30,41 +34,42 @@ impl World {
     /// Removes the ghosts.
     pub fn drop_ghosts(&mut self) {
         self.keep_resting();
-        let Self { domain, particles, rows, persistent, contacts, ids, .. } = self;
+        let Self { domain, particles, rows, persistent, contacts, ids, given, .. } = self;
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
         let Some(domain) = domain else { return };
         let own = domain.own;
         if domain.ids.len() > own {
             let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
             let mut end = rows.len();
-            for place in 0..awake {
-                if domain.owns(rows[place]) {
+            for index in 0..awake {
+                if domain.owns(rows[index]) {
                     continue;
                 }
-                // The last places go to those of ghosts.
+                // The last entries move to the indices of ghosts.
                 end -= 1;
                 while !domain.owns(rows[end]) {
                     end -= 1;
                 }
-                particles.move_row(end, place);
-                persistent.move_row(end, place);
-                rows[place] = rows[end];
+                particles.move_row(end, index);
+                persistent.move_row(end, index);
+                rows[index] = rows[end];
             }
             particles.resize(awake);
             persistent.resize(awake);
             rows.truncate(awake);
             domain.ids.truncate(own);
             forces::change_kinds(forces, |kinds| kinds.truncate(own));
+            given.iter_mut().for_each(|given| given.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
             *ids = Ids::of_rows(own);
         }
         contacts.forget();
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
     pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { domain, particles, rows, persistent, ids, forces, .. } = self;
+        let Self { domain, particles, rows, persistent, ids, forces, given, .. } = self;
         let Some(domain) = domain else { return };
         let first = domain.ids.len();
         for bytes in bytes {
@@ -76,11 +81,12 @@ impl World {
         let len = domain.ids.len();
         rows.extend(first as u32..len as u32);
         persistent.resize(rows.len());
+        given.iter_mut().for_each(|given| given.resize(len, [0.0; 2]));
         *ids = Ids::of_rows(len);
         if are_own {
             domain.own = len;
         }
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
@@ -110,22 +116,29 @@ impl World {
             return Ok(());
         }
         let container = settings.container;
-        let places: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
-        domain.scales = scales_of_all(&domain.group, &places, container.period())?;
-        let keys: Vec<u64> = places.iter().map(|&place| key(&domain.scales, place)).collect();
+        let wrapped: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
+        domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
+        let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
         let leaving = self.leaving(&keys, &cuts);
         let Some(domain) = &self.domain else { return Ok(()) };
         // After a failed exchange the other ranks make no further one.
-        let (records, kept, resting, pushes) = {
+        let has_given = self.given.is_some();
+        let (records, kept, resting, pushes, given) = {
             let mut group = locked(&domain.group);
             let records = group.exchange(&leaving.records)?;
             let kept = group.exchange(&leaving.kept)?.concat();
             let resting = group.exchange(&leaving.resting)?.concat();
-            (records, kept, resting, group.exchange(&leaving.pushes)?.concat())
+            let pushes = group.exchange(&leaving.pushes)?.concat();
+            let given = if has_given { group.exchange(&leaving.given)?.concat() } else { vec![] };
+            (records, kept, resting, pushes, given)
         };
         let first = self.leave(&leaving.destinations);
         self.append_records(&records, true);
+        if let Some(all) = &mut self.given {
+            let new = given.chunks_exact(8).map(<[f32; 2]>::load);
+            all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
+        }
         let Some(domain) = &self.domain else { return Ok(()) };
         let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
         let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).collect();
@@ -134,17 +147,20 @@ impl World {
         Ok(())
     }
 
-    /// Gives the rows the order of the places, so that what is stored by rows is near in memory to what is
-    /// stored by places.
+    /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
+    /// stored by indices.
     fn renumber(&mut self) {
-        let Self { domain, rows, wall_impulses, forces, asleep, .. } = self;
+        let Self { domain, rows, wall_impulses, forces, given, asleep, .. } = self;
         let Some(domain) = domain else { return };
         let mut new = vec![0; domain.own];
         let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
-        (0..).zip(&old).for_each(|(place, &row)| new[row as usize] = place);
+        (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
         forces::change_kinds(forces, |kinds| {
             *kinds = old.iter().map(|&row| kinds[row as usize]).collect();
         });
+        if let Some(given) = given {
+            *given = old.iter().map(|&row| given[row as usize]).collect();
+        }
         domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
         asleep.renumber(&new);
         for of in &mut domain.resting {
@@ -152,8 +168,8 @@ impl World {
         }
         wall_impulses.iter_mut().for_each(|of| of.row = new[of.row as usize]);
         wall_impulses.sort_by_key(|of| (of.row, of.wall));
-        (0..).zip(rows).for_each(|(place, row)| *row = place);
-        self.forget_places();
+        (0..).zip(rows).for_each(|(index, row)| *row = index);
+        self.forget_indices();
     }
 
     /// What leaves this rank.
@@ -164,19 +180,24 @@ impl World {
             kept: none(),
             resting: none(),
             pushes: none(),
+            given: none(),
             destinations: HashMap::new(),
         };
         let Some(domain) = &self.domain else { return leaving };
         let rank = locked(&domain.group).rank();
-        for (place, key) in keys.iter().enumerate() {
+        for (index, key) in keys.iter().enumerate() {
             let destination = cuts.partition_point(|cut| cut <= key);
             if destination == rank {
                 continue;
             }
-            let row = self.rows[place];
+            let row = self.rows[index];
             let name = self.name_of(domain, row);
-            put_record(&mut leaving.records[destination], name, &self.particles, place);
-            kept_of(&self.persistent, name.0, place).put(&mut leaving.kept[destination]);
+            put_record(&mut leaving.records[destination], name, &self.particles, index);
+            kept_of(&self.persistent, name.0, index).put(&mut leaving.kept[destination]);
+            if let Some(given) = &self.given {
+                let bytes = given[row as usize].iter().flat_map(|a| a.to_le_bytes());
+                leaving.given[destination].extend(bytes);
+            }
             leaving.destinations.insert(row, destination);
         }
         for of in &domain.resting {
@@ -210,10 +231,9 @@ impl World {
             })
             .collect();
         self.keep(&stays);
-        forces::change_kinds(&mut self.forces, |kinds| {
-            let mut row = 0..;
-            kinds.retain(|_| row.next().is_some_and(|row: usize| shifted[row] != NONE));
-        });
+        let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
+        forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, &gone));
+        self.given.iter_mut().for_each(|given| retain_unless(given, &gone));
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.asleep.renumber(&shifted);
         self.wall_impulses.retain_mut(|of| {
@@ -253,7 +273,7 @@ fn scales_of_all(
     period: Option<[f32; 2]>,
 ) -> Result<[Scale; 2]> {
     let mut group = locked(group);
-    let own = sample_places(positions, group.size());
+    let own = sample_positions(positions, group.size());
     let amounts = group.gather([positions.len() as u64])?;
     let all = group.share(&own)?;
     let ranks = all.iter().zip(amounts).map(|(bytes, [count])| (&bytes[..], count as f64));

@@ -20,10 +20,12 @@ mod drive;
 mod edits;
 mod edits_of_ranks;
 mod force_step;
+mod ghosts;
 mod given;
 mod ids;
 mod islands;
 mod merge;
+mod merge_of_ranks;
 mod migration;
 mod record;
 mod reductions;
@@ -148,15 +150,15 @@ pub struct World {
     /// They name particles by rows.
     forces: Vec<Force>,
     walls: Walls,
-    /// The accelerations of the rows by forces of the caller; empty if there are none.
-    given: Vec<[f32; 2]>,
+    /// The accelerations of the rows by forces of the caller, if there are any on any rank.
+    given: Option<Vec<[f32; 2]>>,
     /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
     particles: Particles,
-    /// The row, in the order of adding, of the particle at each place.
+    /// The row, in the order of adding, of the particle at each index.
     rows: Vec<u32>,
     persistent: Persistent,
-    /// The place of each row, once it was needed.
-    places: OnceLock<Vec<u32>>,
+    /// The index of each row, once it was needed.
+    indices: OnceLock<Vec<u32>>,
     /// The id of each row.
     ids: Ids,
     defaults: Defaults,
@@ -186,8 +188,8 @@ struct StepScratch {
     /// Sub-steps of a part of a step.
     substeps: usize,
     /// Largest displacements that stay in the bounds.
-    reaches: Vec<f32>,
-    old_reaches: Vec<f32>,
+    max_displacements: Vec<f32>,
+    old_max_displacements: Vec<f32>,
     /// Those with which a part of the step begins; empty if no particle sleeps.
     limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
@@ -207,9 +209,9 @@ struct StepScratch {
     events: Events,
     /// Pairs that touched in earlier parts of the step, and their impulses.
     touched_before: Vec<([u32; 2], [f32; 2])>,
-    /// The new place of each particle, while these are renamed.
+    /// The new index of each particle, while these are renamed.
     indices: Vec<u32>,
-    /// The impulses of resting contacts with walls in a part of the step: place, wall, impulses.
+    /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
     wall_impulses: Vec<(u32, u32, [f32; 2])>,
     /// The pushes of walls in the last sub-step, sorted by row and wall.
     wall_pushes: Vec<WallPush>,
@@ -234,6 +236,10 @@ struct StepScratch {
     overlap_parts: Vec<Vec<[u32; 2]>>,
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
+    /// Of a distributed one: the particles at the beginning of a part of the step, by indices.
+    starts: Particles,
+    /// Of a distributed one: whether the ranks agree on a part of the step.
+    agreement: Option<shared::Agreement>,
     kicks: Vec<Kick>,
     hot_walls: HotWalls,
     forces: ForceScratch,

@@ -134,18 +134,18 @@ impl World {
         if !self.settings.track_events {
             return;
         }
-        let places: Vec<[u32; 2]> =
-            self.contacts.touching().map(|contact| contact.places).collect();
-        self.record_pairs(&places);
+        let indices: Vec<[u32; 2]> =
+            self.contacts.touching().map(|contact| contact.indices).collect();
+        self.record_pairs(&indices);
     }
 
-    /// Adds pairs of places that touched in the step, if events are tracked.
-    pub(super) fn record_pairs(&mut self, places: &[[u32; 2]]) {
+    /// Adds pairs of indices that touched in the step, if events are tracked.
+    pub(super) fn record_pairs(&mut self, indices: &[[u32; 2]]) {
         if !self.settings.track_events {
             return;
         }
-        let rows = |places: &[u32; 2]| places.map(|place| self.rows[place as usize]);
-        let pairs = places.iter().map(rows).filter_map(|rows| self.known_pair(rows));
+        let rows = |indices: &[u32; 2]| indices.map(|index| self.rows[index as usize]);
+        let pairs = indices.iter().map(rows).filter_map(|rows| self.known_pair(rows));
         let pairs: Vec<[Id; 2]> = pairs.collect();
         self.record.during.extend(pairs);
     }

@@ -64,7 +64,7 @@ impl World {
     /// Finds out what the particles that are awake require on all ranks, and how many these are.
     pub(super) fn sum_up_ranks(&mut self) -> Result<()> {
         let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
-        let moving = (0..self.rows.len()).any(|place| !self.particles.is_static(place));
+        let moving = (0..self.rows.len()).any(|index| !self.particles.is_static(index));
         let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
         let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
         let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];

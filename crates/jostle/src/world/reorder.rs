@@ -2,7 +2,7 @@
 
 use super::World;
 use super::discs::Discs;
-use super::force_step::{find_places, springs};
+use super::force_step::{find_indices, springs};
 use crate::parallel;
 use crate::table::Table;
 
@@ -21,14 +21,14 @@ impl World {
         gather(rows, &mut self.rows, order, threads);
         persistent.gather(&self.persistent, order, threads);
         std::mem::swap(persistent, &mut self.persistent);
-        gather(&mut scratch.old_reaches, &mut scratch.reaches, order, threads);
-        self.forget_places();
+        gather(&mut scratch.old_max_displacements, &mut scratch.max_displacements, order, threads);
+        self.forget_indices();
         self.set_contacts_aside();
         self.reorder_forces(threads);
     }
 
     /// Keeps the contacts of the previous step for [`World::undo`], or lists those of the previous part of
-    /// the step, with their new places.
+    /// the step, with their new indices.
     fn set_contacts_aside(&mut self) {
         let scratch = &mut self.scratch;
         scratch.touched_before.clear();
@@ -43,23 +43,23 @@ impl World {
         let moved = self
             .contacts
             .touching()
-            .map(|contact| (contact.places.map(|place| indices[place as usize]), contact.totals));
+            .map(|contact| (contact.indices.map(|index| indices[index as usize]), contact.totals));
         scratch.touched_before.extend(moved);
     }
 
-    /// Reorders the accelerations, and prepares the springs for the new places.
+    /// Reorders the accelerations, and prepares the springs for the new indices.
     fn reorder_forces(&mut self, threads: Option<usize>) {
-        if self.forces.is_empty() && self.given.is_empty() {
+        if self.forces.is_empty() && self.given.is_none() {
             return;
         }
         let (order, forces) = (self.scratch.tree.rows(), &mut self.scratch.forces);
         if !forces.accelerations.is_empty() {
             gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
         }
-        find_places(&self.forces, &self.rows, &mut forces.places);
+        find_indices(&self.forces, &self.rows, &mut forces.indices);
         let all = springs(&self.forces).flat_map(|springs| &springs.0);
-        let inverse_mass = |place: usize| self.particles.inverse_mass(place);
-        forces.sprung.prepare(all, &forces.places, self.settings.container, inverse_mass);
+        let inverse_mass = |index: usize| self.particles.inverse_mass(index);
+        forces.sprung.prepare(all, &forces.indices, self.settings.container, inverse_mass);
     }
 }
 

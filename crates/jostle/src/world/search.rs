@@ -10,7 +10,7 @@ use crate::quadtree::Quadtree;
 use crate::settings::Method;
 use crate::shapes::{Each, Shapes, fill_filters};
 
-/// Pairs of places, a list for each offset: first those in the plane, with offset 0, then those
+/// Pairs of indices, a list for each offset: first those in the plane, with offset 0, then those
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.
 pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
@@ -43,9 +43,9 @@ pub(super) fn list(
         let (is_within, columns) = (count == 0, tree.columns());
         join.keep(std::mem::take(list));
         let found = match (settings.method, is_within) {
-            (Method::Quadtree, true) => pairs::places_within(tree, max, join),
+            (Method::Quadtree, true) => pairs::indices_within(tree, max, join),
             (Method::Quadtree, false) => {
-                pairs::places_between(tree, tree, image, Filters::Apply, max, join)
+                pairs::indices_between(tree, tree, image, Filters::Apply, max, join)
             }
             (Method::Brute, true) => pairs::brute(columns, threads, max),
             (Method::Brute, false) => {
@@ -60,7 +60,7 @@ pub(super) fn list(
             found.pairs.retain(|pair| pair[0] != pair[1]);
         }
         if is_sorted {
-            pairs::sort_places(&mut found.pairs, tree.len(), sorting)?;
+            pairs::sort_indices(&mut found.pairs, tree.len(), sorting)?;
         }
         (*image_of_list, *list) = (image, found.pairs);
         (count, tests) = (count + 1, tests + found.tests);
@@ -72,7 +72,7 @@ pub(super) fn list(
 /// Two particles that overlap and may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Overlap {
-    pub(super) places: [u32; 2],
+    pub(super) indices: [u32; 2],
     /// From the first to the second.
     offset: [f32; 2],
     /// Sum of the radii.
@@ -95,13 +95,13 @@ impl World {
         let mut found = Vec::new();
         for (image, pairs) in lists {
             for pair in pairs {
-                let places = pair.map(|place| tree.rows()[place as usize]);
-                let [a, b] = places.map(|place| place as usize);
+                let indices = pair.map(|index| tree.rows()[index as usize]);
+                let [a, b] = indices.map(|index| index as usize);
                 if all.may_touch(a, b) {
-                    let [from, to] = [a, b].map(|place| shapes.centers[place]);
+                    let [from, to] = [a, b].map(|index| shapes.centers[index]);
                     let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
                     let radius_sum = all.radii[a] + all.radii[b];
-                    found.push(Overlap { places, offset, radius_sum });
+                    found.push(Overlap { indices, offset, radius_sum });
                 }
             }
         }
@@ -110,8 +110,8 @@ impl World {
 
     /// The overlapping pairs by id, as callers see them.
     pub(super) fn overlaps(&self) -> Result<Vec<Touch>> {
-        let touch = |Overlap { places, offset, radius_sum }: Overlap| {
-            let [i, j] = places.map(|place| self.rows[place as usize]);
+        let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
+            let [i, j] = indices.map(|index| self.rows[index as usize]);
             let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
             let sign = if i < j { 1.0 } else { -1.0 };
             // The normal of coincident centres is +x.

@@ -135,15 +135,15 @@ pub(super) struct Scratch {
     changes: Vec<[i64; 3]>,
     /// The first member of the island of each particle.
     pub(super) first: Vec<u32>,
-    /// The motion of each island at the place of its first member.
+    /// The motion of each island at the index of its first member.
     pub(super) of_islands: Vec<IslandMotion>,
-    /// In a distributed world, the name of each island at that place.
+    /// In a distributed world, the name of each island at that index.
     pub(super) names: Vec<Id>,
     /// What each particle rests on.
     rests: Vec<Rest>,
-    /// The number of the sleeping island of each place.
+    /// The number of the sleeping island of each index.
     pub(super) island_of: Vec<u32>,
-    /// The first member of the island and the place, of all that fall asleep.
+    /// The first member of the island and the index, of all that fall asleep.
     pub(super) members: Vec<[u32; 2]>,
 }
 
@@ -223,13 +223,13 @@ impl World {
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
         drifts.resize(rows.len(), Drift::UNKNOWN);
         parallel::for_chunks(threads, drifts, |first, drifts| {
-            for (drift, place) in drifts.iter_mut().zip(first..) {
-                let surface = spins.get(place).map_or(0.0, |spin| spin.velocity * radii[place]);
-                let [u, v] = velocities[place];
+            for (drift, index) in drifts.iter_mut().zip(first..) {
+                let surface = spins.get(index).map_or(0.0, |spin| spin.velocity * radii[index]);
+                let [u, v] = velocities[index];
                 let [x, y, turn] = [u, v, surface].map(f64::from);
                 let square = (x * x + y * y).max(turn * turn);
-                let is_elastic = settings.restitution * restitutions[place] == 1.0;
-                if is_elastic || square > FAST * FAST * gravity * f64::from(radii[place]) {
+                let is_elastic = settings.restitution * restitutions[index] == 1.0;
+                if is_elastic || square > FAST * FAST * gravity * f64::from(radii[index]) {
                     drift.now = [f32::INFINITY; 3];
                 } else {
                     let moved = [x, y, turn].map(|speed| (speed * dt) as f32);
@@ -244,7 +244,7 @@ impl World {
                 }
             }
         }
-        if !given.is_empty() {
+        if let Some(given) = given {
             for (drift, &row) in drifts.iter_mut().zip(&*rows) {
                 if given[row as usize] != [0.0; 2] {
                     *drift = Drift::UNKNOWN;
@@ -280,8 +280,8 @@ impl World {
         let sleeping = &mut scratch.sleeping;
         sleeping.members.clear();
         let mut all = sleeping.squares.iter().enumerate();
-        let may_sleep = all.any(|(place, &squares)| {
-            is_slow(squares) && particles.movable[place] && domain::owns(domain, rows[place])
+        let may_sleep = all.any(|(index, &squares)| {
+            is_slow(squares) && particles.movable[index] && domain::owns(domain, rows[index])
         });
         if self.sum_of_all([u64::from(may_sleep)])? == [0] {
             return Ok(false);
@@ -291,13 +291,13 @@ impl World {
         self.join_islands_of_ranks()?;
         let Self { particles, domain, rows, scratch, .. } = self;
         let Scratch { first, of_islands, members, .. } = &mut scratch.sleeping;
-        for (place, &first) in (0..).zip(&*first) {
+        for (index, &first) in (0..).zip(&*first) {
             let is_at_rest = of_islands[first as usize].is_at_rest();
             if is_at_rest
-                && is_member(particles, place)
-                && domain::owns(domain, rows[place as usize])
+                && is_member(particles, index)
+                && domain::owns(domain, rows[index as usize])
             {
-                members.push([first, place]);
+                members.push([first, index]);
             }
         }
         members.sort_unstable();
@@ -313,22 +313,22 @@ impl World {
         of_islands.clear();
         of_islands.resize(squares.len(), IslandMotion::default());
         first.clear();
-        first.extend((0..squares.len() as u32).map(|place| groups.root(place)));
-        for (place, &first) in first.iter().enumerate() {
-            if !is_member(particles, place as u32) {
+        first.extend((0..squares.len() as u32).map(|index| groups.root(index)));
+        for (index, &first) in first.iter().enumerate() {
+            if !is_member(particles, index as u32) {
                 continue;
             }
             let island = &mut of_islands[first as usize];
-            if domain::owns(domain, rows[place]) {
+            if domain::owns(domain, rows[index]) {
                 island.join(&IslandMotion {
-                    squares: squares[place],
-                    is_supported: rests[place] == Rest::Supported,
-                    all_rest: rests[place] != Rest::Free,
-                    change: changes[place],
+                    squares: squares[index],
+                    is_supported: rests[index] == Rest::Supported,
+                    all_rest: rests[index] != Rest::Free,
+                    change: changes[index],
                     count: 1,
                 });
             } else {
-                island.all_rest &= particles.movable[place];
+                island.all_rest &= particles.movable[index];
             }
         }
     }
@@ -343,12 +343,12 @@ impl World {
             scratch;
         let movable = &particles.movable;
         groups.reset(movable.len());
-        let touching = contacts.touching().map(|contact| contact.places);
+        let touching = contacts.touching().map(|contact| contact.indices);
         let near = pairs.iter().chain(&*sensed).flat_map(|(_, pairs)| pairs);
         for pair in near.copied().chain(touching) {
             // Pairs of two ghosts are known to their own ranks.
-            let is_known = pair.iter().any(|&place| domain::owns(domain, rows[place as usize]));
-            if is_known && pair.iter().all(|&place| is_member(particles, place)) {
+            let is_known = pair.iter().any(|&index| domain::owns(domain, rows[index as usize]));
+            if is_known && pair.iter().all(|&index| is_member(particles, index)) {
                 groups.join(pair[0], pair[1]);
             }
         }
@@ -358,15 +358,15 @@ impl World {
             let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
-        rests.extend(rows.iter().enumerate().map(|(place, &row)| {
-            let pushes = sparse_value(&persistent.wall_pushes, place);
+        rests.extend(rows.iter().enumerate().map(|(index, &row)| {
+            let pushes = sparse_value(&persistent.wall_pushes, index);
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));
         for contact in contacts.lasting().filter(|contact| contact.impulse > 0.0) {
-            let [a, b] = contact.places.map(|place| place as usize);
+            let [a, b] = contact.indices.map(|index| index as usize);
             let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };
-            [a, b].into_iter().for_each(|place| rests[place] = rests[place].max(rest));
+            [a, b].into_iter().for_each(|index| rests[index] = rests[index].max(rest));
         }
         for (rest, &movable) in rests.iter_mut().zip(movable) {
             if !movable {
@@ -381,7 +381,7 @@ impl World {
         let Self { particles, rows, persistent, scratch, .. } = &mut *self;
         let Scratch { members, island_of, names, .. } = &mut scratch.sleeping;
         let mut new = Sleepers::default();
-        let order: Vec<u32> = members.iter().map(|&[_, place]| place).collect();
+        let order: Vec<u32> = members.iter().map(|&[_, index]| index).collect();
         let discs = &mut new.discs;
         discs.particles.gather(particles, &order, Some(1));
         discs.particles.velocities.fill([0.0; 2]);
@@ -394,7 +394,7 @@ impl World {
         island_of.resize(rows.len(), NONE);
         let mut start = 0;
         for (island, members) in (0..).zip(members.chunk_by(|a, b| a[0] == b[0])) {
-            members.iter().for_each(|&[_, place]| island_of[place as usize] = island);
+            members.iter().for_each(|&[_, index]| island_of[index as usize] = island);
             let particles = start..start + members.len() as u32;
             start = particles.end;
             let name = names.get(members[0][0] as usize).copied().unwrap_or_default();
@@ -409,7 +409,7 @@ impl World {
         let island_of = &scratch.sleeping.island_of;
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.
-            let islands = contact.places.map(|place| island_of[place as usize]);
+            let islands = contact.indices.map(|index| island_of[index as usize]);
             let island = islands.into_iter().min().filter(|&of| of != NONE);
             island.map(|island| (island, *contact))
         });
@@ -417,7 +417,7 @@ impl World {
         of_islands.sort_by_key(|&(island, _)| island);
         if let Some(domain) = &mut self.domain {
             let kept = of_islands.iter().map(|(island, contact)| {
-                let ids = contact.places.map(|place| domain.ids[rows[place as usize] as usize]);
+                let ids = contact.indices.map(|index| domain.ids[rows[index as usize] as usize]);
                 SleepingContact::new(new.islands[*island as usize].name, ids, contact)
             });
             let kept: Vec<SleepingContact> = kept.collect();
@@ -425,7 +425,7 @@ impl World {
             return;
         }
         for (_, contact) in &mut of_islands {
-            contact.places = contact.places.map(|place| rows[place as usize]);
+            contact.indices = contact.indices.map(|index| rows[index as usize]);
         }
         new.set_contacts(of_islands);
     }
@@ -454,6 +454,6 @@ impl World {
 }
 
 /// Whether a particle may be a member of an island. Static particles belong to none.
-fn is_member(particles: &Particles, place: u32) -> bool {
-    !particles.is_static(place as usize)
+fn is_member(particles: &Particles, index: u32) -> bool {
+    !particles.is_static(index as usize)
 }

@@ -137,6 +137,7 @@ impl World {
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.scratch.exhausted.clear();
         self.scratch.meets_sleepers = false;
+        self.scratch.agreement = None;
         self.stats = Stats::default();
         // On a torus, fast particles may make others fast, so each part is chosen anew.
         let is_torus = self.settings.container.period().is_some();
@@ -148,8 +149,9 @@ impl World {
             let substeps = substeps.max(1).div_ceil(parts);
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
+                self.renew_ghosts(part)?;
                 self.step_once(part, substeps, watch)?;
-                if self.scratch.meets_sleepers {
+                if self.scratch.meets_sleepers || self.must_repeat() {
                     return Ok(());
                 }
             }
@@ -162,21 +164,21 @@ impl World {
 
     /// The smallest id of a particle with this `number`, for an error.
     pub(super) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
-        let places = (0..self.rows.len()).filter(|&place| of(place) == number);
-        places.map(|place| self.id_among_all(self.rows[place])).min().unwrap_or(0)
+        let indices = (0..self.rows.len()).filter(|&index| of(index) == number);
+        indices.map(|index| self.id_among_all(self.rows[index])).min().unwrap_or(0)
     }
 
     /// The longer side of the box of a particle's displacement without collisions in `dt` seconds,
     /// or more.
-    fn displacement(&self, place: usize, dt: f32) -> f32 {
-        let (gravity, v) = (self.settings.gravity, self.particles.velocities[place]);
+    fn displacement(&self, index: usize, dt: f32) -> f32 {
+        let (gravity, v) = (self.settings.gravity, self.particles.velocities[index]);
         let along = |k: usize| (v[k].abs() + gravity[k].abs() * dt) * dt;
         along(0).max(along(1))
     }
 
     /// The largest of these displacements.
     fn longest_displacement(&self, dt: f32) -> f32 {
-        largest((0..self.rows.len()).map(|place| self.displacement(place, dt)))
+        largest((0..self.rows.len()).map(|index| self.displacement(index, dt)))
     }
 
     /// Refuses a step in which a particle would move too far.
@@ -186,7 +188,7 @@ impl World {
         if longest <= FARTHEST && tours <= MOST_TOURS {
             return Ok(());
         }
-        let id = self.id_of(longest, |place| self.displacement(place, dt));
+        let id = self.id_of(longest, |index| self.displacement(index, dt));
         let rule = if longest > FARTHEST {
             let most = FARTHEST;
             format!("particle {id} would move by {longest:e}, more than {most:e}")
@@ -203,8 +205,9 @@ impl World {
             OnTouch::Bounce => self.parts_with_few_candidates(dt),
             // Merging particles touch only their nearest images.
             OnTouch::Merge => {
-                let longest = self.longest_displacement(dt);
-                Ok((longest / self.settings.container.max_displacement()).ceil().max(1.0) as usize)
+                let [longest] = self.largest_of_all([f64::from(self.longest_displacement(dt))])?;
+                Ok((longest as f32 / self.settings.container.max_displacement()).ceil().max(1.0)
+                    as usize)
             }
         }
     }
@@ -220,7 +223,7 @@ impl World {
         interrupt::check()?;
         self.scratch.substeps = substeps;
         self.apply_forces(dt)?;
-        if !self.forces.is_empty() || !self.given.is_empty() {
+        if !self.forces.is_empty() || self.given.is_some() {
             watch(Stage::Forces);
         }
         self.find_bounds(dt);
@@ -236,6 +239,7 @@ impl World {
         watch(Stage::Pairs);
         interrupt::check()?;
         self.reorder();
+        self.keep_starts();
         self.find_shared();
         self.make_contacts()?;
         self.find_near_walls(dt)?;
@@ -246,11 +250,15 @@ impl World {
         if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
+        self.compare_before_merging()?;
+        if self.must_repeat() {
+            return Ok(());
+        }
         self.walls.end_step(f64::from(dt));
         self.collect_touches();
         self.store_motions()?;
         self.break_springs();
-        self.merge();
+        self.merge()?;
         watch(Stage::Store);
         Ok(())
     }
@@ -258,8 +266,9 @@ impl World {
     /// Finds the walls that may come near each particle in `dt` seconds.
     fn find_near_walls(&mut self, dt: f32) -> Result<()> {
         self.walls.begin_step(self.settings.tree, f64::from(dt))?;
-        let StepScratch { near_walls, tree, reaches, usual_speed, .. } = &mut self.scratch;
-        let bounds = (&reaches[..], SPARE * *usual_speed * dt);
+        let StepScratch { near_walls, tree, max_displacements, usual_speed, .. } =
+            &mut self.scratch;
+        let bounds = (&max_displacements[..], SPARE * *usual_speed * dt);
         near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
 
@@ -281,7 +290,7 @@ impl World {
         scratch.tree.rebuild(&scratch.shapes, self.settings.tree, &tie)
     }
 
-    /// Finds the pairs of places whose bounds overlap; none if particles pass through each other.
+    /// Finds the pairs of indices whose bounds overlap; none if particles pass through each other.
     fn find_candidates(&mut self) -> Result<()> {
         // Without resting contacts the pairs need no order.
         let is_sorted = self.may_rest() || self.settings.on_touch != OnTouch::Bounce;

@@ -23,8 +23,8 @@ impl World {
         scratch.motions.resize(particles.len());
         let motions = &scratch.motions;
         if are_read {
-            parallel::for_rows(threads, particles.len(), |place| {
-                motions.set(place as u32, Motion::of(particles, place));
+            parallel::for_rows(threads, particles.len(), |index| {
+                motions.set(index as u32, Motion::of(particles, index));
             });
         }
         scratch.spins.fill(&particles.spins);
@@ -34,8 +34,8 @@ impl World {
     pub(super) fn store_motions(&mut self) -> Result<()> {
         let (threads, settings, scratch) = (self.threads(), &self.settings, &self.scratch);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
-            let place = contact.places[0] as usize;
-            return Err(self.not_finite("contact_impulses", place, "inf"));
+            let index = contact.indices[0] as usize;
+            return Err(self.not_finite("contact_impulses", index, "inf"));
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&scratch.motions, &self.persistent.wall_pushes);
@@ -45,9 +45,9 @@ impl World {
         let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
         parallel::for_each(threads, columns, |(((positions, residuals), velocities), first)| {
             let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
-            for (((position, residual), velocity), place) in columns {
-                let mut motion = motions.get(place);
-                let wall_pushes = sparse_value(wall_pushes, place as usize);
+            for (((position, residual), velocity), index) in columns {
+                let mut motion = motions.get(index);
+                let wall_pushes = sparse_value(wall_pushes, index as usize);
                 if !(is_allowed(&motion) & (wall_pushes == [0.0; MAX_WALLS])) {
                     if !is_finite(&motion, &wall_pushes) {
                         any.store(true, Ordering::Relaxed);
@@ -60,8 +60,8 @@ impl World {
             }
         });
         parallel::for_chunks(threads, spins, |first, spins| {
-            for (spin, place) in spins.iter_mut().zip(first as u32..) {
-                let (velocity, angle) = (scratch.spins.velocity(place), scratch.spins.angle(place));
+            for (spin, index) in spins.iter_mut().zip(first as u32..) {
+                let (velocity, angle) = (scratch.spins.velocity(index), scratch.spins.angle(index));
                 if !velocity.is_finite() {
                     any.store(true, Ordering::Relaxed);
                 }
@@ -74,35 +74,35 @@ impl World {
 
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
-        let motion = |place: usize| self.scratch.motions.get(place as u32);
-        let wall_pushes = |place: usize| sparse_value(&self.persistent.wall_pushes, place);
+        let motion = |index: usize| self.scratch.motions.get(index as u32);
+        let wall_pushes = |index: usize| sparse_value(&self.persistent.wall_pushes, index);
         let spins = &self.scratch.spins;
-        let spin = |place: usize| {
-            if spins.is_empty() { 0.0 } else { spins.velocity(place as u32) }
+        let spin = |index: usize| {
+            if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }
         };
-        let bad = |&place: &usize| {
-            !is_finite(&motion(place), &wall_pushes(place)) || !spin(place).is_finite()
+        let bad = |&index: &usize| {
+            !is_finite(&motion(index), &wall_pushes(index)) || !spin(index).is_finite()
         };
-        let place = (0..self.rows.len())
+        let index = (0..self.rows.len())
             .filter(bad)
-            .min_by_key(|&place| self.id_among_all(self.rows[place]));
-        let place = place.expect("only called if there is one");
-        let Motion { position, velocity, .. } = motion(place);
+            .min_by_key(|&index| self.id_among_all(self.rows[index]));
+        let index = index.expect("only called if there is one");
+        let Motion { position, velocity, .. } = motion(index);
         let columns: [(&str, &[f32]); 4] = [
-            ("angular_velocities", &[spin(place)]),
+            ("angular_velocities", &[spin(index)]),
             ("velocities", &velocity),
             ("positions", &position),
-            ("wall_impulses", &wall_pushes(place)),
+            ("wall_impulses", &wall_pushes(index)),
         ];
         let broken =
             columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
         let (argument, numbers) = broken.expect("one of them is not finite");
         let numbers: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-        self.not_finite(argument, place, &format!("({})", numbers.join(", ")))
+        self.not_finite(argument, index, &format!("({})", numbers.join(", ")))
     }
 
-    fn not_finite(&self, argument: &'static str, place: usize, value: &str) -> Error {
-        let row = self.rows[place];
+    fn not_finite(&self, argument: &'static str, at: usize, value: &str) -> Error {
+        let row = self.rows[at];
         let id = self.id_among_all(row);
         // Ids of a distributed world have no gaps.
         let index = if self.domain.is_some() { id as usize } else { row as usize };

@@ -73,7 +73,7 @@ impl World {
     /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
     /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
-        let is_short_ranged = self.given.is_empty()
+        let is_short_ranged = self.given.is_none()
             && forces::are_short_ranged(&self.forces)
             && springs(&self.forces).next().is_none();
         let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
@@ -115,7 +115,7 @@ impl World {
         };
         scratch.limits.clear();
         if !self.asleep.is_empty() {
-            scratch.limits.extend_from_slice(&scratch.reaches);
+            scratch.limits.extend_from_slice(&scratch.max_displacements);
         }
         if let Some(domain) = domain {
             domain.fill_limits(particles, rows, &settings.container, scratch);
@@ -211,8 +211,9 @@ impl World {
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, domain, .. } = self;
-        let StepScratch { tree, reaches, grown, .. } = scratch;
-        let mut bounds = StepBounds::new(tree, particles, reaches, grown, settings.container);
+        let StepScratch { tree, max_displacements, grown, .. } = scratch;
+        let mut bounds =
+            StepBounds::new(tree, particles, max_displacements, grown, settings.container);
         let flight = Flight {
             particles,
             movable: &scratch.moving,
@@ -248,10 +249,10 @@ impl World {
         let Self { particles, settings, scratch, domain, .. } = self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
-        let places = (&settings.container, walls);
+        let indices = (&settings.container, walls);
         let halo = domain.as_ref().map(|domain| domain.halo());
         let shared = (scratch.contact_shape.colours, halo);
-        correction.run(&self.contacts, motions, particles, places, shared, of.threads)?;
+        correction.run(&self.contacts, motions, particles, indices, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
         Ok(())
     }

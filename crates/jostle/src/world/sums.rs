@@ -1,7 +1,8 @@
 //! Sums over a world: momentum, energies, and a hash of its state.
 
 use super::World;
-use super::force_step::{bodies, find_places};
+use super::force_step::{bodies, find_indices};
+use crate::error::Result;
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::particles::{Particles, Spin};
 use crate::shapes::Filter;
@@ -32,7 +33,7 @@ impl World {
         flying + self.movable_places().map(turning).sum::<f64>()
     }
 
-    /// The places of movable particles that are awake.
+    /// The indices of movable particles that are awake.
     fn movable_places(&self) -> impl Iterator<Item = usize> {
         (0..self.rows.len()).filter(|&at| self.particles.movable[at])
     }
@@ -53,20 +54,30 @@ impl World {
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
+    /// The part of this rank in the energy of forces between kinds. All ranks call it, in a world without
+    /// ghosts, and it then has ghosts that no step can use.
+    pub fn own_energy_of_pairs(&mut self) -> Result<f64> {
+        // Immovable particles get ghosts, too.
+        self.settings.track_events = true;
+        self.rebalance()?;
+        self.exchange_neighbors()?;
+        Ok(self.energy_in_forces())
+    }
+
     fn energy_in_forces(&self) -> f64 {
-        let (mut places, settings) = (Vec::new(), &self.settings);
-        find_places(&self.forces, &self.rows, &mut places);
+        let (mut indices, settings) = (Vec::new(), &self.settings);
+        find_indices(&self.forces, &self.rows, &mut indices);
         let positions = &self.particles.positions;
         let wrapped: Vec<[f32; 2]> =
             positions.iter().map(|&position| settings.container.wrap(position)).collect();
-        let bodies = bodies(&self.particles, &wrapped, (&self.rows, &places), settings);
+        let bodies = bodies(&self.particles, &wrapped, (&self.rows, &indices), settings);
         let energy = |force: &Force| match force {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
             Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
             Force::Springs(springs) => springs.energy(&bodies),
             _ => 0.0,
         };
-        let pairs = forces::energy_of_pairs(&self.forces, &bodies);
+        let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.own_and_all().0);
         self.forces.iter().map(energy).sum::<f64>() + pairs
     }
 
@@ -76,18 +87,18 @@ impl World {
         let (pole, own) = match attractor.pole {
             Pole::Point(point) => (point, None),
             Pole::Particle(row) => {
-                let place = bodies.places[row as usize] as usize;
-                (bodies.positions[place], Some(place))
+                let index = bodies.indices[row as usize] as usize;
+                (bodies.positions[index], Some(index))
             }
         };
-        let energy = |place: usize| {
-            let position = bodies.positions[place];
+        let energy = |index: usize| {
+            let position = bodies.positions[index];
             let offset = [0, 1].map(|k| pole[k] - position[k]);
             let offset = bodies.container.minimum_image_within(offset);
-            let mass = f64::from(bodies.masses[place]);
-            mass * forces::attractor::energy(attractor, offset, bodies.radii[place])
+            let mass = f64::from(bodies.masses[index]);
+            mass * forces::attractor::energy(attractor, offset, bodies.radii[index])
         };
-        let felt = |&place: &usize| self.particles.movable[place] && own != Some(place);
+        let felt = |&index: &usize| self.particles.movable[index] && own != Some(index);
         (0..self.rows.len()).filter(felt).map(energy).sum()
     }
 

@@ -109,7 +109,7 @@ impl World {
     /// Lists the rows that had too many events.
     fn list_exhausted(&mut self) {
         let exhausted = &mut self.scratch.exhausted;
-        let new = self.scratch.events.exhausted.iter().map(|&place| self.rows[place as usize]);
+        let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
         exhausted.extend(new);
         exhausted.sort_unstable();
         self.stats.unresolved = exhausted.len() as u64;
@@ -118,7 +118,7 @@ impl World {
     fn count_collisions(&mut self) {
         let (domain, rows) = (&self.domain, &self.rows);
         // A pair of particles belongs to the rank of the first.
-        let is_own = |place: u32| domain.as_ref().is_none_or(|of| of.owns(rows[place as usize]));
+        let is_own = |index: u32| domain.as_ref().is_none_or(|of| of.owns(rows[index as usize]));
         let Collisions { pairs, walls } = &mut self.scratch.collisions;
         let bounced = self.scratch.events.bounced.iter();
         for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
@@ -132,8 +132,8 @@ impl World {
         let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
         let bounced = bounced.map(|of| (of.pair[0], of.code, of.impulses));
         let all = bounced.chain(scratch.wall_impulses.drain(..));
-        self.wall_impulses.extend(all.map(|(place, wall, impulses)| WallImpulse {
-            row: self.rows[place as usize],
+        self.wall_impulses.extend(all.map(|(index, wall, impulses)| WallImpulse {
+            row: self.rows[index as usize],
             wall,
             impulses,
             pushes: [0.0; 2],
@@ -153,7 +153,7 @@ impl World {
         let touched = touched.map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let image = settings.container.nearest_image(|| {
-                let [p, q] = pair.map(|place| motions.position(place).map(f64::from));
+                let [p, q] = pair.map(|index| motions.position(index).map(f64::from));
                 [0, 1].map(|k| q[k] - p[k])
             });
             (pair, image, impulses)
@@ -181,10 +181,10 @@ impl World {
             return self.overlaps();
         }
         let id = |row: u32| self.ids.of(row);
-        let of_place = |place: u32| id(self.rows[place as usize]);
-        let awake = self.contacts.touching().map(|of| touch_of(of, of.places.map(of_place)));
+        let of_index = |index: u32| id(self.rows[index as usize]);
+        let awake = self.contacts.touching().map(|of| touch_of(of, of.indices.map(of_index)));
         let asleep = self.asleep.contacts().filter(|contact| contact.touched);
-        Ok(awake.chain(asleep.map(|of| touch_of(of, of.places.map(id)))).collect())
+        Ok(awake.chain(asleep.map(|of| touch_of(of, of.indices.map(id)))).collect())
     }
 
     /// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
@@ -197,16 +197,16 @@ impl World {
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
     /// in the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
-        let (places, container) = (self.places(), &self.settings.container);
+        let (indices, container) = (self.indices(), &self.settings.container);
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             // One that is only kept for warm starting, in a world of particles of other ones.
             if impulses[0] <= 0.0 {
                 return None;
             }
-            let place = places[row as usize] as usize;
-            let (all, place) = self.disc_at(place);
-            let position = exact(all.positions[place], all.residuals[place]);
-            let radius = f64::from(all.radii[place]);
+            let index = indices[row as usize] as usize;
+            let (all, index) = self.disc_at(index);
+            let position = exact(all.positions[index], all.residuals[index]);
+            let radius = f64::from(all.radii[index]);
             let (gap, normal) = if wall < FIRST {
                 let gap = container.gaps(position, radius)[wall as usize]?;
                 (gap, container.normal(wall, position))

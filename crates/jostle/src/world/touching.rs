@@ -36,9 +36,9 @@ impl World {
         self.scratch.touching = scratch;
         let rows = found?;
         let pressed = self.contacts.lasting().filter(|contact| contact.impulse > 0.0);
-        let pressed = pressed.map(|contact| contact.places.map(|place| self.rows[place as usize]));
+        let pressed = pressed.map(|contact| contact.indices.map(|index| self.rows[index as usize]));
         let asleep = self.asleep.contacts().filter(|contact| contact.impulse > 0.0);
-        let asleep = asleep.map(|contact| contact.places);
+        let asleep = asleep.map(|contact| contact.indices);
         let rows = rows.into_iter().chain(pressed).chain(asleep);
         let mut all: Vec<[Id; 2]> = rows.filter_map(|rows| self.known_pair(rows)).collect();
         if let Some(domain) = &self.domain {
@@ -61,7 +61,7 @@ impl World {
         let is_whole = self.domain.is_none();
         if self.asleep.is_empty() || self.record.knows_sleepers || !is_whole {
             let pairs = self.find_touching_of(&self.particles, scratch)?;
-            return Ok(pairs.map(|pair| pair.map(|place| self.rows[place as usize])).collect());
+            return Ok(pairs.map(|pair| pair.map(|index| self.rows[index as usize])).collect());
         }
         Ok(self.find_touching_of(&self.particles(), scratch)?.collect())
     }
@@ -84,24 +84,28 @@ impl World {
         tree.rebuild_unchecked(shapes, self.settings.tree, &|_, _| Ordering::Equal)?;
         search::list(tree, &self.settings, false, listing, lists)?;
         let touch = move |[a, b]: [u32; 2]| {
-            let [a, b] = [a, b].map(|place| place as usize);
+            let [a, b] = [a, b].map(|index| index as usize);
             if !all.may_touch(a, b) {
                 return false;
             }
             let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));
-            let reach = f64::from(all.radii[a]) + f64::from(all.radii[b]);
+            let contact_distance = f64::from(all.radii[a]) + f64::from(all.radii[b]);
             let [x, y] = container.minimum_image([q[0] - p[0], q[1] - p[1]]);
-            let near = reach + tolerance(size(p, reach).max(size(q, reach)), reach);
+            let near = contact_distance
+                + tolerance(
+                    size(p, contact_distance).max(size(q, contact_distance)),
+                    contact_distance,
+                );
             x * x + y * y <= near * near
         };
         let (tree, lists) = (&*tree, &*lists);
         let pairs = lists.iter().flat_map(|(_, pairs)| pairs);
-        let pairs = pairs.map(|pair| pair.map(|place| tree.rows()[place as usize]));
+        let pairs = pairs.map(|pair| pair.map(|index| tree.rows()[index as usize]));
         Ok(pairs.filter(move |&pair| touch(pair)))
     }
 }
 
 /// The gap below which surfaces touch that are so large and so far from the origin.
-fn tolerance(size: f64, reach: f64) -> f64 {
-    (ROUNDING * size).min(MOST * reach)
+fn tolerance(size: f64, contact_distance: f64) -> f64 {
+    (ROUNDING * size).min(MOST * contact_distance)
 }

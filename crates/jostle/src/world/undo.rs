@@ -1,6 +1,7 @@
 //! Rollback: restores the state before a step that is refused or interrupted.
 
 use super::discs::Discs;
+use super::domain::Count;
 use super::ids::Ids;
 use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
@@ -22,7 +23,7 @@ pub(super) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
-    given: Vec<[f32; 2]>,
+    given: Option<Vec<[f32; 2]>>,
     /// The walls, if any moves.
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
@@ -31,6 +32,8 @@ pub(super) struct Before {
     recorded: usize,
     /// Those before the first merger of the step.
     pub(super) ids: Option<Ids>,
+    /// The same of a distributed world.
+    pub(super) count: Option<Count>,
     renumbered: Option<Vec<[Id; 2]>>,
 }
 
@@ -55,7 +58,7 @@ impl World {
         before.stats = self.stats;
         before.recorded = self.record.during.len();
         self.scratch.collisions = Collisions::default();
-        before.ids = None;
+        (before.ids, before.count) = (None, None);
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
@@ -79,7 +82,7 @@ impl World {
             std::mem::swap(&mut self.persistent, persistent);
             self.contacts.exchange(&mut before.contacts);
             self.contacts.remember(self.rows.len());
-            self.places.take();
+            self.indices.take();
         }
         if let Some([positions, residuals]) = before.unwrapped.take() {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
@@ -94,6 +97,9 @@ impl World {
         self.record.during.truncate(before.recorded);
         if let Some(ids) = before.ids.take() {
             self.ids = ids;
+        }
+        if let (Some(count), Some(domain)) = (before.count.take(), &mut self.domain) {
+            domain.restore(count);
         }
         self.renumbered = before.renumbered.take();
     }

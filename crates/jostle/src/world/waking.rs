@@ -27,11 +27,11 @@ pub(super) struct Scratch {
     join: JoinScratch,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
-    /// The place of each row, as far as it is needed.
-    places: Vec<u32>,
+    /// The index of each row, as far as it is needed.
+    indices: Vec<u32>,
 }
 
-/// Stands for no place.
+/// Stands for no index.
 const NONE: u32 = u32::MAX;
 
 impl World {
@@ -53,8 +53,8 @@ impl World {
             return Ok(false);
         }
         let Self { asleep, domain, particles, rows, scratch, settings, .. } = self;
-        let moves = |place: u32| {
-            !particles.is_static(place as usize) && domain::owns(domain, rows[place as usize])
+        let moves = |index: u32| {
+            !particles.is_static(index as usize) && domain::owns(domain, rows[index as usize])
         };
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
         asleep.touched(&scratch.tree, moves, settings, shared)?;
@@ -87,30 +87,30 @@ impl World {
     fn find_circles_outside_limits(&mut self) -> Result<bool> {
         let Self { particles, scratch, settings, domain, rows, .. } = self;
         let outside_limits = &mut scratch.events.outside_limits;
-        outside_limits.retain(|&(place, _)| domain::owns(domain, rows[place as usize]));
-        for (place, &limit) in scratch.limits.iter().enumerate() {
+        outside_limits.retain(|&(index, _)| domain::owns(domain, rows[index as usize]));
+        for (index, &limit) in scratch.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
-                (scratch.motions.position(place as u32), particles.positions[place]);
+                (scratch.motions.position(index as u32), particles.positions[index]);
             let distance = f64::from(x - u).hypot(f64::from(y - v));
             if distance > f64::from(limit) {
-                outside_limits.push((place as u32, distance));
+                outside_limits.push((index as u32, distance));
             }
         }
         if outside_limits.is_empty() {
             return Ok(false);
         }
         let Scratch { shapes, tree, .. } = &mut scratch.waking;
-        let place = |&(place, _): &(u32, f64)| place as usize;
+        let index = |&(index, _): &(u32, f64)| index as usize;
         shapes.centers.clear();
-        shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[place(of)]));
+        shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
         let radii = shapes.radii.rows_mut();
         radii.clear();
         radii.extend(outside_limits.iter().map(|of| {
-            let rounding = rounding(particles.positions[place(of)], &settings.container);
-            particles.radii[place(of)] + of.1 as f32 * 1.000_01 + rounding
+            let rounding = rounding(particles.positions[index(of)], &settings.container);
+            particles.radii[index(of)] + of.1 as f32 * 1.000_01 + rounding
         }));
         let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
-        let filters = filters.iter().map(|of| particles.filter(place(of)));
+        let filters = filters.iter().map(|of| particles.filter(index(of)));
         fill_filters(filters, &mut shapes.filters);
         tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
         Ok(true)
@@ -142,21 +142,21 @@ impl World {
         self.particles.extend(particles);
         self.rows.extend_from_slice(rows);
         self.persistent.append(first, persistent, rows.len());
-        self.forget_places();
+        self.forget_indices();
         self.wall_impulses.extend_from_slice(&woken.wall_impulses);
         self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
         // Contacts are with each other or with immovable particles.
         let (rows, movable) = (&self.rows, &self.particles.movable);
-        let named = || (0..len).filter(|&place| place >= first || !movable[place]);
-        let places = &mut self.scratch.waking.places;
-        places.resize(total.max(places.len()), NONE);
-        named().for_each(|place| places[rows[place] as usize] = place as u32);
+        let named = || (0..len).filter(|&index| index >= first || !movable[index]);
+        let indices = &mut self.scratch.waking.indices;
+        indices.resize(total.max(indices.len()), NONE);
+        named().for_each(|index| indices[rows[index] as usize] = index as u32);
         let contacts = woken.contacts.iter().map(|contact| Contact {
-            places: contact.places.map(|row| places[row as usize]),
+            indices: contact.indices.map(|row| indices[row as usize]),
             ..*contact
         });
         self.contacts.insert(contacts, len);
-        named().for_each(|place| places[rows[place] as usize] = NONE);
+        named().for_each(|index| indices[rows[index] as usize] = NONE);
     }
 
     /// Wakes all islands.
@@ -181,13 +181,13 @@ impl World {
         if self.asleep.is_empty() {
             return;
         }
-        let (places, awake) = (self.places_of(rows), self.rows.len());
+        let (indices, awake) = (self.indices_of(rows), self.rows.len());
         let movable = &self.particles.movable;
-        if places.iter().any(|&place| movable.get(place as usize) == Some(&false)) {
+        if indices.iter().any(|&index| movable.get(index as usize) == Some(&false)) {
             return self.wake_all();
         }
-        let indices = places.iter().filter_map(|&place| (place as usize).checked_sub(awake));
-        let islands = self.asleep.islands_of(indices);
+        let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+        let islands = self.asleep.islands_of(sleeping);
         self.wake_to_stay(&islands);
     }
 
@@ -201,7 +201,7 @@ impl World {
     pub(super) fn forget_woken(&mut self) {
         self.asleep.forget_woken();
         self.drop_contacts_of_woken();
-        self.forget_places();
+        self.forget_indices();
     }
 
     /// Removes the impulses of walls on some rows.
@@ -221,7 +221,7 @@ impl World {
         self.drop_wall_impulses(woken);
         self.keep(&keep);
         self.asleep.cancel_waking();
-        self.forget_places();
+        self.forget_indices();
     }
 }
 

@@ -38,9 +38,10 @@ impl Asleep {
             let Island { particles, name, .. } = &self.sleepers().islands[number as usize];
             for at in particles.clone().map(|at| at as usize) {
                 let (position, radius) = (all.positions[at], all.radii[at]);
-                let reach = f64::from(radius) * 1.000_01 + f64::from(rounding(position, container));
+                let half_width =
+                    f64::from(radius) * 1.000_01 + f64::from(rounding(position, container));
                 ranks.clear();
-                let range = grid.range(container.wrap(position), reach);
+                let range = grid.range(container.wrap(position), half_width);
                 grid.each_cell(range, |cell| ranks.extend_from_slice(near.of(cell)));
                 ranks.sort_unstable();
                 ranks.dedup();

@@ -12,7 +12,7 @@ use crate::simd::LANES;
 /// The shapes of some adjacent rows of cells, with those of the row before.
 #[derive(Debug)]
 pub(super) struct Band<T, const SIZES: usize> {
-    /// The place of the first shape of each cell. One empty cell precedes the first row, and one
+    /// The index of the first shape of each cell. One empty cell precedes the first row, and one
     /// follows each row.
     pub(super) starts: Vec<u32>,
     /// The cell of each shape, as an index of `starts`.
@@ -54,7 +54,7 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
         self.copy_row(layout, last, count)?;
-        // During the sort the count of a cell is two places further, its next free place one.
+        // During the sort the count of a cell is two indices further, its next free index one.
         // Nested loops: the compiler does not inline `flatten`.
         for piece in items.clone() {
             for item in piece {
@@ -75,19 +75,19 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
             for item in piece {
                 let cell = own + layout.cell(item.key);
                 let next = &mut starts[cell + 1];
-                let place = *next as usize;
+                let index = *next as usize;
                 *next += 1;
-                [x[place], y[place]] = item.center;
+                [x[index], y[index]] = item.center;
                 for (column, size) in sizes.iter_mut().zip(item.sizes) {
-                    column[place] = size;
+                    column[index] = size;
                 }
-                (ids[place], cells[place]) = (item.row, cell as u32);
+                (ids[index], cells[index]) = (item.row, cell as u32);
             }
         }
         Ok(())
     }
 
-    /// Makes room for `count` shapes after those of the last row of the band before, which are
+    /// Reserves memory for `count` shapes after those of the last row of the band before, which are
     /// copied.
     fn copy_row(&mut self, layout: &Layout, last: &Self, count: usize) -> Result<()> {
         let row = last.last_row(layout);
@@ -117,7 +117,7 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         Ok(())
     }
 
-    /// The places of the shapes of its last row.
+    /// The indices of the shapes of its last row.
     fn last_row(&self, layout: &Layout) -> Range<usize> {
         let first = 1 + layout.rows() * layout.stride as usize;
         self.starts.get(first).map_or(0, |&start| start as usize)..self.len
@@ -129,8 +129,8 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         (self.before, self.len) = (0, 0);
     }
 
-    /// The places of its shapes, without those of the row before.
-    pub(super) fn places(&self) -> Range<usize> {
+    /// The indices of its shapes, without those of the row before.
+    pub(super) fn indices(&self) -> Range<usize> {
         self.before..self.len
     }
 

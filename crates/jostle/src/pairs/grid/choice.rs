@@ -1,7 +1,7 @@
 //! The size up to which the shapes of a grid are small, by an estimate of the time from a sample.
 
 use super::layout::Layout;
-use super::sizes::{EQUAL, Input, reach_of};
+use super::sizes::{EQUAL, Input, half_extent_of};
 use crate::geometry::Scalar;
 use crate::quadtree::partition::Item;
 use crate::simd::LANES;
@@ -68,11 +68,11 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
     best.filter(|(time, _)| *time < TREE).map(|(_, choice)| choice)
 }
 
-/// Some shapes, whose places in the input have no pattern.
+/// Some shapes, whose rows in the input have no pattern.
 struct Sample {
     centers: Vec<[f64; 2]>,
     /// Half the widths and the heights of their bounding boxes.
-    reaches: Vec<[f64; 2]>,
+    half_extents: Vec<[f64; 2]>,
     /// Half the widths in ascending order, and half the heights.
     sorted: [Vec<f64>; 2],
 }
@@ -81,16 +81,17 @@ impl Sample {
     fn of<T: Scalar, const SIZES: usize>(input: &(impl Input<T, SIZES> + ?Sized)) -> Self {
         let len = input.len();
         let count = (len / FOR_EACH_SAMPLED).clamp(SAMPLES[0], SAMPLES[1]).min(len);
-        // One from each of `count` ranges of rows, at a place in it from a hash.
+        // One from each of `count` ranges of rows, at an offset in it from a hash.
         let at = |index: usize| index * len / count + hash(index) as usize % (len / count);
         let shapes = (0..count).map(|index| {
             let Item { center, sizes, .. } = input.item(at(index));
-            (center.map(T::to_f64), reach_of(&sizes).map(T::to_f64))
+            (center.map(T::to_f64), half_extent_of(&sizes).map(T::to_f64))
         });
-        let (centers, reaches): (Vec<[f64; 2]>, Vec<[f64; 2]>) = shapes.unzip();
-        let mut sorted = [0, 1].map(|k| reaches.iter().map(|reach| reach[k]).collect::<Vec<f64>>());
-        sorted.iter_mut().for_each(|reaches| reaches.sort_unstable_by(f64::total_cmp));
-        Self { centers, reaches, sorted }
+        let (centers, half_extents): (Vec<[f64; 2]>, Vec<[f64; 2]>) = shapes.unzip();
+        let mut sorted = [0, 1]
+            .map(|k| half_extents.iter().map(|half_extent| half_extent[k]).collect::<Vec<f64>>());
+        sorted.iter_mut().for_each(|half_extents| half_extents.sort_unstable_by(f64::total_cmp));
+        Self { centers, half_extents, sorted }
     }
 
     fn len(&self) -> usize {
@@ -105,8 +106,9 @@ impl Sample {
         len: usize,
     ) -> Option<(f64, Choice<T>)> {
         let limit = small.map(T::to_f64);
-        let is_small = |reach: &[f64; 2]| reach[0] <= limit[0] && reach[1] <= limit[1];
-        let shapes = || self.centers.iter().zip(&self.reaches);
+        let is_small =
+            |half_extent: &[f64; 2]| half_extent[0] <= limit[0] && half_extent[1] <= limit[1];
+        let shapes = || self.centers.iter().zip(&self.half_extents);
         let share = shapes().filter(|shape| is_small(shape.1)).count() as f64 / self.len() as f64;
         let count = (share * len as f64).max(1.0);
         let layout = Layout::over(extent, limit.map(|v| 2.0 * v), count as usize, true)?;
@@ -116,8 +118,8 @@ impl Sample {
         let some = shapes().filter(|shape| is_small(shape.1)).map(|shape| *shape.0);
         let in_cell = neighbors(&layout, some, len as f64 / self.len() as f64).max(even);
         let mut time = share * (SHAPE + blocks(TESTED_CELLS * in_cell));
-        for reach in self.reaches.iter().filter(|reach| !is_small(reach)) {
-            let cells = [0, 1].map(|k| 2.0 * (reach[k] + limit[k]) / cell[k] + 1.0);
+        for half_extent in self.half_extents.iter().filter(|of| !is_small(of)) {
+            let cells = [0, 1].map(|k| 2.0 * (half_extent[k] + limit[k]) / cell[k] + 1.0);
             let [along, across] = [layout.axis, 1 - layout.axis].map(|axis| cells[axis]);
             time += (LARGE + across * blocks(along * in_cell)) / self.len() as f64;
         }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::layout::{Layout, SLACK};
-use super::sizes::reach_of;
+use super::sizes::half_extent_of;
 use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
@@ -51,12 +51,12 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         let len = pieces.clone().map(<[Item<T, SIZES>]>::len).sum();
         memory::reserve(items, len)?;
         memory::reserve(cells, len)?;
-        // During the sort the number of the shapes of a band is one place further.
+        // During the sort the number of the shapes of a band is one index further.
         memory::resize(ends, layout.bands + 1, 0)?;
         pieces.for_each(|piece| items.extend_from_slice(piece));
         for item in &*items {
-            let reach = reach_of(&item.sizes);
-            let distance = [0, 1].map(|k| (reach[k].to_f64() + small[k].to_f64()) * SLACK);
+            let half_extent = half_extent_of(&item.sizes);
+            let distance = [0, 1].map(|k| (half_extent[k].to_f64() + small[k].to_f64()) * SLACK);
             let around = layout.around(item.center.map(T::to_f64), distance);
             cells.push(around);
             bands_of(layout, &around).for_each(|band| ends[band + 1] += 1);

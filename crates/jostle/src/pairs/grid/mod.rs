@@ -243,7 +243,7 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
             {
                 return output.fail(error);
             }
-            if output.is_over(band.places().len()) {
+            if output.is_over(band.indices().len()) {
                 return;
             }
             if number >= bands.start {

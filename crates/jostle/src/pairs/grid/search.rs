@@ -46,16 +46,16 @@ impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
         let Self { band, layout, number, large, squared, output } = self;
         let tester = Tester { simd, band, squared };
         let stride = layout.stride as usize;
-        let places = band.places();
+        let indices = band.indices();
         let mut hits = Hits { list: [[0; 3]; MAX_HITS], count: 0 };
-        let mut first = places.start;
-        while first < places.end {
+        let mut first = indices.start;
+        while first < indices.end {
             if output.is_over(AT_A_TIME * LANES) {
                 return;
             }
-            first = tester.test_some(stride, first..places.end, &mut hits, output);
+            first = tester.test_some(stride, first..indices.end, &mut hits, output);
         }
-        if SIZES == EQUAL || places.is_empty() {
+        if SIZES == EQUAL || indices.is_empty() {
             return;
         }
         for (item, &[columns, rows]) in large.of_band(number) {
@@ -68,7 +68,7 @@ impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
     }
 }
 
-/// Blocks with overlaps: the row of the caller of one shape, the first place of the block, and a bit for
+/// Blocks with overlaps: the row of the caller of one shape, the first index of the block, and a bit for
 /// each of its shapes that overlaps the one.
 struct Hits {
     list: [[u32; 3]; MAX_HITS],
@@ -100,39 +100,39 @@ struct Tester<'a, T, S, const SIZES: usize> {
 
 impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
     /// Tests [`AT_A_TIME`] shapes, and the others of the last one's cell, against those that may overlap
-    /// them. Returns the next place.
+    /// them. Returns the next index.
     #[inline(always)]
     fn test_some(
         &self,
         stride: usize,
-        places: Range<usize>,
+        indices: Range<usize>,
         hits: &mut Hits,
         output: &mut Output<'_>,
     ) -> usize {
         let Self { simd, band, .. } = *self;
-        let Some(mut room) = output.room(AT_A_TIME * LANES) else { return places.end };
-        let end = places.end.min(places.start + AT_A_TIME);
+        let Some(mut spare) = output.spare(AT_A_TIME * LANES) else { return indices.end };
+        let end = indices.end.min(indices.start + AT_A_TIME);
         let (mut count, mut tests) = (0, 0);
-        let mut place = places.start;
-        while place < end {
-            let cell = band.cells[place] as usize;
+        let mut index = indices.start;
+        while index < end {
+            let cell = band.cells[index] as usize;
             let start = |cell: usize| band.starts[cell] as usize;
-            let ahead = place + 1..start(cell + 2);
+            let ahead = index + 1..start(cell + 2);
             let above = start(cell - stride - 1)..start(cell - stride + 2);
             if ahead.len().max(above.len()) <= HALF {
                 tests += (ahead.len() + above.len()) as u64;
                 let lanes = first_lanes(ahead.len()) | first_lanes(above.len()) << HALF;
-                let one = self.one(place);
+                let one = self.one(index);
                 let bits = self.near(&one, &self.load_halves([ahead.start, above.start])) & lanes;
                 let others = [half(&band.ids, ahead.start), half(&band.ids, above.start)];
-                let to = room[count..].first_chunk_mut().expect("there is room");
+                let to = spare[count..].first_chunk_mut().expect("reserved above");
                 simd.ordered_pairs(one.row, others, bits, to);
                 count += bits.count_ones() as usize;
-                place += 1;
+                index += 1;
                 continue;
             }
             // The others of a cell have the same candidates.
-            let cell = place..start(cell + 1);
+            let cell = index..start(cell + 1);
             output.accept(count);
             count = 0;
             if ahead.len() + above.len() <= FEW {
@@ -140,23 +140,23 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
                 tests -= (cell.len() * (cell.len() + 1) / 2) as u64;
                 self.test_cell(cell.clone(), ahead.end, above, hits, output);
             } else {
-                for place in cell.clone() {
-                    let one = self.one(place);
-                    tests += (ahead.end - place - 1 + above.len()) as u64;
-                    self.test_long(&one, place + 1..ahead.end, output);
+                for index in cell.clone() {
+                    let one = self.one(index);
+                    tests += (ahead.end - index - 1 + above.len()) as u64;
+                    self.test_long(&one, index + 1..ahead.end, output);
                     self.test_long(&one, above.clone(), output);
                     if output.is_over(0) {
-                        return places.end;
+                        return indices.end;
                     }
                 }
             }
-            place = cell.end;
-            let Some(more) = output.room(AT_A_TIME * LANES) else { return places.end };
-            room = more;
+            index = cell.end;
+            let Some(more) = output.spare(AT_A_TIME * LANES) else { return indices.end };
+            spare = more;
         }
         output.tests += tests;
         output.accept(count);
-        place
+        index
     }
 
     /// Tests the shapes of a cell against later ones up to `end`, and against those of a range before.
@@ -172,17 +172,17 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         for start in above.clone().step_by(LANES) {
             let others = self.load_block(start);
             let lanes = first_lanes(above.end - start);
-            for place in cell.clone() {
-                let one = self.one(place);
+            for index in cell.clone() {
+                let one = self.one(index);
                 hits.add(one.row, start, self.near(&one, &others) & lanes);
             }
         }
         for start in (cell.start..end).step_by(LANES) {
             let others = self.load_block(start);
             let lanes = first_lanes(end - start);
-            for place in cell.clone() {
-                let one = self.one(place);
-                let later = u32::MAX << (place + 1).saturating_sub(start).min(31);
+            for index in cell.clone() {
+                let one = self.one(index);
+                let later = u32::MAX << (index + 1).saturating_sub(start).min(31);
                 hits.add(one.row, start, self.near(&one, &others) & lanes & later);
             }
         }
@@ -195,12 +195,12 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         let Self { simd, band, .. } = *self;
         let some = &hits.list[..hits.count.min(MAX_HITS)];
         hits.count = 0;
-        let Some(room) = output.room(some.len() * LANES) else { return };
+        let Some(spare) = output.spare(some.len() * LANES) else { return };
         let mut count = 0;
         for &[row, start, bits] in some {
             let start = start as usize;
             let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
-            let to = room[count..].first_chunk_mut().expect("there is room");
+            let to = spare[count..].first_chunk_mut().expect("reserved above");
             simd.ordered_pairs(row, ids, bits, to);
             count += bits.count_ones() as usize;
         }
@@ -253,15 +253,15 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         self.emit(hits, output);
     }
 
-    /// The shape at a place.
+    /// The shape at an index.
     #[inline(always)]
-    fn one(&self, place: usize) -> Item<T, SIZES> {
+    fn one(&self, index: usize) -> Item<T, SIZES> {
         let band = self.band;
         let mut sizes = [T::ZERO; SIZES];
         for (size, column) in sizes.iter_mut().zip(&band.sizes) {
-            *size = column[place];
+            *size = column[index];
         }
-        Item { key: 0, row: band.ids[place], center: [band.x[place], band.y[place]], sizes }
+        Item { key: 0, row: band.ids[index], center: [band.x[index], band.y[index]], sizes }
     }
 
     /// Tests a shape against many.
@@ -272,26 +272,26 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             if output.is_over(some.len()) {
                 return;
             }
-            let Some(room) = output.room(some.len()) else { return };
-            let count = self.test_blocks(one, some, room);
+            let Some(spare) = output.spare(some.len()) else { return };
+            let count = self.test_blocks(one, some, spare);
             output.accept(count);
         }
     }
 
-    /// Tests a shape against others; returns the number of pairs. There is room for all, and a block.
+    /// Tests a shape against others; returns the number of pairs. The output has capacity for all, and a block.
     #[inline(always)]
     fn test_blocks(
         &self,
         one: &Item<T, SIZES>,
         others: Range<usize>,
-        room: &mut [[u32; 2]],
+        spare: &mut [[u32; 2]],
     ) -> usize {
         let Self { simd, band, .. } = *self;
         let mut count = 0;
         for start in others.clone().step_by(LANES) {
             let bits = self.near(one, &self.load_block(start)) & first_lanes(others.end - start);
             let ids = [half(&band.ids, start), half(&band.ids, start + HALF)];
-            let to = room[count..].first_chunk_mut().expect("there is room");
+            let to = spare[count..].first_chunk_mut().expect("reserved above");
             simd.ordered_pairs(one.row, ids, bits, to);
             count += bits.count_ones() as usize;
         }
@@ -336,7 +336,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         self.simd.mul(sum, sum)
     }
 
-    /// The block of shapes from a place.
+    /// The block of shapes from an index.
     #[inline(always)]
     fn load_block(&self, start: usize) -> Loaded<S::Block, SIZES> {
         let Self { simd, band, .. } = *self;
@@ -348,7 +348,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         Loaded { x, y, sizes }
     }
 
-    /// Half a block of shapes from each of two places.
+    /// Half a block of shapes from each of two indices.
     #[inline(always)]
     fn load_halves(&self, [low, high]: [usize; 2]) -> Loaded<S::Block, SIZES> {
         let Self { simd, band, .. } = *self;

@@ -23,7 +23,7 @@ pub(super) const ROUNDED: usize = 3;
 
 /// Half the width and the height of the bounding box of a shape.
 #[inline(always)]
-pub(super) fn reach_of<T: Scalar, const SIZES: usize>(sizes: &[T; SIZES]) -> [T; 2] {
+pub(super) fn half_extent_of<T: Scalar, const SIZES: usize>(sizes: &[T; SIZES]) -> [T; 2] {
     match SIZES {
         EQUAL => [T::ZERO; 2],
         CIRCLES => [sizes[0]; 2],
@@ -150,8 +150,8 @@ fn keys_of<T: Scalar, I: Input<T, SIZES> + ?Sized, const SIZES: usize, const COU
         let item = input.item(start + lane);
         along[lane] = item.center[layout.axis].to_f64();
         across[lane] = item.center[1 - layout.axis].to_f64();
-        let reach = reach_of(&item.sizes);
-        large[lane] = SIZES != EQUAL && (reach[0] > small[0]) | (reach[1] > small[1]);
+        let half_extent = half_extent_of(&item.sizes);
+        large[lane] = SIZES != EQUAL && (half_extent[0] > small[0]) | (half_extent[1] > small[1]);
     }
     let mut keys = layout.keys(&along, &across);
     if SIZES != EQUAL {

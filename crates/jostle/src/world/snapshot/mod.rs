@@ -76,7 +76,7 @@ impl World {
         put_walls(&mut to, self.walls());
         put_ids(&mut to, &self.ids);
         put_defaults(&mut to, &self.defaults);
-        put_given(&mut to, &self.given);
+        put_given(&mut to, self.given_accelerations());
         put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
     }
@@ -123,7 +123,7 @@ impl World {
             let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
             world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
         }
-        world.forget_places();
+        world.forget_indices();
         world.ids = Ids::of_rows(world.len());
         let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
         world.distinct_rows_of(&all_rows.collect::<Vec<Id>>()).map_err(valid)?;
@@ -144,7 +144,7 @@ impl World {
         }
         world.ids = get_ids(&mut from, world.len(), version)?;
         world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
-        world.given = if version > 6 { get_given(&mut from, world.len())? } else { vec![] };
+        world.given = if version > 6 { get_given(&mut from, world.len())? } else { None };
         get_record(&mut from, &mut world, version)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
@@ -255,14 +255,14 @@ fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
     to.put_all(given);
 }
 
-/// The given accelerations of `len` particles; empty if there are none.
-fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Vec<[f32; 2]>> {
+/// The given accelerations of `len` particles, if there are any.
+fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Option<Vec<[f32; 2]>>> {
     if from.get::<u8>()? == 0 {
-        return Ok(Vec::new());
+        return Ok(None);
     }
     let given = from.get_all(len)?;
     check_vectors("accelerations", &given).map_err(|error| damaged(&error.to_string()))?;
-    Ok(given)
+    Ok(Some(given))
 }
 
 fn put_filters(to: &mut Writer, filters: &[Filter]) {
@@ -328,8 +328,8 @@ fn get_column(from: &mut Reader<'_>, len: usize) -> Result<Vec<f32>> {
 fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
     let pushed = pushes.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
     to.put_count(pushed.clone().count());
-    for (&pushes, place) in pushed {
-        to.put(place);
+    for (&pushes, index) in pushed {
+        to.put(index);
         to.put(pushes);
     }
 }
@@ -346,9 +346,9 @@ fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Dri
 
 fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
     for _ in 0..from.get_count()? {
-        let (place, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
+        let (index, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
         let to = all
-            .get_mut(place as usize)
+            .get_mut(index as usize)
             .ok_or_else(|| damaged("a wall has an impulse on no particle"))?;
         if !pushes.iter().all(|&push| push >= least && push.is_finite()) {
             return Err(damaged("an impulse of a wall is out of range"));
@@ -361,7 +361,7 @@ fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f
 fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
     to.put_count(contacts.len());
     for contact in contacts {
-        to.put(contact.places);
+        to.put(contact.indices);
         let [[x, y], [u, v]] = [contact.image, contact.normal];
         to.put([x, y, u, v, contact.gap, contact.impulse, contact.friction_impulse]);
         to.put(contact.totals);
@@ -372,13 +372,13 @@ fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
 fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Contact>> {
     let mut contacts = Vec::new();
     for _ in 0..from.get_count()? {
-        let places: [u32; 2] = from.get()?;
+        let indices: [u32; 2] = from.get()?;
         let numbers: [f32; 6] = from.get()?;
         let [friction_impulse, total, total_friction] =
             if version > 3 { from.get()? } else { [0.0f32; 3] };
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
-        let known = places.iter().all(|&place| (place as usize) < len) && places[0] != places[1];
+        let known = indices.iter().all(|&index| (index as usize) < len) && indices[0] != indices[1];
         if !known {
             return Err(damaged("a contact is between no particles"));
         }
@@ -387,7 +387,7 @@ fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<C
             return Err(damaged("a number of a contact is negative or NaN"));
         }
         let (image, normal) = ([x, y], [u, v]);
-        let base = Contact { places, image, normal, gap, touched, ..Contact::default() };
+        let base = Contact { indices, image, normal, gap, touched, ..Contact::default() };
         let totals = [total, total_friction];
         contacts.push(Contact { impulse, friction_impulse, totals, ..base });
     }

@@ -31,7 +31,7 @@ impl World {
         let Discs { particles, rows, .. } = discs;
         let container = &self.settings.container;
         container.check_fit(&particles.radii).map_err(|error| damaged(&error.to_string()))?;
-        let places = self.places();
+        let indices = self.indices();
         let is_still = |spin: &Spin| spin.velocity == 0.0;
         let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
             && particles.spins.iter().all(is_still)
@@ -40,15 +40,15 @@ impl World {
         let are_own = |island: &Island| {
             let first = self.rows.len() as u32;
             let own = first + island.particles.start..first + island.particles.end;
-            let place = |row: u32| places[row as usize];
-            let is_own = |&row: &u32| own.contains(&place(row));
+            let index = |row: u32| indices[row as usize];
+            let is_own = |&row: &u32| own.contains(&index(row));
             let is_fixed = |&row: &u32| {
-                self.particles.movable.get(place(row) as usize).is_some_and(|&movable| !movable)
+                self.particles.movable.get(index(row) as usize).is_some_and(|&movable| !movable)
             };
             let contacts = &contacts[slice(&island.contacts)];
             contacts.iter().all(|contact| {
-                contact.places.iter().any(is_own)
-                    && contact.places.iter().all(|row| is_own(row) || is_fixed(row))
+                contact.indices.iter().any(is_own)
+                    && contact.indices.iter().all(|row| is_own(row) || is_fixed(row))
             }) && wall_impulses[slice(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
         };
         debug_assert_eq!(rows.len(), self.asleep.len());

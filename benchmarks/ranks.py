@@ -1,0 +1,104 @@
+"""Ranks of MPI beside threads of one process: the time of a step, and memory.
+
+    mpiexec -n 2 .venv/bin/python benchmarks/ranks.py
+    mpiexec -n 2 .venv/bin/python benchmarks/ranks.py --memory
+
+The first command makes the same gas distributed over the ranks, and in one process with as many
+threads, in turn, and compares the states. The second prints how much memory a rank needs for each
+of its particles. With more ranks than cores, set MPIR_CVAR_POLLS_BEFORE_YIELD=1 (MPICH).
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import statistics
+import time
+from collections.abc import Callable
+
+from mpi4py import MPI
+
+import jostle
+import jostle.mpi
+
+COMM = MPI.COMM_WORLD
+
+#: Seconds of a step.
+STEP = 1 / 60
+
+#: Seconds between two looks of a rank that waits without using its core.
+LOOK = 0.01
+
+
+def wait_without_work() -> None:
+    """Wait for all ranks; the others have all cores."""
+    request = COMM.Ibarrier()
+    while not request.Test():
+        time.sleep(LOOK)
+
+
+def seconds(work: Callable[[], None]) -> float:
+    """The time that work takes."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def memory() -> int:
+    """The largest memory that this process has had, in bytes."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def measure_memory(options: argparse.Namespace) -> None:
+    """Print the memory for each particle of a rank."""
+    before = memory()
+    world = jostle.mpi.create_scene(COMM, options.scene, n=options.n, seed=1)
+    world.step(STEP, options.steps * options.rounds)
+    used = COMM.gather((memory() - before) / max(len(world), 1))
+    if used is not None:
+        print(f"{options.scene} of {options.n:,}: {max(used):.0f} bytes for a particle of a rank")
+
+
+def measure_time(options: argparse.Namespace) -> None:
+    """Print the times of a step on all ranks, and of one process with as many threads."""
+    world = jostle.mpi.create_scene(COMM, options.scene, n=options.n, seed=1)
+    threads = options.threads or COMM.size
+    alone = None
+    if COMM.rank == 0:
+        alone = jostle.scenes.create(options.scene, n=options.n, seed=1)
+        alone.threads = threads
+    distributed, one = [], []
+    for _ in range(options.rounds + 1):
+        COMM.Barrier()
+        distributed.append(seconds(lambda: world.step(STEP, options.steps)))
+        if alone is not None:
+            one.append(seconds(lambda: alone.step(STEP, options.steps)))
+        wait_without_work()
+    state = world.state_hash()
+    if alone is None:
+        return
+    assert state == alone.state_hash(), "the states differ"
+    # The first round is a warm-up.
+    ours, theirs = (
+        1e3 / options.steps * statistics.median(all_[1:]) for all_ in (distributed, one)
+    )
+    print(f"{options.scene} of {options.n:,}, ms a step, median of {options.rounds} rounds:")
+    print(f"  {COMM.size} ranks {ours:.1f}, one process with {threads} threads {theirs:.1f}")
+    print(f"  ranks have {theirs / ours:.2f} times the speed of threads")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--scene", default="gas", help="scene")
+    parser.add_argument("-n", type=int, default=1_000_000, help="number of particles")
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--steps", type=int, default=2, help="steps of a round")
+    parser.add_argument(
+        "--threads", type=int, help="threads of the one process; default: the ranks"
+    )
+    parser.add_argument("--memory", action="store_true", help="measure memory instead of time")
+    options = parser.parse_args()
+    (measure_memory if options.memory else measure_time)(options)
+
+
+main()

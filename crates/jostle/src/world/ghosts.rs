@@ -1,0 +1,192 @@
+//! Ghosts: copies of the particles of other ranks near own ones.
+
+use super::World;
+use super::asleep::Asleep;
+use super::bounds::{distance_at, distance_of_fall, rounding};
+use super::domain::Announced;
+use super::waking_of_ranks::islands_of_circles;
+use crate::decomposition::{Grid, Marks, Near, RECORD, put_record};
+use crate::error::Result;
+use crate::forces;
+use crate::parallel::locked;
+
+/// Width of the margin around each particle, in mean radii.
+const MARGIN: f64 = 3.0;
+
+/// Factor of the margin from which on each rank gets all particles. It doubles with each repetition.
+const ALL: f64 = (1u64 << 30) as f64;
+
+/// Share of its radius by which a particle is announced larger to those near it now. It contains the gap of
+/// surfaces that touch.
+const NEAR: f32 = 0.01;
+
+impl World {
+    /// Announces where own particles may be in `dt` seconds, and gets the ghosts that may be there. Returns
+    /// whether the margin is so wide that each rank has all particles.
+    pub(super) fn exchange_ghosts(&mut self, dt: f32) -> Result<bool> {
+        if let Some(domain) = &mut self.domain {
+            (domain.foreign, domain.is_static) = (Asleep::default(), false);
+        }
+        if self.is_alone() {
+            return Ok(true);
+        }
+        let (margin, extent) = self.margin_and_extent(dt)?;
+        let fall = distance_of_fall(self.settings.gravity, dt);
+        let Some(domain) = &self.domain else { return Ok(true) };
+        let distance = |(index, &row): (usize, &u32)| {
+            let own = distance_at(self.particles.velocities[index], dt);
+            let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
+            let pulled = fall + distance_of_fall(given, dt);
+            let usual = own + if self.particles.movable[index] { pulled } else { 0.0 };
+            let known = domain.further.get(&domain.id(row));
+            known.map_or(usual, |known| known.max(usual)) + margin as f32
+        };
+        let distances: Vec<f32> = self.rows.iter().enumerate().map(distance).collect();
+        self.exchange_within(&distances)?;
+        Ok(margin >= extent)
+    }
+
+    /// Gets the ghosts near own particles where these are now. There must be none.
+    pub(super) fn exchange_static_ghosts(&mut self) -> Result<()> {
+        if let Some(domain) = &mut self.domain {
+            domain.is_static = true;
+        }
+        if self.is_alone() {
+            return Ok(());
+        }
+        let distances: Vec<f32> = self.particles.radii.iter().map(|radius| radius * NEAR).collect();
+        self.exchange_within(&distances)
+    }
+
+    /// Gets the neighbours of own particles in forces between kinds. There must be no ghosts.
+    pub(super) fn exchange_neighbors(&mut self) -> Result<()> {
+        if self.is_alone() {
+            return Ok(());
+        }
+        let half = 0.5 * forces::largest_cutoff(&self.forces);
+        self.exchange_within(&vec![half; self.rows.len()])
+    }
+
+    /// Gets ghosts for the rest of a step, if the present ones are only those near own particles.
+    pub(super) fn renew_ghosts(&mut self, dt: f32) -> Result<()> {
+        if !self.domain.as_ref().is_some_and(|domain| domain.is_static) {
+            return Ok(());
+        }
+        self.drop_ghosts();
+        let Some(domain) = &self.domain else { return Ok(()) };
+        self.scratch.wall_pushes.retain(|of| domain.owns(of.row));
+        self.scratch.exhausted.retain(|&row| domain.owns(row));
+        self.exchange_ghosts(dt)?;
+        let exhausted = std::mem::take(&mut self.scratch.exhausted);
+        let any = self.any_of_all(!exhausted.is_empty())?;
+        self.scratch.exhausted = exhausted;
+        if any && !self.is_alone() { self.share_exhausted() } else { Ok(()) }
+    }
+
+    /// Finds out which ghosts have had too many events in the step.
+    fn share_exhausted(&mut self) -> Result<()> {
+        self.find_shared();
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let (rows, exhausted) = (&self.rows, &mut self.scratch.exhausted);
+        let is_one = |index: u32| exhausted.binary_search(&rows[index as usize]).is_ok();
+        let all = domain.halo().labels(|index| u64::from(is_one(index)))?;
+        let ghosts = all.into_iter().filter(|&(_, is_one)| is_one > 0);
+        exhausted.extend(ghosts.map(|(index, _)| rows[index as usize]));
+        exhausted.sort_unstable();
+        Ok(())
+    }
+
+    /// Announces circles around own particles, with these distances beyond the radius, by index, and
+    /// gets all particles of other ranks whose circles may overlap them.
+    fn exchange_within(&mut self, distances: &[f32]) -> Result<()> {
+        let Self { domain, particles, rows, settings, forces, asleep, .. } = self;
+        let Some(domain) = domain else { return Ok(()) };
+        let grid = Grid::new(&settings.container, &domain.scales, domain.awake);
+        domain.announced.resize(domain.own, Announced::default());
+        let mut group = locked(&domain.group);
+        domain.sent.resize(group.size(), Vec::new());
+        domain.sent.iter_mut().for_each(Vec::clear);
+        domain.is_sent.clear();
+        domain.is_sent.resize(domain.own, false);
+        let mut marks = Marks::new(&grid);
+        let mut cells = Vec::with_capacity(rows.len());
+        for ((index, &row), &distance) in rows.iter().enumerate().zip(distances) {
+            let of = &mut domain.announced[row as usize];
+            *of = Announced { position: particles.positions[index], distance };
+            let center = settings.container.wrap(particles.positions[index]);
+            let radius = f64::from(particles.radii[index]) + f64::from(of.distance);
+            let rounding = f64::from(rounding(of.position, &settings.container));
+            let range = grid.range(center, radius * 1.000_01 + rounding);
+            cells.push(range);
+            // Nothing changes the motion of others, but they may touch, and wake sleeping ones.
+            let wakes = domain.asleep > 0 && !particles.is_static(index);
+            if particles.movable[index] || settings.track_events || wakes {
+                grid.each_cell(range, |cell| marks.set(cell));
+            }
+        }
+        let all = group.share(&marks.runs())?;
+        let near = Near::new(&grid, &all, group.rank());
+        let mut to = vec![Vec::new(); group.size()];
+        let mut ranks = Vec::new();
+        for (index, &row) in rows.iter().enumerate() {
+            ranks.clear();
+            grid.each_cell(cells[index], |cell| ranks.extend_from_slice(near.of(cell)));
+            if ranks.is_empty() {
+                continue;
+            }
+            ranks.sort_unstable();
+            ranks.dedup();
+            domain.is_sent[row as usize] = true;
+            let name = (domain.id(row), forces::kinds_of(forces, row as usize));
+            for &rank in &ranks {
+                put_record(&mut to[rank as usize], name, particles, index);
+                domain.sent[rank as usize].push(row);
+            }
+        }
+        let arrived = group.exchange(&to)?;
+        if domain.asleep > 0 {
+            let circles = asleep.circles_near(&grid, &near, &settings.container, group.size());
+            let circles = group.exchange(&circles)?.concat();
+            domain.foreign = islands_of_circles(&circles, settings.tree)?;
+        }
+        drop(group);
+        let received = arrived.iter().map(|bytes| bytes.len() / RECORD).collect();
+        self.append_records(&arrived, false);
+        if let Some(domain) = &mut self.domain {
+            domain.note_received(received);
+        }
+        Ok(())
+    }
+
+    /// Whether there is one rank only, which has no ghosts.
+    fn is_alone(&self) -> bool {
+        self.domain.as_ref().is_none_or(|domain| locked(&domain.group).size() < 2)
+    }
+
+    /// The margin around each particle, and the longer side of the AABB of all positions.
+    fn margin_and_extent(&mut self, dt: f32) -> Result<(f64, f64)> {
+        let Self { domain, particles, rows, settings, scratch, .. } = self;
+        let Some(domain) = domain else { return Ok((0.0, 0.0)) };
+        let wrapped = particles.positions.iter().map(|&at| settings.container.wrap(at));
+        let own = domain.own_of(wrapped, rows).fold([f64::MIN; 4], |most, [x, y]| {
+            let [x, y] = [f64::from(x), f64::from(y)];
+            [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
+        });
+        let radii: f64 = particles.radii.iter().map(|&radius| f64::from(radius)).sum();
+        let numbers = [own[0], own[1], own[2], own[3], radii].map(f64::to_bits);
+        let all = locked(&domain.group).gather(numbers)?;
+        let number = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
+        let [right, bottom, left, top] = [0, 1, 2, 3].map(|k| number(k).fold(f64::MIN, f64::max));
+        // In the order of ranks, so that all have the same sum.
+        let radius = number(4).sum::<f64>() / domain.awake.max(1) as f64;
+        // The first step moves particles that are outside of a torus.
+        let is_torus = settings.container.period().is_some();
+        let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
+        domain.extent = (!is_torus).then_some(area);
+        let extent = (right + left).max(bottom + top).max(0.0);
+        let usual = f64::from(scratch.usual_speed) * f64::from(dt);
+        let of_forces = 0.5 * f64::from(forces::largest_cutoff(&self.forces));
+        let margin = (MARGIN * radius + usual) * domain.widened + of_forces;
+        Ok((if domain.widened < ALL { margin } else { margin.max(extent) }, extent))
+    }
+}

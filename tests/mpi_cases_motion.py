@@ -1,0 +1,290 @@
+"""Motion, containers, forces and settings of distributed worlds, compared with one process."""
+
+from functools import partial
+
+import numpy as np
+from mpi_worlds import (
+    REST,
+    all_on_first,
+    all_on_last,
+    check,
+    check_events,
+    comm,
+    evenly,
+    gas,
+    refuse,
+    scattered,
+    unevenly,
+)
+
+import jostle
+import jostle.mpi
+import jostle.mpi.storage
+
+
+def test_gas() -> None:
+    for where in (evenly, all_on_first, all_on_last, unevenly):
+        check("gas", gas(), 1 / 60, where=where)
+
+
+def test_scenes() -> None:
+    """All scenes that are not refused."""
+    done = []
+    for name in jostle.scenes.names():
+        world = jostle.scenes.create(name, n=60, seed=3)
+        world.sleeping = False
+        try:
+            scattered(world, evenly)
+        except ValueError:
+            continue
+        check(name, world, 1 / 60, 12, unevenly)
+        done.append(name)
+    assert {"gas", "pile"} <= set(done), done
+
+
+def test_piles() -> None:
+    rest = REST
+    for where in (evenly, all_on_first, unevenly):
+        check("pile", gas(150, **rest), 1 / 60, 25, where)
+    check("friction", gas(120, friction=0.5, **rest), 1 / 60, 25)
+    masses = np.where(np.arange(120) % 5 == 0, 30.0, 1.0)
+    check("uneven masses", gas(120, masses=masses, **rest), 1 / 60, 25)
+    walls = jostle.polyline([(0, 20), (12, 25), (24, 15)])
+    check("walls", gas(120, walls=walls, friction=0.3, **rest), 1 / 60, 25)
+    movable = np.arange(120) % 9 > 0
+    still = gas(120, movable=movable, velocities=np.zeros((120, 2)), **rest)
+    check("obstacles", still, 1 / 60, 25)
+
+
+def test_long() -> None:
+    """300 steps of a larger gas and of a larger pile."""
+    check("gas", jostle.scenes.create("gas", n=1000, seed=3), 1 / 60, 300)
+    pile = jostle.scenes.create("pile", n=120, seed=3)
+    pile.sleeping = False
+    check("pile", pile, 1 / 60, 300)
+
+
+def test_containers() -> None:
+    check("torus", gas(container="torus"), 1 / 20, 100)
+    check("plane", gas(container=None), 1 / 20, 40)
+    check("circle", gas(container=jostle.Circle((22, 22), 40)), 1 / 20, 50)
+    # Steps so long that they are divided, and trajectories around the torus.
+    check("long steps on a torus", gas(200, container="torus"), 0.5, 10)
+    check("long steps", gas(200, cover=0.05), 0.5, 10)
+    walls = jostle.polyline([(5, 5), (20, 25), (30, 10)])
+    check("walls", gas(walls=walls), 1 / 20, 50)
+
+
+def test_rules() -> None:
+    # A granular gas with friction: it cools down and forms clusters.
+    cooling = gas(restitution=0.8, friction=0.3, angular_velocities=2.0, container="torus")
+    check("granular gas", cooling, 1 / 20, 100)
+    check("gravity, elastic", gas(gravity=(0, 30)), 1 / 20, 50)
+    check("damping and sub-steps", gas(drag=0.5, substeps=3), 1 / 20, 50)
+    check("ignore", gas(on_touch="ignore"), 1 / 20, 40)
+    hot = jostle.ThermalWalls(400.0, seed=3)
+    check("thermal walls", gas(forces=[hot]), 1 / 20, 50)
+    check("thermostat", gas(forces=[jostle.Thermostat(30.0, 0.5)]), 1 / 20, 50)
+    bath = jostle.AndersenThermostat(400.0, 2.0, seed=3)
+    check("bath", gas(forces=[bath], container="torus"), 1 / 20, 50)
+    kinds = np.arange(600) % 3
+    check("filters", gas(categories=1 << kinds, masks=7 ^ (1 << kinds)), 1 / 20, 50)
+    check("sensors", gas(sensors=kinds == 0), 1 / 20, 50)
+    movable = np.arange(600) % 7 > 0
+    check("kinematic", gas(movable=movable, container="torus"), 1 / 60, 20)
+
+
+def test_nasty() -> None:
+    for n in (0, 1, 2, 3, 5):
+        check(f"{n} particles", gas(n), 1 / 60, 20)
+    # Simultaneous impacts along a line and in a rack of discs that touch.
+    row = np.column_stack([np.arange(40) * 2.0, np.zeros(40)])
+    velocities = np.zeros((40, 2))
+    velocities[0, 0] = 30.0
+    row[0, 0] = -5.0
+    check("a line", jostle.World(row, velocities, radii=1.0), 1 / 60, 60, unevenly)
+    lattice = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), -1).reshape(-1, 2)
+    lattice[:, 0] += 0.5 * (np.arange(144) // 12 % 2)
+    lattice[:, 1] *= np.sqrt(0.75)
+    velocities = np.zeros((144, 2))
+    velocities[:12] = (0.0, 9.0)
+    check("a rack", jostle.World(lattice * 2, velocities, radii=1.0), 1 / 60, 60)
+    # Discs that overlap at the beginning, and coincident ones.
+    rng = np.random.default_rng(2)
+    heap = rng.uniform(0, 20, (70, 2))
+    heap[:10] = 10.0
+    overlapping = jostle.World(
+        heap, rng.normal(0, 5, (70, 2)), radii=1.0, container=jostle.Torus(20, 20)
+    )
+    check("overlaps", overlapping, 1 / 60, 20)
+    # One disc that is much larger than the others, one that is much faster, and one far away.
+    world = gas(500)
+    velocities = world.velocities.copy()
+    velocities[3] = (5000.0, 3000.0)
+    world.velocities = velocities
+    check("a fast disc", world, 1 / 60, 100)
+    positions, radii = gas(500).positions.copy(), gas(500).radii.copy()
+    positions[7], radii[7] = (22, 22), 15.0
+    far = np.hypot(*(positions - positions[7]).T) > 16.5
+    far[7] = True
+    count = int(far.sum())
+    options = {"radii": radii[far], "container": jostle.Torus(60, 60)}
+    giant = jostle.World(positions[far], rng.normal(0, 20, (count, 2)), **options)
+    check("a giant", giant, 1 / 20, 50)
+    positions = gas(300).positions.copy()
+    positions[5] = (3e5, -2e5)
+    check("far away", jostle.World(positions, rng.normal(0, 20, (300, 2)), radii=0.5), 1 / 60, 60)
+
+
+def test_forces() -> None:
+    """Forces between neighbours, whose particles have neighbours on other ranks."""
+    for name in ("life", "fluid", "flock"):
+        check(name, jostle.scenes.create(name, n=300, seed=2), 1 / 60, 40, unevenly)
+    kinds = np.arange(400) % 3
+    table = np.random.default_rng(4).normal(0, 300, (3, 3, 12))
+    long = jostle.PairForce(kinds, table, 11.0, damping=3.0)
+    other = jostle.PairForce(np.arange(400) % 2, table[:2, :2], 4.0)
+    flocking = jostle.Flocking(6.0, 40.0, 1.0, 0.5, max_speed=60.0)
+    world = gas(400, forces=[long, flocking, other], container="torus", substeps=3)
+    ours = check("three forces", world, 1 / 60, 25)
+    alone = ours.gather()
+    if alone is not None:
+        assert np.array_equal(alone.forces[0].kinds, kinds)
+        alone.step(1 / 60, 5)
+    ours.step(1 / 60, 5)
+    state = comm().bcast(alone.state_hash() if alone is not None else None)
+    assert ours.state_hash() == state
+    ours = jostle.mpi.create_scene(comm(), "life", n=100, seed=3)
+    assert ours.state_hash() == jostle.scenes.create("life", n=100, seed=3).state_hash()
+    if comm().size > 1:
+        force = jostle.PairForce([], table * (1 + comm().rank), 4.0)
+        make = partial(jostle.mpi.World, comm(), [], [], [], forces=[force])
+        refuse(make, "forces is not the same")
+
+
+def test_given() -> None:
+    """Accelerations and forces that the caller gives move with particles to other ranks."""
+    rest = {**REST, "sleeping": True}
+    for name, world in (
+        ("gas", gas(200)),
+        ("pile", gas(150, **rest)),
+        ("merging", gas(200, on_touch="merge", movable=np.arange(200) % 9 > 0)),
+    ):
+        ours = scattered(world, unevenly)
+        ours.substeps = None  # given accelerations need more
+        ours._core._rebalance_every(3)
+        for call in range(4):
+            by_id = np.random.default_rng(call).normal(0, 300, (int(world.ids.max()) + 1, 2))
+            by_id[:: call + 2] = 0.0
+            world.accelerations = by_id[world.ids]
+            ours.accelerations = by_id[ours.ids]
+            expected = by_id[ours.ids].astype(np.float32) * ours.movable[:, None]
+            assert np.array_equal(ours.accelerations, expected)
+            # Each rank gives forces on particles of any rank, some of them twice.
+            ids = world.ids[np.arange(30) * 7 % 20]
+            own = ids[comm().rank :: comm().size]
+            all_ids = np.concatenate([ids[rank :: comm().size] for rank in range(comm().size)])
+            world.force(all_ids, by_id[all_ids])
+            ours.force(own, by_id[own])
+            alone = ours.gather() if call == 1 else None
+            for one in (world, ours, *([] if alone is None else [alone])):
+                one.step(1 / 60, 5)
+            assert ours.state_hash() == world.state_hash(), (name, call)
+            assert alone is None or alone.state_hash() == world.state_hash(), name
+            assert not ours.accelerations.any()
+        ours.step(1 / 60, 5)
+        world.step(1 / 60, 5)
+        assert ours.state_hash() == world.state_hash(), name
+    is_last = comm().rank == comm().size - 1
+    refuse(lambda: setattr(ours, "accelerations", np.zeros((1, 2))), "accelerations must have")
+    wrong = np.full((len(ours), 2), np.nan if is_last else 0.0)
+    refuse(lambda: setattr(ours, "accelerations", wrong), "accelerations[0] is (nan, nan)")
+    refuse(lambda: ours.force(10**6 if is_last else [], (0, 1) if is_last else []), "1000000")
+    first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
+    refuse(lambda: ours.force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be")
+    assert not ours.accelerations.any()
+    world.step(1 / 60)
+    ours.step(1 / 60)
+    assert ours.state_hash() == world.state_hash()
+
+
+def test_energy() -> None:
+    """The potential energy of gravity and of forces between kinds."""
+    for name in ("fluid", "pile"):
+        world = jostle.scenes.create(name, n=250, seed=2)
+        ours = scattered(world, unevenly)
+        for _ in range(3):
+            for one in (world, ours):
+                one.step(1 / 60, 2)
+            energy = world.potential_energy
+            assert energy != 0.0
+            assert abs(ours.potential_energy - energy) <= 1e-10 * abs(energy), name
+            # It does not change the world.
+            assert ours.state_hash() == world.state_hash()
+            ghosts = ours.ghosts
+            assert len(ours.contacts.pairs) == 0 or comm().size == 1 or ghosts > 0
+    table = np.ones((1, 1, 20))
+    movable = np.arange(300) % 5 > 0
+    kinds = np.zeros(300, int)
+    for container in ("box", "torus", None):
+        options = {} if container == "box" else {"container": container}
+        world = gas(300, forces=[jostle.PairForce(kinds, table, 9.0)], movable=movable, **options)
+        found = scattered(world, evenly).potential_energy
+        assert abs(found - world.potential_energy) <= 1e-10 * abs(found)
+
+
+def test_immovable() -> None:
+    """Particles keep impulses on immovable ones, also when they move to the ranks of these."""
+    world = jostle.scenes.create("heap", n=60, seed=3)
+    world.sleeping = False
+    ours = scattered(world, unevenly)
+    ours._core._rebalance_every(7)
+    for _ in range(12):
+        alone = ours.gather()
+        for one in (world, ours, *([] if alone is None else [alone])):
+            one.step(1 / 60)
+        assert ours.state_hash() == world.state_hash()
+        assert alone is None or alone.state_hash() == world.state_hash()
+
+
+def test_settings() -> None:
+    """Settings of the search do not change results; events can be tracked from now on."""
+    world = gas(300, cover=0.6, gravity=(0.0, 20.0))
+    ours = scattered(world, unevenly)
+    for name, value in (
+        ("method", "brute"),
+        ("leaf_capacity", 8),
+        ("method", "quadtree"),
+        ("max_depth", 3),
+        ("threads", 2),
+        ("track_events", True),
+        ("on_touch", "ignore"),
+        ("track_events", False),
+    ):
+        for one in (world, ours):
+            setattr(one, name, value)
+            one.step(1 / 60, 3)
+        assert getattr(ours, name) == getattr(world, name) == value
+        assert ours.state_hash() == world.state_hash(), name
+        if world.track_events:
+            assert check_events(name, ours, world) > 0
+    assert sum(comm().allgather(ours.stats.leaves)) >= world.stats.leaves
+    if comm().size > 1:
+        refuse(lambda: setattr(ours, "max_depth", 3 + comm().rank), "max_depth is not the same")
+    refuse(lambda: setattr(ours, "leaf_capacity", 0), "leaf_capacity")
+
+
+def test_parts() -> None:
+    """Scenes that are made in parts have the particles of one process."""
+    for name in ("gas", "pile", "thermostat", "mixed", "clusters"):
+        for n in (0, 1, 2, 7, 200):
+            whole = jostle.scenes.create(name, n=n, seed=4)
+            ours = jostle.mpi.create_scene(comm(), name, n=n, seed=4, sleeping=False)
+            assert ours.state_hash() == whole.state_hash(), (name, n)
+            assert ours.total == len(whole) and len(ours) <= len(whole) // comm().size + 1
+    for _ in range(2):
+        whole.step(1 / 60, 10)
+        ours.step(1 / 60, 10)
+        assert ours.state_hash() == whole.state_hash()
+    refuse(lambda: jostle.mpi.create_scene(comm(), "nothing"), "nothing")
+    refuse(lambda: jostle.mpi.create_scene(comm(), "stars", n=10), "")

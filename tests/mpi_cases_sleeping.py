@@ -1,0 +1,185 @@
+"""Islands of several ranks that fall asleep and wake, and particles that are changed meanwhile."""
+
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi_worlds import (
+    all_on_first,
+    all_on_last,
+    check_asleep,
+    check_asleep_now,
+    check_events,
+    check_saved,
+    comm,
+    evenly,
+    gas,
+    of_rank,
+    refuse,
+    scattered,
+    sleepers,
+    unevenly,
+)
+
+import jostle
+import jostle.mpi
+import jostle.mpi.storage
+
+
+def test_sleeping() -> None:
+    """Islands that several ranks have fall asleep and wake as in one process."""
+    for where in (evenly, all_on_first, unevenly):
+        world = sleepers()
+        ours = scattered(world, where)
+        ours._core._rebalance_every(7)
+        counts = []
+        for _ in range(14):
+            world.step(1 / 30, 12)
+            ours.step(1 / 30, 12)
+            check_asleep("sleeping", ours, world)
+            counts.append(int(world.asleep.sum()))
+        # Some wake when discs fall on them.
+        assert max(counts) > 30 and np.diff(counts).min() < 0, counts
+    walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
+    tracked = sleepers(walls=walls, track_events=True)
+    ours = scattered(tracked, unevenly)
+    for _ in range(8):
+        tracked.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("walls", ours, tracked)
+        check_events("walls", ours, tracked)
+    assert tracked.asleep.sum() > 10
+    # Kinematic particles keep others awake; static ones do not.
+    movable = np.arange(42) % 5 > 0
+    still = sleepers(movable=movable)
+    still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
+    ours = scattered(still, evenly)
+    for _ in range(5):
+        still.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("obstacles", ours, still)
+    assert still.asleep.any()
+    # A kinematic disc moves to sleeping ones, and wakes them.
+    coming = sleepers(8, falling=1, movable=np.arange(33) < 32)
+    coming.set(32, positions=(3.0, 150.0), velocities=(0.0, -60.0))
+    ours = scattered(coming, evenly)
+    counts = []
+    for _ in range(8):
+        coming.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("a kinematic disc", ours, coming)
+        counts.append(int(coming.asleep.sum()))
+    assert np.diff(counts).min() < 0, counts
+
+
+def test_calls_of_sleepers() -> None:
+    """A world of which all sleeps takes one call of all ranks for a step."""
+    world = sleepers(4, falling=0)
+    ours = scattered(world, evenly)
+    ours._core._rebalance_every(1000)
+    ours.step(1 / 60, 120)
+    assert sum(comm().allgather(int(ours.asleep.sum()))) == ours.total
+    before = ours.traffic["calls"]
+    ours.step(1 / 60, 10)
+    assert ours.traffic["calls"] - before == 10
+
+
+def edits() -> list[tuple[str, Callable[[Any, Callable[..., Any]], None]]]:
+    """Changes of a world; the second argument gives a rank's share of rows."""
+    new = np.column_stack([np.arange(7) * 9.0 + 4.0, np.full(7, 30.0)])
+    still = np.zeros((7, 2))
+    gone = np.array([2, 17, 31, 9])
+    pushed, static = np.array([20, 5]), np.array([0])
+
+    def wall(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.4)]
+
+    def stop(world: Any, _: Callable[..., Any]) -> None:
+        world.wall_velocities = [(0.0, 0.0)]
+
+    def lighter(world: Any, _: Callable[..., Any]) -> None:
+        world.gravity = (0.0, -9.0)
+
+    return [
+        ("a push", lambda w, own: w.set(own(pushed), velocities=own(np.ones((2, 2))))),
+        ("nothing", lambda w, own: w.set(own(pushed[:0]), radii=own(np.zeros(0)))),
+        ("added", lambda w, own: w.add(own(new), own(still), own(np.full(7, 0.5)), friction=0.5)),
+        ("removed", lambda w, own: w.remove(own(gone))),
+        ("driven", lambda w, own: w.set(own(static), velocities=own(np.full((1, 2), 0.02)))),
+        ("no more", lambda w, own: w.set(own(static), velocities=own(np.zeros((1, 2))))),
+        ("the static disc is removed", lambda w, own: w.remove(own(static))),
+        ("a moving wall", wall),
+        ("a wall that stops", stop),
+        ("gravity", lighter),
+        ("friction", lambda w, own: w.set(own(pushed + 3), friction=own(np.ones(2)))),
+        (
+            "obstacles",
+            lambda w, own: w.add(own(new + 9.0), own(still), 1.0, movable=False, friction=0.6),
+        ),
+    ]
+
+
+def resting(**options: Any) -> jostle.World:
+    """Triangles on a static disc and on a wall, which fall asleep."""
+    world = sleepers(
+        8, falling=1, walls=[[(60.0, 0.5), (75.0, 0.5)]], movable=np.arange(33) > 0, **options
+    )
+    assert len(world) == 33
+    return world
+
+
+def test_edits() -> None:
+    """Particles that are added, removed and changed while others sleep."""
+    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
+    for where in (evenly, all_on_last)[: 1 if comm().size > 2 else 2]:
+        world = resting(track_events=True)
+        ours = scattered(world, where)
+        ours._core._rebalance_every(5)
+        counts = set()
+        for number, (name, change) in enumerate(edits()):
+            for _ in range(2):
+                world.step(1 / 30, 16)
+                ours.step(1 / 30, 16)
+            check_asleep(f"before {name}", ours, world)
+            check_events(name, ours, world)
+            change(world, lambda rows: rows)
+            change(ours, of_rank)
+            check_asleep_now(f"after {name}", ours, world)
+            counts.add(int(world.asleep.sum()))
+            if name in ("removed", "obstacles") and where is evenly:
+                check_saved(folder / str(number), ours, world, 0)
+        world.step(1 / 30, 16)
+        ours.step(1 / 30, 16)
+        check_asleep("the last", ours, world)
+        assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
+    comm().Barrier()
+    if comm().rank == 0:
+        shutil.rmtree(folder)
+    check_refused_edits()
+
+
+def check_refused_edits() -> None:
+    ours = scattered(gas(50), evenly)
+    before, ids = ours.state_hash(), ours.ids
+    last = comm().rank == comm().size - 1
+    none = np.zeros((0, 2))
+    for call, message in (
+        (lambda: ours.remove([7, 99] if last else []), "ids contain 99; no particle"),
+        (lambda: ours.remove([7, 7] if last else []), "ids contain 7 twice"),
+        (lambda: ours.remove([0.5] if last else []), "ids must be integers"),
+        (lambda: ours.set([3] if last else [], radii=-1.0 if last else 1.0), "radii"),
+        (lambda: ours.add([(1, 1)] if last else none, [(1, 1)] if last else none, -1.0), "radii"),
+        (lambda: setattr(ours, "drag", -1.0 if last else 0.0), "drag"),
+    ):
+        refuse(call, message)
+    if comm().size > 1:
+        refuse(lambda: setattr(ours, "drag", comm().rank * 0.5), "drag is not the same")
+        refuse(lambda: ours.step(0.1 + comm().rank), "dt is not the same")
+        refuse(lambda: ours.step(0.1, 1 + comm().rank), "steps is not the same")
+        columns = {"radii": 1.0} if last else {"masses": 1.0}
+        refuse(lambda: ours.set([], **columns), "the columns are not the same")
+    assert ours.state_hash() == before and np.array_equal(ours.ids, ids)
+    ours.step(1 / 60)
