@@ -384,7 +384,8 @@ mod tests {
 
     #[test]
     fn a_long_task_of_a_large_call_does_not_count_as_a_long_wait() {
-        for is_large in [true, false] {
+        // On a busy machine the caller may be stopped while it waits, so its wait is short.
+        let is_held_up = |is_large: bool| {
             let workers = workers();
             let team = Team(workers.clone());
             let _awake = Team(workers.clone()).keep_awake();
@@ -403,8 +404,10 @@ mod tests {
                     pause(&mut attempts);
                 }
             });
-            assert_eq!(team.is_held_up(), !is_large);
-        }
+            team.is_held_up()
+        };
+        assert!(!is_held_up(true));
+        assert!((0..20).any(|_| is_held_up(false)));
     }
 
     /// The number of calls on one thread from now on.
