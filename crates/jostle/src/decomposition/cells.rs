@@ -36,13 +36,25 @@ impl<'a> Grid<'a> {
         (self.scales[axis].cell(x) >> self.shift) as u16
     }
 
+    /// The cell of a point, which on a torus is wrapped.
+    #[inline(always)]
+    pub fn cell_of(&self, point: [f32; 2]) -> u32 {
+        let [column, row] = [0, 1].map(|axis| u32::from(self.cell(axis, f64::from(point[axis]))));
+        column * self.count as u32 + row
+    }
+
     /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last of
     /// each. On a torus the first may be behind the last.
     #[inline(always)]
     pub fn range(&self, center: [f32; 2], radius: f64) -> [[u16; 2]; 2] {
+        self.range_of(sides_of(center, radius))
+    }
+
+    /// The same of an AABB, from the ends of both sides.
+    #[inline(always)]
+    fn range_of(&self, sides: [[f64; 2]; 2]) -> [[u16; 2]; 2] {
         [0, 1].map(|axis| {
-            let center = f64::from(center[axis]);
-            let ends = [center - radius, center + radius];
+            let ends = sides[axis];
             let Some(size) = self.period else {
                 return ends.map(|end| self.cell(axis, end));
             };
@@ -78,6 +90,92 @@ impl<'a> Grid<'a> {
                 break;
             }
             column = next(column);
+        }
+    }
+}
+
+/// The ends of both sides of the AABB of a circle.
+#[inline(always)]
+fn sides_of(center: [f32; 2], radius: f64) -> [[f64; 2]; 2] {
+    center.map(|v| [f64::from(v) - radius, f64::from(v) + radius])
+}
+
+/// The cell of the centre of each circle, and an AABB of the circles of each cell. There are fewer cells than
+/// circles.
+#[derive(Debug)]
+pub struct CirclesInCells {
+    cells: Vec<u32>,
+    all: CellBounds,
+    /// Only of circles that need others near them.
+    needing: CellBounds,
+}
+
+impl CirclesInCells {
+    /// Those of some circles, of which some need others near them.
+    pub fn new(grid: &Grid<'_>, circles: impl Iterator<Item = ([f32; 2], f64, bool)>) -> Self {
+        let [mut all, mut needing] = [CellBounds::new(grid), CellBounds::new(grid)];
+        let cell = |(center, radius, needs): ([f32; 2], f64, bool)| {
+            let cell = grid.cell_of(center);
+            all.add(cell, center, radius);
+            if needs {
+                needing.add(cell, center, radius);
+            }
+            cell
+        };
+        let cells = circles.map(cell).collect();
+        Self { cells, all, needing }
+    }
+
+    /// The cell of a circle.
+    #[inline(always)]
+    pub fn cell(&self, index: usize) -> usize {
+        self.cells[index] as usize
+    }
+
+    /// The cells near circles that need others.
+    pub fn marks(&self, grid: &Grid<'_>) -> Marks {
+        let mut marks = Marks::new(grid);
+        self.needing.each(grid, |_, range| grid.each_cell(range, |cell| marks.set(cell)));
+        marks
+    }
+
+    /// Whether the circles of each cell may be near another rank.
+    pub fn are_near(&self, grid: &Grid<'_>, near: &Near) -> Vec<bool> {
+        let mut are_near = vec![false; grid.cells()];
+        self.all.each(grid, |cell, range| {
+            grid.each_cell(range, |other| are_near[cell] |= !near.of(other).is_empty());
+        });
+        are_near
+    }
+}
+
+/// An AABB of the circles whose centres are in each cell.
+#[derive(Debug)]
+struct CellBounds(Vec<[[f64; 2]; 2]>);
+
+impl CellBounds {
+    /// Those of no circles.
+    fn new(grid: &Grid<'_>) -> Self {
+        Self(vec![[[f64::INFINITY, f64::NEG_INFINITY]; 2]; grid.cells()])
+    }
+
+    /// Adds a circle with its centre in a cell.
+    #[inline(always)]
+    fn add(&mut self, cell: u32, center: [f32; 2], radius: f64) {
+        let bounds = &mut self.0[cell as usize];
+        for ([first, last], [low, high]) in bounds.iter_mut().zip(sides_of(center, radius)) {
+            // Functions such as `min` take longer, because they treat NaN.
+            *first = if low < *first { low } else { *first };
+            *last = if high > *last { high } else { *last };
+        }
+    }
+
+    /// Calls `act` with each cell that has circles, and the range of cells that their AABB overlaps.
+    fn each(&self, grid: &Grid<'_>, mut act: impl FnMut(usize, [[u16; 2]; 2])) {
+        for (cell, &sides) in self.0.iter().enumerate() {
+            if sides[0][0] <= sides[0][1] {
+                act(cell, grid.range_of(sides));
+            }
         }
     }
 }
@@ -196,6 +294,31 @@ mod tests {
         assert_eq!(cells(&grid, [1.0, 1.0], 2.0).len(), 16);
         // Around the torus, from a cell to the same cell.
         assert_eq!(cells(&grid, [2.5, 0.5], 1.99).len(), 16);
+    }
+
+    #[test]
+    fn bounds_of_cells_contain_their_circles() {
+        for container in [Container::None, Container::Torus { size: [4.0, 4.0] }] {
+            let scales = even([4.0, 4.0]);
+            let grid = Grid::new(&container, &scales, 1 << 12);
+            let circle = |k: usize| {
+                let center = [0.618, 0.755].map(|step| (k as f32 * step).fract() * 4.0);
+                (center, 0.01 + 0.3 * (k as f64 * 0.37).fract())
+            };
+            let circles: Vec<_> = (0..300).map(circle).collect();
+            let all = circles.iter().map(|&(center, radius)| (center, radius, false));
+            let bounds = CirclesInCells::new(&grid, all);
+            assert!(bounds.marks(&grid).runs().is_empty());
+            let mut found = vec![Vec::new(); grid.cells()];
+            bounds
+                .all
+                .each(&grid, |cell, range| grid.each_cell(range, |other| found[cell].push(other)));
+            for (center, radius) in circles {
+                let near = &found[grid.cell_of(center) as usize];
+                assert!(cells(&grid, center, radius).iter().all(|cell| near.contains(cell)));
+            }
+            assert!(found.iter().all(|near| near.len() < grid.cells()));
+        }
     }
 
     #[test]

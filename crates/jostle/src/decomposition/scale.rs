@@ -62,6 +62,10 @@ impl Scale {
     pub fn cell(&self, x: f64) -> usize {
         let bucket = self.bucket(x);
         let [first, last] = [bucket, bucket + 1].map(|bucket| usize::from(self.hints[bucket]));
+        if last <= first + 1 {
+            // Without a branch that depends on the coordinate.
+            return first + usize::from((last > first) & (self.edges[first + 1] <= x));
+        }
         first + self.edges[first + 1..=last].partition_point(|&edge| edge <= x)
     }
 

@@ -5,7 +5,7 @@ use super::asleep::Asleep;
 use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::domain::Announced;
 use super::waking_of_ranks::islands_of_circles;
-use crate::decomposition::{Grid, Marks, Near, RECORD, put_record};
+use crate::decomposition::{CirclesInCells, Grid, Near, RECORD, put_record};
 use crate::error::Result;
 use crate::forces;
 use crate::parallel::locked;
@@ -108,29 +108,39 @@ impl World {
         domain.sent.iter_mut().for_each(Vec::clear);
         domain.is_sent.clear();
         domain.is_sent.resize(domain.own, false);
-        let mut marks = Marks::new(&grid);
-        let mut cells = Vec::with_capacity(rows.len());
-        for ((index, &row), &distance) in rows.iter().enumerate().zip(distances) {
-            let of = &mut domain.announced[row as usize];
-            *of = Announced { position: particles.positions[index], distance };
+        for ((&row, &position), &distance) in rows.iter().zip(&particles.positions).zip(distances) {
+            domain.announced[row as usize] = Announced { position, distance };
+        }
+        let circle = |index: usize, distance: f32| {
             let center = settings.container.wrap(particles.positions[index]);
-            let radius = f64::from(particles.radii[index]) + f64::from(of.distance);
-            let rounding = f64::from(rounding(of.position, &settings.container));
-            let range = grid.range(center, radius * 1.000_01 + rounding);
-            cells.push(range);
+            let radius = f64::from(particles.radii[index]) + f64::from(distance);
+            let rounding = f64::from(rounding(particles.positions[index], &settings.container));
+            (center, radius * 1.000_01 + rounding)
+        };
+        let needs_ghosts = |index: usize| {
             // Nothing changes the motion of others, but they may touch, and wake sleeping ones.
             let wakes = domain.asleep > 0 && !particles.is_static(index);
-            if particles.movable[index] || settings.track_events || wakes {
-                grid.each_cell(range, |cell| marks.set(cell));
-            }
-        }
-        let all = group.share(&marks.runs())?;
-        let near = Near::new(&grid, &all, group.rank());
+            particles.movable[index] || settings.track_events || wakes
+        };
+        let circles = distances.iter().enumerate().map(|(index, &distance)| {
+            let (center, radius) = circle(index, distance);
+            (center, radius, needs_ghosts(index))
+        });
+        let circles = CirclesInCells::new(&grid, circles);
+        let marks = circles.marks(&grid);
+        let near = Near::new(&grid, &group.share(&marks.runs())?, group.rank());
+        // Most cells are far from other ranks, so cells are tested before their particles.
+        let is_near = circles.are_near(&grid, &near);
         let mut to = vec![Vec::new(); group.size()];
         let mut ranks = Vec::new();
-        for (index, &row) in rows.iter().enumerate() {
+        for ((index, &row), &distance) in rows.iter().enumerate().zip(distances) {
+            if !is_near[circles.cell(index)] {
+                continue;
+            }
+            let (center, radius) = circle(index, distance);
             ranks.clear();
-            grid.each_cell(cells[index], |cell| ranks.extend_from_slice(near.of(cell)));
+            let range = grid.range(center, radius);
+            grid.each_cell(range, |cell| ranks.extend_from_slice(near.of(cell)));
             if ranks.is_empty() {
                 continue;
             }
