@@ -172,7 +172,7 @@ impl World {
         let most = match &self.domain {
             None => all.fold(0.0, f64::max),
             Some(domain) => {
-                let most = domain.own_of(all, &self.rows).fold(0.0, f64::max);
+                let most = domain.own_or(0.0, all, &self.rows).fold(0.0, f64::max);
                 self.largest_of_all([most])?[0]
             }
         };
@@ -184,7 +184,7 @@ impl World {
         let most = match &self.domain {
             None => f64::from(largest(column.iter().map(number))),
             Some(domain) => {
-                let own = domain.own_of(column.iter().map(number), &self.rows);
+                let own = domain.own_or(0.0, column.iter().map(number), &self.rows);
                 self.largest_of_all([f64::from(largest(own))])?[0]
             }
         };
@@ -198,7 +198,7 @@ impl World {
         let sum = match &self.domain {
             None => column.iter().map(whole).sum(),
             Some(domain) => {
-                let own = domain.own_of(column.iter().map(whole), &self.rows);
+                let own = domain.own_or(0, column.iter().map(whole), &self.rows);
                 self.sum_of_all([own.sum()])?[0]
             }
         };

@@ -153,12 +153,14 @@ impl World {
         let ids = &domain.ids;
         let resting = |contact: &Contact| {
             // Impulses across the sides of a torus are not kept.
-            let is_kept = contact.impulse > 0.0 && contact.image == [0.0; 2];
+            if contact.impulse <= 0.0 || contact.image != [0.0; 2] {
+                return None;
+            }
             let mut indices = contact.indices.map(|index| index as usize);
             indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
             let both = indices.map(|at| rows[at]);
             let is_own = both.iter().any(|&row| domain.owns(row));
-            (is_kept && is_own).then(|| Resting {
+            is_own.then(|| Resting {
                 ids: both.map(|row| ids[row as usize]),
                 rows: both.map(|row| if domain.owns(row) { row } else { NONE }),
                 impulses: [contact.impulse, contact.friction_impulse],

@@ -182,13 +182,16 @@ impl Domain {
         (row as usize) < self.own
     }
 
-    /// The values of own particles, from those of all indices.
-    pub(super) fn own_of<V>(
+    /// The values of own particles from those of all indices, and another value for ghosts. Loops over
+    /// them have no branches.
+    pub(super) fn own_or<V: Copy>(
         &self,
+        of_ghosts: V,
         all: impl Iterator<Item = V>,
         rows: &[u32],
     ) -> impl Iterator<Item = V> {
-        all.zip(rows).filter(|(_, row)| self.owns(**row)).map(|(value, _)| value)
+        let own = self.own as u32;
+        all.zip(rows).map(move |(value, &row)| if row < own { value } else { of_ghosts })
     }
 
     /// The id of a row among the particles of all ranks.

@@ -38,7 +38,8 @@ impl World {
             let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
             let pulled = fall + distance_of_fall(given, dt);
             let usual = own + if self.particles.movable[index] { pulled } else { 0.0 };
-            let known = domain.further.get(&domain.id(row));
+            let known =
+                if domain.further.is_empty() { None } else { domain.further.get(&domain.id(row)) };
             known.map_or(usual, |known| known.max(usual)) + margin as f32
         };
         let distances: Vec<f32> = self.rows.iter().enumerate().map(distance).collect();
@@ -175,13 +176,14 @@ impl World {
 
     /// The margin around each particle, and the longer side of the AABB of all positions.
     fn margin_and_extent(&mut self, dt: f32) -> Result<(f64, f64)> {
-        let Self { domain, particles, rows, settings, scratch, .. } = self;
+        let Self { domain, particles, settings, scratch, .. } = self;
         let Some(domain) = domain else { return Ok((0.0, 0.0)) };
+        // There are no ghosts yet.
         let wrapped = particles.positions.iter().map(|&at| settings.container.wrap(at));
-        let own = domain.own_of(wrapped, rows).fold([f64::MIN; 4], |most, [x, y]| {
-            let [x, y] = [f64::from(x), f64::from(y)];
+        let own = wrapped.fold([f32::MIN; 4], |most, [x, y]| {
             [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
         });
+        let own = own.map(f64::from);
         let radii: f64 = particles.radii.iter().map(|&radius| f64::from(radius)).sum();
         let numbers = [own[0], own[1], own[2], own[3], radii].map(f64::to_bits);
         let all = locked(&domain.group).gather(numbers)?;

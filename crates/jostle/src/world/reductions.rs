@@ -48,16 +48,13 @@ impl World {
 
     /// The largest x, y, −x and −y of all centres.
     pub(super) fn farthest(&self) -> Result<[f64; 4]> {
-        let mut most = [f32::MIN; 4];
-        let mut take = |&[x, y]: &[f32; 2]| {
-            most = [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)];
+        let least = [f32::MIN; 4];
+        let larger = |most: [f32; 4], own: [f32; 4]| [0, 1, 2, 3].map(|k| most[k].max(own[k]));
+        let all = self.particles.positions.iter().map(|&[x, y]| [x, y, -x, -y]);
+        let most = match &self.domain {
+            None => all.fold(least, larger),
+            Some(domain) => domain.own_or(least, all, &self.rows).fold(least, larger),
         };
-        match &self.domain {
-            None => self.particles.positions.iter().for_each(take),
-            Some(domain) => {
-                domain.own_of(self.particles.positions.iter(), &self.rows).for_each(&mut take);
-            }
-        }
         self.largest_of_all(most.map(f64::from))
     }
 

@@ -270,10 +270,11 @@ impl World {
     /// The AABB of some positions of all ranks; None if the world is not distributed.
     pub(super) fn extent_of_halfway(&self) -> Result<Option<[[f32; 2]; 2]>> {
         let Some(domain) = &self.domain else { return Ok(None) };
-        let all = domain.own_of(self.scratch.forces.halfway.iter(), &self.rows);
-        let own = all.fold([f32::MIN; 4], |most, &[x, y]| {
-            [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
-        });
+        let all = self.scratch.forces.halfway.iter().map(|&[x, y]| [x, y, -x, -y]);
+        let most = [f32::MIN; 4];
+        let own = domain
+            .own_or(most, all, &self.rows)
+            .fold(most, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])));
         let [right, bottom, left, top] = self.largest_of_all(own.map(f64::from))?.map(|v| v as f32);
         Ok(Some([[-left, -top], [right, bottom]]))
     }
