@@ -1,11 +1,12 @@
-"""Ranks of MPI beside threads of one process: the time of a step, and memory.
+"""Ranks of MPI compared with threads of one process: the time of a step, and memory.
 
     mpiexec -n 2 .venv/bin/python benchmarks/ranks.py
     mpiexec -n 2 .venv/bin/python benchmarks/ranks.py --memory
 
-The first command makes the same gas distributed over the ranks, and in one process with as many
-threads, in turn, and compares the states. The second prints how much memory a rank needs for each
-of its particles. With more ranks than cores, set MPIR_CVAR_POLLS_BEFORE_YIELD=1 (MPICH).
+The first command simulates the same gas distributed over the ranks, and in one process with as
+many threads. The two take turns, and their final states are compared. The second prints how
+much memory a rank needs for each of its particles. With more ranks than cores, set
+MPIR_CVAR_POLLS_BEFORE_YIELD=1 (MPICH).
 """
 
 from __future__ import annotations
@@ -26,15 +27,15 @@ COMM = MPI.COMM_WORLD
 #: Seconds of a step.
 STEP = 1 / 60
 
-#: Seconds between two looks of a rank that waits without using its core.
-LOOK = 0.01
+#: Seconds between two tests of the barrier by a waiting rank, which sleeps meanwhile.
+POLL = 0.01
 
 
 def wait_without_work() -> None:
     """Wait for all ranks; the others have all cores."""
     request = COMM.Ibarrier()
     while not request.Test():
-        time.sleep(LOOK)
+        time.sleep(POLL)
 
 
 def seconds(work: Callable[[], None]) -> float:

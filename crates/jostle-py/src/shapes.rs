@@ -19,14 +19,14 @@ pub enum Shapes {
 
 /// Copied arrays with checked shapes; the values are not checked yet.
 pub struct Rows<T> {
-    indices: IndexSet<T>,
+    positions: Positions<T>,
     radii: Each<T>,
     half_sizes: Option<Each<[T; 2]>>,
     filters: Option<[Each<u32>; 2]>,
 }
 
 /// The positions of shapes, one row each.
-pub enum IndexSet<T> {
+pub enum Positions<T> {
     /// Their centres.
     Centers(Vec<[T; 2]>),
     /// min x, min y, max x, max y.
@@ -61,7 +61,7 @@ impl<'py> Where<'py> {
                 "centers and boxes are both given; boxes take the place of centers, so leave out centers"
             }
             (None, Some(_), Some(_)) => {
-                "half_sizes and boxes are both given; boxes take the index of half_sizes, so leave out \
+                "half_sizes and boxes are both given; boxes take the place of half_sizes, so leave out \
                  half_sizes"
             }
         };
@@ -92,15 +92,15 @@ impl<'py> Where<'py> {
     }
 
     /// `len` of them.
-    pub fn rows<T: Scalar + Element>(&self, len: usize) -> PyResult<IndexSet<T>> {
+    pub fn rows<T: Scalar + Element>(&self, len: usize) -> PyResult<Positions<T>> {
         Ok(match self {
-            Self::Centers(centers) => IndexSet::Centers(centers.pairs(len)?),
-            Self::Boxes(boxes) => IndexSet::Boxes(boxes.boxes(len)?),
+            Self::Centers(centers) => Positions::Centers(centers.pairs(len)?),
+            Self::Boxes(boxes) => Positions::Boxes(boxes.boxes(len)?),
         })
     }
 
     /// One position without a number, or many with their number.
-    pub fn one_or_rows<T: Scalar + Element>(&self) -> PyResult<(IndexSet<T>, Option<usize>)> {
+    pub fn one_or_rows<T: Scalar + Element>(&self) -> PyResult<(Positions<T>, Option<usize>)> {
         fn with_len<V: Copy>(each: Each<V>) -> (Vec<V>, Option<usize>) {
             let len = each.len();
             (each.rows(1), len)
@@ -108,28 +108,30 @@ impl<'py> Where<'py> {
         Ok(match self {
             Self::Centers(centers) => {
                 let (centers, len) = with_len(centers.one_or_rows()?);
-                (IndexSet::Centers(centers), len)
+                (Positions::Centers(centers), len)
             }
             Self::Boxes(boxes) => {
                 let (boxes, len) = with_len(boxes.one_or_rows()?);
-                (IndexSet::Boxes(boxes), len)
+                (Positions::Boxes(boxes), len)
             }
         })
     }
 
     /// As [`Self::rows`], for a single shape.
-    pub fn only<T: Scalar + Element>(&self) -> PyResult<IndexSet<T>> {
+    pub fn only<T: Scalar + Element>(&self) -> PyResult<Positions<T>> {
         match self.one_or_rows()? {
             (one, None) => Ok(one),
-            (IndexSet::Centers(_), _) => {
+            (Positions::Centers(_), _) => {
                 Err(self.argument().wrong_shape("(2,), as there is one id"))
             }
-            (IndexSet::Boxes(_), _) => Err(self.argument().wrong_shape("(4,), as there is one id")),
+            (Positions::Boxes(_), _) => {
+                Err(self.argument().wrong_shape("(4,), as there is one id"))
+            }
         }
     }
 }
 
-impl<T: Scalar> IndexSet<T> {
+impl<T: Scalar> Positions<T> {
     /// The shapes of the core, with checked values; without the GIL.
     pub fn shapes(
         self,
@@ -151,18 +153,18 @@ impl Shapes {
         radii: &Given<'py>,
         [categories, masks]: [Maybe<'_, 'py>; 2],
     ) -> PyResult<Self> {
-        let indices = Where::read(centers, half_sizes, boxes)?;
+        let positions = Where::read(centers, half_sizes, boxes)?;
         let radii = radii.value().map(|value| Argument::reals("radii", value)).transpose()?;
         let half_sizes =
             half_sizes.map(|value| Argument::reals("half_sizes", value)).transpose()?;
         // A plain pair of half sizes for all shapes does not determine the precision.
         let sizes = half_sizes.as_ref().filter(|sizes| !sizes.is_plain_pair());
-        let single = all_single(&[Some(indices.argument()), radii.as_ref(), sizes]);
-        let filters = read_filters(categories, masks, indices.len()?)?;
+        let single = all_single(&[Some(positions.argument()), radii.as_ref(), sizes]);
+        let filters = read_filters(categories, masks, positions.len()?)?;
         Ok(if single {
-            Self::Single(Rows::read(&indices, radii.as_ref(), half_sizes.as_ref(), filters)?)
+            Self::Single(Rows::read(&positions, radii.as_ref(), half_sizes.as_ref(), filters)?)
         } else {
-            Self::Double(Rows::read(&indices, radii.as_ref(), half_sizes.as_ref(), filters)?)
+            Self::Double(Rows::read(&positions, radii.as_ref(), half_sizes.as_ref(), filters)?)
         })
     }
 }
@@ -187,14 +189,14 @@ fn read_filters(
 
 impl<T: Scalar + Element> Rows<T> {
     fn read(
-        indices: &Where<'_>,
+        positions: &Where<'_>,
         radii: Option<&Argument<'_>>,
         half_sizes: Option<&Argument<'_>>,
         filters: Option<[Each<u32>; 2]>,
     ) -> PyResult<Self> {
-        let len = indices.len()?;
+        let len = positions.len()?;
         Ok(Self {
-            indices: indices.rows(len)?,
+            positions: positions.rows(len)?,
             radii: match radii {
                 None => Each::One(T::ZERO),
                 Some(radii) => radii.real_each(len)?,
@@ -206,14 +208,14 @@ impl<T: Scalar + Element> Rows<T> {
 
     /// Number of shapes.
     pub fn len(&self) -> usize {
-        match &self.indices {
-            IndexSet::Centers(centers) => centers.len(),
-            IndexSet::Boxes(boxes) => boxes.len(),
+        match &self.positions {
+            Positions::Centers(centers) => centers.len(),
+            Positions::Boxes(boxes) => boxes.len(),
         }
     }
 
     /// The shapes of the core, with checked values; without the GIL.
     pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
-        self.indices.shapes(self.radii, self.half_sizes, self.filters)
+        self.positions.shapes(self.radii, self.half_sizes, self.filters)
     }
 }

@@ -52,7 +52,7 @@ impl<T: Scalar> Columns<T> {
     }
 
     /// The columns x and y of `len` shapes, for writing. [`Columns::fill_rest`] fills the others.
-    pub fn indices(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
+    pub fn centers_mut(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
         self.len = len;
         memory::resize(&mut self.x, len + SPARE, T::ZERO)?;
         memory::resize(&mut self.y, len + SPARE, T::ZERO)?;

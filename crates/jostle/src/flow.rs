@@ -108,7 +108,7 @@ mod tests {
         {
             let flow = Flow::new(h, [0.0, 10.0], drag as f32);
             let v = 3.0;
-            let index = v * flow.duration + 0.5 * flow.gravity[1] * flow.duration.powi(2);
+            let displacement = v * flow.duration + 0.5 * flow.gravity[1] * flow.duration.powi(2);
             let end = (v + flow.gravity[1] * flow.duration) * flow.decay + flow.correction[1];
             let drag = f64::from(drag as f32);
             let (tau, fall) = if drag == 0.0 {
@@ -117,15 +117,22 @@ mod tests {
                 let tau = -(-drag * h).exp_m1() / drag;
                 (tau, (h - tau) / drag)
             };
-            let (right_index, right_end) =
+            let (right_displacement, right_end) =
                 (v * tau + 10.0 * fall, v * (-drag * h).exp() + 10.0 * tau);
             let error = if drag * h < 1e-3 { 1e-9 } else { 1e-12 };
-            assert!((index / right_index - 1.0).abs() < error, "{drag}: {index} {right_index}");
+            assert!(
+                (displacement / right_displacement - 1.0).abs() < error,
+                "{drag}: {displacement} {right_displacement}"
+            );
             assert!((end / right_end - 1.0).abs() < 1e-12, "{drag}: {end} {right_end}");
             // A constant force does the same.
             let kicked = v + 10.0 * flow.kicks[0];
-            let (index, end) = (kicked * flow.duration, kicked * flow.decay + 10.0 * flow.kicks[1]);
-            assert!((index / right_index - 1.0).abs() < error, "{drag}: {index} {right_index}");
+            let (displacement, end) =
+                (kicked * flow.duration, kicked * flow.decay + 10.0 * flow.kicks[1]);
+            assert!(
+                (displacement / right_displacement - 1.0).abs() < error,
+                "{drag}: {displacement} {right_displacement}"
+            );
             assert!((end / right_end - 1.0).abs() < 1e-12, "{drag}: {end} {right_end}");
         }
     }

@@ -97,7 +97,7 @@ impl Row {
 pub struct Motions(Vec<Row>);
 
 impl Motions {
-    /// Makes room for `len` motions; what is in them is unspecified.
+    /// Resizes to `len` motions; their values are unspecified.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
     }
@@ -181,7 +181,7 @@ impl Motions {
 pub struct Vectors(Vec<AtomicU64>);
 
 impl Vectors {
-    /// Makes room for `len` vectors; new ones are 0.
+    /// Resizes to `len` vectors; new ones are 0.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
     }
@@ -260,7 +260,7 @@ impl Spins {
 pub struct Scalars(Vec<AtomicU64>);
 
 impl Scalars {
-    /// Makes room for `len` numbers; new ones are 0.
+    /// Resizes to `len` numbers; new ones are 0.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
     }

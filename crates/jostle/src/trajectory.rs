@@ -41,7 +41,7 @@ impl Segment {
     pub fn at(&self, time: f64, gravity: Vector) -> [Vector; 2] {
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
-        [self.index_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
+        [self.position_at(time, gravity), vector(|k| self.velocity[k] + g[k] * t)]
     }
 
     /// The rest of the segment from `time` on.
@@ -53,7 +53,7 @@ impl Segment {
 
     /// Centre at `time`.
     #[inline(always)]
-    pub fn index_at(&self, time: f64, gravity: Vector) -> Vector {
+    pub fn position_at(&self, time: f64, gravity: Vector) -> Vector {
         let t = time - self.time;
         let g = if self.falls { gravity } else { [0.0; 2] };
         vector(|k| self.position[k] + (self.velocity[k] + 0.5 * g[k] * t) * t)

@@ -1,4 +1,4 @@
-"""Particles that are added, removed or changed in a distributed world, as the core takes them."""
+"""Adding, removing, changing and pushing particles of a distributed world."""
 
 from __future__ import annotations
 
@@ -105,9 +105,11 @@ def _rows_of(core: Any, ids: NDArray[np.int64]) -> NDArray[np.intp]:
 def _vectors(
     name: str, values: ArrayLike | None, count: int, is_one: bool = False
 ) -> NDArray[np.float32]:
-    """An argument of so many pairs of finite numbers; of one if `is_one`; zeros for None."""
+    """Return `values` as `count` pairs of float32: one pair if `is_one`, zeros for None."""
     shape = (2,) if is_one else (count, 2)
-    array = np.zeros(shape) if values is None else np.asarray(values, np.float64)
+    array = np.zeros(shape) if values is None else np.asarray(values)
+    if array.size and array.dtype.kind not in "biuf":
+        raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
     if array.shape != shape and not array.size == count == 0:
         raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
     vectors = array.reshape(count, 2).astype(np.float32)
@@ -131,7 +133,7 @@ def _read_ids(ids: ArrayLike) -> NDArray[np.int64]:
 def _check(
     comm: MPI.Intracomm, core: Any, ids: NDArray[np.int64], may_repeat: bool = False
 ) -> None:
-    """Raise on all ranks if ids of all ranks together are not those of particles, each once."""
+    """Raise on all ranks if an id has no particle, or is given twice unless `may_repeat`."""
     found = np.isin(ids, core._own_ids()[0])
     comm.Allreduce(MPI.IN_PLACE, found, op=MPI.LOR)
     different, counts = np.unique(ids, return_counts=True)

@@ -26,7 +26,7 @@ def together(comm: MPI.Intracomm) -> Iterator[None]:
 
 @contextmanager
 def passed_on(comm: MPI.Intracomm) -> Iterator[None]:
-    """Raise the error of one rank on all, in a block that fails on all if it fails on one."""
+    """Raise an error on all ranks if the block fails, which must then fail on all ranks."""
     try:
         yield
     except RankError:

@@ -104,7 +104,7 @@ class World:
     particles move to other ranks; sleeping ones stay where they are until they wake.
 
     Settings such as `gravity` and `walls` can be assigned, a collective call. `contacts` are empty
-    after that, after `add`, `remove` and `force`, until the next step.
+    after that, and after `add`, `remove` and `force`, until the next step.
 
     Examples
     --------
@@ -116,6 +116,9 @@ class World:
     array([[0., 0.],
            [1., 0.]], dtype=float32)
     """
+
+    # An attribute that does not exist, such as a misspelt setting, cannot be assigned.
+    __slots__ = ("_comm", "_core", "_messages", "_work")
 
     def __init__(
         self,
@@ -349,8 +352,8 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. A particle may be
-            given more than once; the forces of all ranks on it are added, in the order of ranks.
+            Those that this rank gives, wherever the particles are; k may be 0. A call equals one of
+            `jostle.World.force` with the ids of rank 0, then those of rank 1, and so on.
         forces : array_like, shape (k, 2), or (2,) for one id
             In units of mass times length per second², see `jostle.World.force`.
 
@@ -371,8 +374,8 @@ class World:
     def accelerations(self) -> NDArray[np.float32]:
         """Given accelerations in the next call of `step`: ndarray of float32, shape (n, 2).
 
-        They are in the order of `ids`. Assigning an array of this shape, or None, is a collective
-        call; see `jostle.World.accelerations`.
+        They are in the order of `ids`. Assigning an array of this shape, or None for zeros, is a
+        collective call, which replaces what was given before; see `jostle.World.accelerations`.
         """
         given: NDArray[np.float32] = self._core.accelerations
         return given[: len(self)]
@@ -481,8 +484,8 @@ class World:
     sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
     track_events = Setting[bool]("Whether `events` are tracked, see `jostle.World.track_events`.")
     method = Setting[str]('How pairs are found: "quadtree" or "brute".')
-    leaf_capacity = Setting[int]("Particles of a box of the tree that is not split, at most.")
-    max_depth = Setting[int]("Subdivisions of the tree, at most.")
+    leaf_capacity = Setting[int]("Maximum number of particles of a leaf of the tree.")
+    max_depth = Setting[int]("Maximum depth of the tree.")
 
     @property
     def threads(self) -> int | None:
@@ -526,18 +529,19 @@ class World:
     @property
     @collective
     def potential_energy(self) -> float:
-        """Energy of all particles in gravity and in each `PairForce` that has a potential.
+        """Energy of the movable particles of all ranks in gravity and forces between kinds.
 
-        See `jostle.World.potential_energy`, which may differ in the last digits.
+        It counts each `PairForce` that has a potential, and may differ from
+        `jostle.World.potential_energy` in the last digits.
         """
         rows = self._records()
         moved = rows[rows["movable"]]
         places = moved["position"].astype(np.float64)
-        along = places @ np.array(self.gravity, np.float64)
+        along = places @ np.array(self.gravity, np.float32).astype(np.float64)
         energy = exact_sum(self._comm, -moved["mass"].astype(np.float64) * along)
         if not any(isinstance(force, jostle.PairForce) for force in self.forces):
             return energy
-        # In a copy, because ghosts of a step need not be all within the cutoff.
+        # In a copy, because the ghosts of a step may lack particles within the cutoff.
         rows = np.sort(rows, order="id", kind="stable")
         copy: Any = self._core._of_records(rows.tobytes())
         copy._distribute(self._messages, rows["id"].copy())
@@ -605,8 +609,8 @@ class World:
     def renumbered(self) -> NDArray[np.int64] | None:
         """The new id of each id after the last call of `step`, the same on all ranks.
 
-        None if no particles merged; see `jostle.World.renumbered`. It is the only array with a
-        number for each id that was ever given.
+        None if no particles merged; see `jostle.World.renumbered`. Each rank gets the whole array,
+        with a number for each id that was ever given.
         """
         pairs = joined(self._comm, self._core._own_renumbering().reshape(-1)).reshape(-1, 2)
         return new_ids(self._comm, pairs, *self._core._own_ids()) if len(pairs) else None

@@ -10,7 +10,7 @@ use super::{Either, PySpace, long};
 use crate::arrays::{Argument, Given, bit_sets, column, reals};
 use crate::ids::Ids;
 use crate::queries::{Maybe, result_of};
-use crate::shapes::{IndexSet, Where};
+use crate::shapes::{Positions, Where};
 
 #[pymethods]
 impl PySpace {
@@ -43,7 +43,7 @@ impl PySpace {
     /// ndarray of int64, shape (k,), or int
     ///     Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
     ///     removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
-    ///     indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
+    ///     positions of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
     ///
     /// Raises
     /// ------
@@ -91,14 +91,14 @@ impl PySpace {
         masks: Given<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         with_space!(self, space => {
-            let (indices, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
+            let (positions, len) = Where::read(centers, half_sizes, boxes)?.one_or_rows()?;
             let filters = [categories.value(), masks.value()].map(|bits| bits.filter(|v| !v.is_none()));
             let new = Draft {
                 radii: reals("radii", radii.value(), len.unwrap_or(1))?,
                 half_sizes: sizes(half_sizes, len.unwrap_or(1))?,
                 filters: bits(filters, len.unwrap_or(1))?,
             };
-            let ids = long(py, space, |space| space.add(&new.shapes(indices)?))?;
+            let ids = long(py, space, |space| space.add(&new.shapes(positions)?))?;
             let ids = result_of(ids, len.is_none())?;
             if len.is_none() { ids[0].into_bound_py_any(py) } else { Ok(column(py, ids).into_any()) }
         })
@@ -156,11 +156,11 @@ impl PySpace {
     ) -> PyResult<()> {
         with_space!(self, space => {
             let ids = Ids::read(ids, "shape")?;
-            let indices = Where::read(centers, None, boxes)?;
-            let indices = if ids.single { indices.only() } else { indices.rows(ids.all.len()) }?;
-            ids.result_of(long(py, space, |space| match &indices {
-                IndexSet::Centers(centers) => space.move_to(&ids.all, centers),
-                IndexSet::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
+            let positions = Where::read(centers, None, boxes)?;
+            let positions = if ids.single { positions.only() } else { positions.rows(ids.all.len()) }?;
+            ids.result_of(long(py, space, |space| match &positions {
+                Positions::Centers(centers) => space.move_to(&ids.all, centers),
+                Positions::Boxes(boxes) => space.move_to_boxes(&ids.all, boxes),
             })?)
         })
     }
@@ -305,7 +305,7 @@ struct Draft<T> {
 
 impl<T: Scalar> Draft<T> {
     /// The shapes of the core, with checked values; without the GIL.
-    fn shapes(self, indices: IndexSet<T>) -> jostle::Result<Shapes<T>> {
+    fn shapes(self, positions: Positions<T>) -> jostle::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {
             [None, None] => None,
@@ -314,7 +314,7 @@ impl<T: Scalar> Draft<T> {
                 masks.unwrap_or(Each::One(DEFAULT_MASK)),
             ]),
         };
-        indices.shapes(radii, self.half_sizes, filters)
+        positions.shapes(radii, self.half_sizes, filters)
     }
 }
 

@@ -151,7 +151,7 @@ impl Blocks {
         self.colours.clear();
     }
 
-    /// Makes room for the contacts of each kind of each colour. Contacts of particles with contacts
+    /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with contacts
     /// of uneven masses have blocks of their own, and those in sequence one each.
     pub fn arrange(&mut self, counts: &Counts) -> Lanes {
         self.colours.clear();

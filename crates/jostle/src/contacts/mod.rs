@@ -413,19 +413,19 @@ impl Contacts {
         self.recall(kept, left as usize);
     }
 
-    /// Adds contacts; `indices` is the number of particles.
-    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, indices: usize) {
+    /// Adds contacts; `count` is the number of particles.
+    pub fn insert(&mut self, new: impl Iterator<Item = Contact>, count: usize) {
         let all = self.list.iter().copied().chain(new).map(Contact::ascending);
         let mut list: Vec<Contact> = all.collect();
         list.sort_unstable_by_key(Contact::key);
-        self.recall(list, indices);
+        self.recall(list, count);
     }
 
-    /// Replaces all contacts by `list`, in canonical order; `indices` is the number of particles.
-    pub fn recall(&mut self, list: Vec<Contact>, indices: usize) {
+    /// Replaces all contacts by `list`, in canonical order; `count` is the number of particles.
+    pub fn recall(&mut self, list: Vec<Contact>, count: usize) {
         self.list = list;
         self.blocks.clear();
-        self.remember(indices);
+        self.remember(count);
     }
 
     /// Keeps the contacts that touched during the step or have an impulse, and adds the pairs that

@@ -300,7 +300,7 @@ mod tests {
         /// torus and across its seam.
         #[test]
         fn what_touches_is_never_left_out(
-            index in vector(-2.0..6.0),
+            point in vector(-2.0..6.0),
             [v, w] in [vector(-3.0..5.0), vector(-3.0..5.0)],
             drift in prop_oneof![Just(1.0), Just(1e-4), Just(0.0)],
             radii in prop_oneof![Just([0.0f32; 2]), Just([1.0; 2]), Just([0.01, 3.0])],
@@ -310,7 +310,7 @@ mod tests {
         ) {
             let (span, contact_distance) = (1.0, f64::from(radii[0]) + f64::from(radii[1]));
             let w = [0, 1].map(|k| v[k] + drift * w[k]);
-            let meeting = [index, [0, 1].map(|k| index[k] + share * contact_distance * direction[k])];
+            let meeting = [point, [0, 1].map(|k| point[k] + share * contact_distance * direction[k])];
             // Offsets between a torus and its images are numbers in float32.
             let image = image.map(|v| v as f32);
             let seam = image.map(f64::from);

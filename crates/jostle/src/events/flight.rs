@@ -224,7 +224,7 @@ impl Window<'_> {
         let start = &self.starts[index as usize];
         if start.velocity != [0.0; 2] {
             let segment = self.segment(index);
-            let position = segment.index_at(self.end, self.gravity());
+            let position = segment.position_at(self.end, self.gravity());
             let velocity = motions.velocity(index).map(f64::from);
             motions.advance(index, segment.position, position, velocity);
         }
@@ -365,7 +365,7 @@ impl Window<'_> {
             return None;
         }
         let smaller = if a < b { first } else { second };
-        let position = smaller.index_at(relative.start, self.gravity());
+        let position = smaller.position_at(relative.start, self.gravity());
         let limits = self.pair_limits(until, position, [a, b]);
         relative.impact(self.contact_distance(a, b), &limits)
     }
@@ -492,7 +492,7 @@ impl Window<'_> {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)
         };
-        let last = segment.index_at(self.end, self.gravity());
+        let last = segment.position_at(self.end, self.gravity());
         let square = square(segment.position).max(square(last));
         if !segment.falls {
             return square;

@@ -288,8 +288,8 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-        /// A disc is led to a place at which its distance from a point of a segment is a share of its
-        /// radius: near and far from the origin, short and long segments and ways, and points.
+        /// A disc is led to a point at which its distance from a point of a segment is a share of its
+        /// radius: near and far from the origin, short and long segments and displacements, and points.
         #[test]
         fn a_disc_that_touches_is_never_left_out(
             index in vector(-2.0..6.0),

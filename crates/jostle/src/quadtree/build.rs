@@ -61,14 +61,14 @@ impl<T: Scalar> Nodes<T> {
             + self.ends.capacity() * size_of::<u32>()
     }
 
-    /// Makes the nodes and the strips of the leaves, and writes the shapes to their `indices`. Not
+    /// Makes the nodes and the strips of the leaves, and writes the shapes to `outputs`. Not
     /// inlined, so that profiles show it.
     #[inline(never)]
     pub fn build(
         &mut self,
         order: &Order<T>,
         shapes: &Shapes<T>,
-        mut indices: Outputs<'_, T>,
+        mut outputs: Outputs<'_, T>,
         settings: &Settings,
         in_strips: bool,
     ) -> Result<()> {
@@ -83,7 +83,7 @@ impl<T: Scalar> Nodes<T> {
             let Self { nodes, strips, ends, scratch, .. } = self;
             nodes.push(root);
             builder.split_all(nodes, 0)?;
-            return builder.fill_leaves(nodes, indices, strips, ends, scratch);
+            return builder.fill_leaves(nodes, outputs, strips, ends, scratch);
         }
         self.nodes.push(root);
         builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
@@ -93,7 +93,7 @@ impl<T: Scalar> Nodes<T> {
         let failed = Mutex::new(Ok(()));
         let tasks = open.iter().map(|&node| {
             let node = self.nodes[node as usize];
-            (node, indices.split_off(node.len()))
+            (node, outputs.split_off(node.len()))
         });
         let tasks: Vec<_> = tasks.collect();
         let mut parts = Vec::new();
@@ -101,8 +101,8 @@ impl<T: Scalar> Nodes<T> {
             settings.threads,
             tasks.into_iter().enumerate(),
             Part::default,
-            |(task, (root, indices)), part| {
-                if let Err(error) = builder.add(part, task, root, indices) {
+            |(task, (root, outputs)), part| {
+                if let Err(error) = builder.add(part, task, root, outputs) {
                     *locked(&failed) = Err(error);
                 }
             },
@@ -216,13 +216,13 @@ impl<T: Scalar> Builder<'_, T> {
         part: &mut Part<T>,
         task: usize,
         root: Node,
-        indices: Outputs<'_, T>,
+        outputs: Outputs<'_, T>,
     ) -> Result<()> {
         let [first, strip, end] = [part.nodes.len(), part.strips.len(), part.ends.len()];
         memory::push(&mut part.nodes, root)?;
         self.split_all(&mut part.nodes, 0)?;
         let Part { nodes, strips, ends, scratch, .. } = part;
-        self.fill_leaves(&mut nodes[first..], indices, strips, ends, scratch)?;
+        self.fill_leaves(&mut nodes[first..], outputs, strips, ends, scratch)?;
         part.pieces.push(Piece {
             task,
             nodes: first..part.nodes.len(),
@@ -232,11 +232,12 @@ impl<T: Scalar> Builder<'_, T> {
         Ok(())
     }
 
-    /// Writes the shapes of all leaves to the indices of the first node, and makes their strips.
+    /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first node, and
+    /// makes their strips.
     fn fill_leaves(
         &self,
         nodes: &mut [Node],
-        mut indices: Outputs<'_, T>,
+        mut outputs: Outputs<'_, T>,
         strips: &mut Vec<Strips<T>>,
         ends: &mut Vec<u32>,
         scratch: &mut strips::Scratch,
@@ -248,7 +249,7 @@ impl<T: Scalar> Builder<'_, T> {
             node.children = strips.len() as u32;
             let items = self.order.keyed[0].items(node.range());
             let from = (node.start - before) as usize;
-            let to = indices.range(from..from + node.len());
+            let to = outputs.range(from..from + node.len());
             let start = node.start as usize;
             let leaf = if self.in_strips {
                 strips::sort_into_strips(self.shapes, items, start, to, ends, scratch)

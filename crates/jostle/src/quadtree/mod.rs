@@ -185,9 +185,9 @@ impl<T: Scalar> Quadtree<T> {
         self.order.sort(shapes, tie, unsorted, threads)?;
         let mut rows = std::mem::take(&mut self.order.rows);
         memory::resize(&mut rows, shapes.len(), 0)?;
-        let [x, y] = self.columns.indices(shapes.len())?;
-        let indices = strips::Outputs { rows: &mut rows, x, y };
-        let built = self.built.build(&self.order, shapes, indices, &settings, unsorted > 0);
+        let [x, y] = self.columns.centers_mut(shapes.len())?;
+        let outputs = strips::Outputs { rows: &mut rows, x, y };
+        let built = self.built.build(&self.order, shapes, outputs, &settings, unsorted > 0);
         self.order.rows = rows;
         built?;
         self.columns.fill_rest(shapes, &self.order.rows, threads)?;

@@ -181,8 +181,8 @@ impl<T: Scalar> Order<T> {
                 let nested = || root.compare(a.center.map(T::to_f64), b.center.map(T::to_f64));
                 let by_cell = if is_nested { nested() } else { Ordering::Equal };
                 let by_x = by_cell.then_with(|| a_x.total_order(&b_x));
-                let by_index = by_x.then_with(|| a_y.total_order(&b_y));
-                let by_tie = by_index.then_with(|| tie(a.row as usize, b.row as usize));
+                let by_position = by_x.then_with(|| a_y.total_order(&b_y));
+                let by_tie = by_position.then_with(|| tie(a.row as usize, b.row as usize));
                 by_tie.then(a.row.cmp(&b.row))
             });
             return Ok(());

@@ -112,7 +112,7 @@ impl<T: Scalar> Strips<T> {
     }
 }
 
-/// Outputs for the rows and the centres of some indices.
+/// Columns for the rows and the centres of some shapes.
 pub struct Outputs<'a, T> {
     /// Rows.
     pub rows: &'a mut [u32],
@@ -123,7 +123,7 @@ pub struct Outputs<'a, T> {
 }
 
 impl<'a, T> Outputs<'a, T> {
-    /// Splits off the first `len` indices.
+    /// Splits off the first `len` entries.
     pub fn split_off(&mut self, len: usize) -> Self {
         const EXPECT: &str = "the sizes add up";
         Self {

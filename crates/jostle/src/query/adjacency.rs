@@ -33,7 +33,7 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
     let Found { pairs, tests } = found;
     let mut pulse = Pulse::current();
     let mut offsets: Vec<usize> = memory::filled(len + 1, 0)?;
-    // The index of the next id of each row.
+    // For each row, the index at which its next neighbour is stored.
     let mut next: Vec<u32> = memory::filled(len + 1, 0)?;
     for pairs in pairs.chunks(ROWS) {
         pulse.check(2 * pairs.len())?;

@@ -61,8 +61,8 @@ impl Walls {
         let may_rest = || !scene.walls.is_far(index as u32, position, far as f32);
         if !scene.walls.is_empty() && may_rest() {
             let position = exact(position, motions.residual(index as u32));
-            let index_now = (position, 0.0);
-            scene.walls.contacts(index as u32, index_now, f64::from(radius), far, found);
+            let position_now = (position, 0.0);
+            scene.walls.contacts(index as u32, position_now, f64::from(radius), far, found);
             let velocity = motions.velocity(index as u32);
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
             // As for two particles, the normal at an end is taken as constant.

@@ -186,7 +186,7 @@ fn along_axis<T: Scalar, K: Scalar>(
         done = outcome.rounds;
     }
     let last = Separation { max_rounds: 0, ..rules.clone() };
-    sweep::index(bodies, axis, pusher, rules)?;
+    sweep::place(bodies, axis, pusher, rules)?;
     let outcome = Rounds::<T, K>::of(bodies, pusher, &last, None)?.outcome();
     Ok(Outcome { rounds: rules.max_rounds.min(done + 1), ..outcome })
 }

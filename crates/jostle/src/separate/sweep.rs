@@ -13,8 +13,8 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// Indices all movable shapes; one without a free position in the bounds is put into them.
-pub fn index<T: Scalar>(
+/// Places all movable shapes along the axis; one without a free position in the bounds is put into them.
+pub fn place<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
     pusher: &Pusher<T>,

@@ -80,7 +80,7 @@ impl<T> Default for Scratch<T> {
 pub struct Island<'a, T> {
     /// The call.
     pub call: &'a Call<'a, T>,
-    /// Its rows, ascending. The index of a shape is its index here.
+    /// Its rows, ascending. The index of a shape is its position in this list.
     pub rows: &'a [u32],
     /// That of the task.
     pub scratch: &'a mut Scratch<T>,

@@ -306,12 +306,12 @@ impl Search<'_> {
 
 /// A box that contains the trajectory of a centre between two times.
 fn bounds(segment: &Segment, times: [f64; 2], gravity: Vector) -> [Vector; 2] {
-    let [a, b] = times.map(|time| segment.index_at(time, gravity));
+    let [a, b] = times.map(|time| segment.position_at(time, gravity));
     // Where a parabola has its vertex along an axis, or one of the ends.
     let vertex = |k: usize| {
         let time = segment.time - segment.velocity[k] / gravity[k];
         let is_between = segment.falls && times[0] < time && time < times[1];
-        if is_between { segment.index_at(time, gravity)[k] } else { a[k] }
+        if is_between { segment.position_at(time, gravity)[k] } else { a[k] }
     };
     [vector(|k| a[k].min(b[k]).min(vertex(k))), vector(|k| a[k].max(b[k]).max(vertex(k)))]
 }
@@ -350,8 +350,8 @@ impl Walls {
         let [ux, uy] = line.along;
         // Its distances from the first end across the wall and along it, at both times.
         let [[a, along_a], [b, along_b]] = times.map(|time| {
-            let index = segment.index_at(time, gravity);
-            let [x, y] = vector(|k| index[k] - line.ends[0][k]);
+            let position = segment.position_at(time, gravity);
+            let [x, y] = vector(|k| position[k] - line.ends[0][k]);
             [y * ux - x * uy, x * ux + y * uy]
         });
         // A parabola leaves its chord by at most g t² / 8.

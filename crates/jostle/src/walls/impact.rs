@@ -71,7 +71,7 @@ impl Walls {
         let mut start = segment.time;
         loop {
             let end = self.next_change(index, part, segment, gravity, start).min(until);
-            let middle = segment.index_at(0.5 * (start + end), gravity);
+            let middle = segment.position_at(0.5 * (start + end), gravity);
             if self.acts(index, part, middle)
                 && let Some(impact) = test([start, end])
             {

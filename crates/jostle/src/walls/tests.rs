@@ -21,7 +21,7 @@ fn walls(all: &[[[f32; 2]; 2]]) -> Walls {
 /// before 1.
 fn oracle(walls: &Walls, segment: &Segment, radius: f64, gravity: Vector) -> Option<f64> {
     let gap = |time: f64| {
-        let at = segment.index_at(time, gravity);
+        let at = segment.position_at(time, gravity);
         walls.lines.iter().map(|line| line.distance(at)).fold(f64::MAX, f64::min) - radius
     };
     let steps = 20_000;

@@ -358,7 +358,7 @@ impl<'a> StepBounds<'a> {
         let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
         for number in 0..count as usize {
             let times = [number, number + 1].map(|number| time + number as f64 * interval);
-            let middle = segment.index_at(0.5 * (times[0] + times[1]), gravity);
+            let middle = segment.position_at(0.5 * (times[0] + times[1]), gravity);
             let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);

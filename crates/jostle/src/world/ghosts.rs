@@ -13,11 +13,12 @@ use crate::parallel::locked;
 /// Width of the margin around each particle, in mean radii.
 const MARGIN: f64 = 3.0;
 
-/// Factor of the margin from which on each rank gets all particles. It doubles with each repetition.
+/// With this factor of the margin, or a larger one, each rank gets all particles. It doubles with each
+/// repetition.
 const ALL: f64 = (1u64 << 30) as f64;
 
-/// Share of its radius by which a particle is announced larger to those near it now. It contains the gap of
-/// surfaces that touch.
+/// For ghosts near the present positions, the circle of a particle is larger by this fraction of its radius. It
+/// includes the gap at which two surfaces count as touching.
 const NEAR: f32 = 0.01;
 
 impl World {
@@ -47,7 +48,8 @@ impl World {
         Ok(margin >= extent)
     }
 
-    /// Gets the ghosts near own particles where these are now. There must be none.
+    /// Gets the particles of other ranks that are near the present positions of own ones. Ghosts must have been
+    /// dropped before.
     pub(super) fn exchange_static_ghosts(&mut self) -> Result<()> {
         if let Some(domain) = &mut self.domain {
             domain.is_static = true;
@@ -119,7 +121,7 @@ impl World {
             (center, radius * 1.000_01 + rounding)
         };
         let needs_ghosts = |index: usize| {
-            // Nothing changes the motion of others, but they may touch, and wake sleeping ones.
+            // Immovable particles need ghosts only if events are tracked or if they may wake others.
             let wakes = domain.asleep > 0 && !particles.is_static(index);
             particles.movable[index] || settings.track_events || wakes
         };

@@ -60,7 +60,7 @@ impl World {
             let id = self.id_among_all(rows[index]);
             let rule = format!("the acceleration of particle {id} would be too large");
             let value = format!("({x}, {y})");
-            // Indices of a distributed world are those of no argument.
+            // In a distributed world `newtons` is not the argument of the caller.
             return Err(match self.domain {
                 None => Error::at("forces", index, value, &rule),
                 Some(_) => Error::of("forces", value, &rule),
@@ -96,7 +96,7 @@ impl World {
         Ok(())
     }
 
-    /// Ends the given accelerations if they accelerate no particle, of any rank.
+    /// Removes the given accelerations if they are 0 for all particles of all ranks.
     pub(super) fn end_given_of_none(&mut self) -> Result<()> {
         let acts = self.given_accelerations().iter().any(|given| *given != [0.0; 2]);
         if self.given.is_some() && !self.any_of_all(acts)? {
@@ -111,7 +111,7 @@ impl World {
     }
 }
 
-/// Adds given accelerations to those at each index.
+/// Adds the given acceleration of each particle. `accelerations` and `rows` are by index, `given` by row.
 pub(super) fn add_given(accelerations: &mut [[f32; 2]], rows: &[u32], given: Option<&[[f32; 2]]>) {
     let Some(given) = given else { return };
     for (sum, &row) in accelerations.iter_mut().zip(rows) {

@@ -36,7 +36,7 @@ struct Member {
     rank: usize,
 }
 
-/// What the rank that merges an island gets of a member beside its states.
+/// What is sent of a member to the rank that merges its island, beside the states of the member.
 #[derive(Clone, Debug, PartialEq)]
 struct Details {
     island: Id,
@@ -111,7 +111,7 @@ impl World {
         Ok(())
     }
 
-    /// Whether ranks did not have these, so that the step ends early and is made anew.
+    /// Whether a rank lacked particles that its own ones may touch. Then the step ends early and is repeated.
     pub(super) fn must_repeat(&self) -> bool {
         self.scratch.agreement.is_some_and(|agreement| agreement != Agreement::Same)
     }
@@ -119,7 +119,7 @@ impl World {
     /// Merges the particles of all ranks that touched, and those that merged particles then overlap.
     pub(super) fn merge_with_other_ranks(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
         for _ in 0..ROUNDS {
-            // The ranks of two ghosts know whether these touch.
+            // Pairs of two ghosts are found by the ranks that own these particles.
             let Self { domain, rows, .. } = &*self;
             let is_own = |&index: &u32| owns(domain, rows[index as usize]);
             touching.retain(|pair| pair.iter().any(is_own));
@@ -179,7 +179,7 @@ impl World {
         Ok(own)
     }
 
-    /// Merges islands; returns whether any of any rank merged. If so, there are no ghosts.
+    /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
     fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
         let to = self.put_members(members);
         let Some(domain) = &self.domain else { return Ok(false) };

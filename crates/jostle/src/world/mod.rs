@@ -209,7 +209,7 @@ struct StepScratch {
     events: Events,
     /// Pairs that touched in earlier parts of the step, and their impulses.
     touched_before: Vec<([u32; 2], [f32; 2])>,
-    /// The new index of each particle, while these are renamed.
+    /// The new index of each particle, while the columns are reordered.
     indices: Vec<u32>,
     /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
     wall_impulses: Vec<(u32, u32, [f32; 2])>,

@@ -141,9 +141,9 @@ pub(super) struct Scratch {
     pub(super) names: Vec<Id>,
     /// What each particle rests on.
     rests: Vec<Rest>,
-    /// The number of the sleeping island of each index.
+    /// The number of the sleeping island of the particle at each index.
     pub(super) island_of: Vec<u32>,
-    /// The first member of the island and the index, of all that fall asleep.
+    /// For each particle that falls asleep, the first member of its island and its own index.
     pub(super) members: Vec<[u32; 2]>,
 }
 

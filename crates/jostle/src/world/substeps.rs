@@ -249,10 +249,10 @@ impl World {
         let Self { particles, settings, scratch, domain, .. } = self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
-        let indices = (&settings.container, walls);
+        let boundaries = (&settings.container, walls);
         let halo = domain.as_ref().map(|domain| domain.halo());
         let shared = (scratch.contact_shape.colours, halo);
-        correction.run(&self.contacts, motions, particles, indices, shared, of.threads)?;
+        correction.run(&self.contacts, motions, particles, boundaries, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
         Ok(())
     }

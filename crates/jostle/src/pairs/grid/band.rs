@@ -54,7 +54,8 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
         self.copy_row(layout, last, count)?;
-        // During the sort the count of a cell is two indices further, its next free index one.
+        // Until the sums are formed, `starts[cell + 2]` counts the shapes of `cell`. Then `starts[cell + 1]`
+        // is the index of its next shape.
         // Nested loops: the compiler does not inline `flatten`.
         for piece in items.clone() {
             for item in piece {

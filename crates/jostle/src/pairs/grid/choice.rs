@@ -10,11 +10,11 @@ use crate::simd::LANES;
 const FOR_EACH_SAMPLED: usize = 64;
 const SAMPLES: [usize; 2] = [32, 4096];
 
-/// The fractions of the sample that may be small. If a tenth of the shapes are large, so many fit into a
-/// cell of their size that a smaller cell gains little.
+/// The fractions of the sample that are tried as small shapes. Smaller fractions were slower in most scenes
+/// (`docs/benchmarks-notes.md`).
 const FRACTIONS: [f64; 4] = [1.0, 0.98, 0.95, 0.9];
 
-/// The largest of a sample times this is the largest small shape, if all are small.
+/// If all shapes are small, the largest size of the sample times this is the limit of small shapes.
 const MARGIN: f64 = 1.0 + 1.0 / 16.0;
 
 /// Times as multiples of that of a test of a shape against one block of others, measured with AVX-512
@@ -27,7 +27,7 @@ const LARGE: f64 = 50.0;
 /// cell, or a seventh of its shapes are large.
 const TREE: f64 = 16.0;
 
-/// Number of cells whose shapes are tested against one: half of its own and four others.
+/// Number of cells whose shapes are tested against a shape: half of its own cell, and four others.
 const TESTED_CELLS: f64 = 4.5;
 
 /// The cells of a grid, and the largest small shape.

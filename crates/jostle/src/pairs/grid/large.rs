@@ -51,7 +51,8 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         let len = pieces.clone().map(<[Item<T, SIZES>]>::len).sum();
         memory::reserve(items, len)?;
         memory::reserve(cells, len)?;
-        // During the sort the number of the shapes of a band is one index further.
+        // Until the sums are formed, `ends[band + 1]` counts the shapes of `band`. Then `ends[band]` is the
+        // index of its next entry.
         memory::resize(ends, layout.bands + 1, 0)?;
         pieces.for_each(|piece| items.extend_from_slice(piece));
         for item in &*items {

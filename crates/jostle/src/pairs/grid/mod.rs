@@ -1,8 +1,8 @@
 //! All pairs of circles or rectangles, by uniform grids.
 //!
-//! A cell is at least as wide and as high as a small shape. So a small shape overlaps only those of its
-//! own cell, of the cell after it and of three cells of the row before, and others that find the pair
-//! themselves. These are two ranges of adjacent shapes, which are tested at once. A large shape is tested
+//! A cell is at least as wide and as high as a small shape. A small shape is tested only against those of its
+//! own cell, of the next cell and of three cells of the row before. Pairs with the other neighbouring cells
+//! are found from the other shape. The tested shapes are two contiguous ranges. A large shape is tested
 //! against the small ones of all cells that it may reach. The pairs of two large shapes are found in the
 //! same way by a grid of larger cells, until few are left.
 //!
@@ -58,15 +58,15 @@ pub(super) struct Grid<T> {
     rounded: Levels<T, ROUNDED>,
 }
 
-/// Pairs, and the rows of shapes whose pairs with each other are not among them.
+/// Some of the pairs; `rest` are rows of large shapes whose pairs with each other are not in `found`.
 pub(super) struct Part {
     pub(super) found: Found,
     pub(super) rest: Vec<u32>,
 }
 
 impl<T: Scalar> Grid<T> {
-    /// The overlapping pairs of rows, `i < j`, except those within a rest; None if the shapes may not all
-    /// pair, are given as boxes, or are so few or so sparse that a tree is faster.
+    /// The overlapping pairs of rows, `i < j`, except those of two shapes of `rest`. None if there are filters,
+    /// boxes or a period, or if a tree is faster.
     pub(super) fn find(
         &mut self,
         shapes: &Shapes<T>,

@@ -278,7 +278,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         }
     }
 
-    /// Tests a shape against others; returns the number of pairs. The output has capacity for all, and a block.
+    /// Tests a shape against others; returns the number of pairs. `spare` has capacity for all and one more block.
     #[inline(always)]
     fn test_blocks(
         &self,
@@ -298,7 +298,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         count
     }
 
-    /// A bit for each of some others that overlaps one.
+    /// A bit for each of `others`, set if it overlaps `one`.
     #[inline(always)]
     fn near(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> u32 {
         let Self { simd, squared, .. } = *self;
