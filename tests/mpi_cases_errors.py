@@ -120,6 +120,13 @@ def test_errors() -> None:
             assert argument in str(error), error
         else:
             raise AssertionError(f"{argument} is refused")
+    for name in ("gravitiy", "velocities"):  # a misspelt setting, a column
+        try:
+            setattr(world, name, 0)
+        except AttributeError as error:
+            assert name in str(error), error
+        else:
+            raise AssertionError(f"{name} is refused")
     # Only one rank has a particle that moves too far.
     before = world.state_hash()
     hurried = scattered(
