@@ -43,7 +43,7 @@ impl PySpace {
     /// ndarray of int64, shape (k,), or int
     ///     Their ids; one id for one centre or one box. The first ids are 0, 1, 2, ... After
     ///     removals, later shapes have ids of 2**32 and more, in any order: do not use ids as
-    ///     positions of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
+    ///     indices of arrays; ``np.searchsorted(space.ids, ids)`` gives their rows.
     ///
     /// Raises
     /// ------
