@@ -7,9 +7,8 @@ use super::images::Image;
 use super::kernel::{Kernel, Scratch, Side};
 use super::output::{Budget, MapPairs, Output, PairScratch, filter_map};
 use super::{Filters, Found};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
-use crate::memory;
 use crate::parallel;
 use crate::quadtree::Quadtree;
 use crate::simd::{Simd, Work};
@@ -80,14 +79,8 @@ impl<'a, T: Scalar> Join<'a, T> {
                     filter_map(pairs, |pair| image.is_first(&period, shapes(pair)).then_some(pair));
                 map(&mut pairs[..kept])
             };
-            let more = join.run_direct(left, &map, scratch).map_err(|error| match error {
-                Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-                other => other,
-            })?;
-            memory::reserve(&mut found.pairs, more.pairs.len())?;
-            found.pairs.extend_from_slice(&more.pairs);
-            found.tests += more.tests;
-            scratch.keep(more.pairs);
+            let more = join.run_direct(left, &map, scratch);
+            scratch.keep(found.append(more, max_pairs)?);
         }
         Ok(found)
     }

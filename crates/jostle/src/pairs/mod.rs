@@ -76,6 +76,18 @@ impl Found {
     pub fn sort(&mut self) -> Result<()> {
         sorting::sort(&mut self.pairs, &mut Pulse::current())
     }
+
+    /// Adds the result of a search that had the rest of `max_pairs`; returns its memory for pairs.
+    fn append(&mut self, more: Result<Self>, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
+        let more = more.map_err(|error| match error {
+            Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
+            other => other,
+        })?;
+        memory::reserve(&mut self.pairs, more.pairs.len())?;
+        self.pairs.extend_from_slice(&more.pairs);
+        self.tests += more.tests;
+        Ok(more.pairs)
+    }
 }
 
 /// All overlapping pairs of rows, `i < j`, in unspecified order. `None` chooses the faster method.

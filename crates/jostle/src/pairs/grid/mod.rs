@@ -22,9 +22,8 @@ use std::sync::Mutex;
 use super::Found;
 use super::output::{Budget, Output, Pair, PairScratch};
 use super::unchanged;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::Scalar;
-use crate::memory;
 use crate::parallel::{self, locked};
 use crate::quadtree::extent_of;
 use crate::quadtree::partition::{Item, Partition};
@@ -175,14 +174,7 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
                 std::mem::swap(&mut self.rest, &mut self.large.items);
                 return Ok(());
             };
-            let more = more.map_err(|error| match error {
-                Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-                other => other,
-            })?;
-            memory::reserve(&mut found.pairs, more.pairs.len())?;
-            found.pairs.extend_from_slice(&more.pairs);
-            found.tests += more.tests;
-            self.pairs = more.pairs;
+            self.pairs = found.append(more, max_pairs)?;
         }
         Ok(())
     }
