@@ -1,6 +1,8 @@
 //! The cells in which the particles of each rank are, so that ranks know which of theirs are near
 //! others.
 
+use std::ops::Range;
+
 use super::scale::{CELLS, Scale};
 use crate::container::Container;
 
@@ -36,13 +38,6 @@ impl<'a> Grid<'a> {
         (self.scales[axis].cell(x) >> self.shift) as u16
     }
 
-    /// The cell of a point, which on a torus is wrapped.
-    #[inline(always)]
-    pub fn cell_of(&self, point: [f32; 2]) -> u32 {
-        let [column, row] = [0, 1].map(|axis| u32::from(self.cell(axis, f64::from(point[axis]))));
-        column * self.count as u32 + row
-    }
-
     /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last of
     /// each. On a torus the first may be behind the last.
     #[inline(always)]
@@ -52,7 +47,7 @@ impl<'a> Grid<'a> {
 
     /// The same of an AABB, from the ends of both sides.
     #[inline(always)]
-    fn range_of(&self, sides: [[f64; 2]; 2]) -> [[u16; 2]; 2] {
+    fn range_of(&self, sides: Sides) -> [[u16; 2]; 2] {
         [0, 1].map(|axis| {
             let ends = sides[axis];
             let Some(size) = self.period else {
@@ -69,6 +64,15 @@ impl<'a> Grid<'a> {
             }
             all
         })
+    }
+
+    /// The number of cells of such a range.
+    fn cells_of(&self, range: [[u16; 2]; 2]) -> usize {
+        let along = |[first, last]: [u16; 2]| {
+            let behind = if first > last { self.count } else { 0 };
+            usize::from(last) + behind - usize::from(first) + 1
+        };
+        along(range[0]) * along(range[1])
     }
 
     /// Calls `act` with each cell of such a range.
@@ -96,88 +100,112 @@ impl<'a> Grid<'a> {
 
 /// The ends of both sides of the AABB of a circle.
 #[inline(always)]
-fn sides_of(center: [f32; 2], radius: f64) -> [[f64; 2]; 2] {
+fn sides_of(center: [f32; 2], radius: f64) -> Sides {
     center.map(|v| [f64::from(v) - radius, f64::from(v) + radius])
 }
 
-/// The cell of the centre of each circle, and an AABB of the circles of each cell. There are fewer cells than
-/// circles.
+/// Circles in a block.
+const BLOCK: usize = 16;
+
+/// Cells that the AABB of a block may overlap. The circles of a larger one are tested one by one: where the
+/// Morton curve jumps, successive circles are far from each other.
+const MOST_CELLS: usize = 64;
+
+/// Circles in Morton order, in blocks of successive ones, most of which are near each other.
 #[derive(Debug)]
-pub struct CirclesInCells {
-    cells: Vec<u32>,
-    all: CellBounds,
-    /// Only of circles that need others near them.
-    needing: CellBounds,
+pub struct CircleBlocks<'a, C> {
+    grid: &'a Grid<'a>,
+    /// The centre and the radius of each circle, and whether it needs others near it.
+    circle: C,
+    len: usize,
+    /// An AABB of each block, and one of those of its circles that need others.
+    bounds: Vec<[Sides; 2]>,
 }
 
-impl CirclesInCells {
-    /// Those of some circles, of which some need others near them.
-    pub fn new(grid: &Grid<'_>, circles: impl Iterator<Item = ([f32; 2], f64, bool)>) -> Self {
-        let [mut all, mut needing] = [CellBounds::new(grid), CellBounds::new(grid)];
-        let cell = |(center, radius, needs): ([f32; 2], f64, bool)| {
-            let cell = grid.cell_of(center);
-            all.add(cell, center, radius);
-            if needs {
-                needing.add(cell, center, radius);
-            }
-            cell
-        };
-        let cells = circles.map(cell).collect();
-        Self { cells, all, needing }
-    }
+/// The ends of both sides of an AABB.
+type Sides = [[f64; 2]; 2];
 
-    /// The cell of a circle.
-    #[inline(always)]
-    pub fn cell(&self, index: usize) -> usize {
-        self.cells[index] as usize
+/// The AABB of no circles.
+const NONE: Sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+
+impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
+    /// The blocks of `len` circles.
+    pub fn new(grid: &'a Grid<'a>, len: usize, circle: C) -> Self {
+        let mut bounds = Vec::with_capacity(len.div_ceil(BLOCK));
+        for first in (0..len).step_by(BLOCK) {
+            let [mut all, mut needing] = [NONE; 2];
+            for index in first..len.min(first + BLOCK) {
+                let (center, radius, needs) = circle(index);
+                let sides = sides_of(center, radius);
+                all = union(all, sides);
+                needing = union(needing, if needs { sides } else { NONE });
+            }
+            bounds.push([all, needing]);
+        }
+        Self { grid, circle, len, bounds }
     }
 
     /// The cells near circles that need others.
-    pub fn marks(&self, grid: &Grid<'_>) -> Marks {
-        let mut marks = Marks::new(grid);
-        self.needing.each(grid, |_, range| grid.each_cell(range, |cell| marks.set(cell)));
+    pub fn marks(&self) -> Marks {
+        let mut marks = Marks::new(self.grid);
+        for (block, [_, needing]) in self.bounds.iter().enumerate() {
+            if needing[0][0] > needing[0][1] {
+                continue;
+            }
+            if let Some(range) = self.few_cells(needing) {
+                self.grid.each_cell(range, |cell| marks.set(cell));
+                continue;
+            }
+            for (center, radius, needs) in self.indices(block).map(&self.circle) {
+                if needs {
+                    self.grid.each_cell(self.grid.range(center, radius), |cell| marks.set(cell));
+                }
+            }
+        }
         marks
     }
 
-    /// Whether the circles of each cell may be near another rank.
-    pub fn are_near(&self, grid: &Grid<'_>, near: &Near) -> Vec<bool> {
-        let mut are_near = vec![false; grid.cells()];
-        self.all.each(grid, |cell, range| {
-            grid.each_cell(range, |other| are_near[cell] |= !near.of(other).is_empty());
-        });
-        are_near
-    }
-}
-
-/// An AABB of the circles whose centres are in each cell.
-#[derive(Debug)]
-struct CellBounds(Vec<[[f64; 2]; 2]>);
-
-impl CellBounds {
-    /// Those of no circles.
-    fn new(grid: &Grid<'_>) -> Self {
-        Self(vec![[[f64::INFINITY, f64::NEG_INFINITY]; 2]; grid.cells()])
-    }
-
-    /// Adds a circle with its centre in a cell.
-    #[inline(always)]
-    fn add(&mut self, cell: u32, center: [f32; 2], radius: f64) {
-        let bounds = &mut self.0[cell as usize];
-        for ([first, last], [low, high]) in bounds.iter_mut().zip(sides_of(center, radius)) {
-            // Functions such as `min` take longer, because they treat NaN.
-            *first = if low < *first { low } else { *first };
-            *last = if high > *last { high } else { *last };
-        }
-    }
-
-    /// Calls `act` with each cell that has circles, and the range of cells that their AABB overlaps.
-    fn each(&self, grid: &Grid<'_>, mut act: impl FnMut(usize, [[u16; 2]; 2])) {
-        for (cell, &sides) in self.0.iter().enumerate() {
-            if sides[0][0] <= sides[0][1] {
-                act(cell, grid.range_of(sides));
+    /// Calls `act` with each circle that may be near other ranks, and with these in ascending order.
+    pub fn each_near(&self, near: &Near, mut act: impl FnMut(usize, &[u32])) {
+        let mut ranks = Vec::new();
+        for (block, [all, _]) in self.bounds.iter().enumerate() {
+            let mut is_near = false;
+            let range = self.few_cells(all);
+            range.inspect(|&range| {
+                self.grid.each_cell(range, |cell| is_near |= !near.of(cell).is_empty());
+            });
+            if range.is_some() && !is_near {
+                continue;
+            }
+            for index in self.indices(block) {
+                let (center, radius, _) = (self.circle)(index);
+                near.list_ranks(self.grid, center, radius, &mut ranks);
+                if !ranks.is_empty() {
+                    act(index, &ranks);
+                }
             }
         }
     }
+
+    /// The cells of an AABB, unless there are many.
+    fn few_cells(&self, sides: &Sides) -> Option<[[u16; 2]; 2]> {
+        let range = self.grid.range_of(*sides);
+        (self.grid.cells_of(range) <= MOST_CELLS).then_some(range)
+    }
+
+    fn indices(&self, block: usize) -> Range<usize> {
+        block * BLOCK..self.len.min((block + 1) * BLOCK)
+    }
+}
+
+/// The AABB of two AABBs. Functions such as `min` take longer, because they treat NaN.
+#[inline(always)]
+fn union(a: Sides, b: Sides) -> Sides {
+    [0, 1].map(|axis| {
+        let ([low, high], [other_low, other_high]) = (a[axis], b[axis]);
+        let low = if other_low < low { other_low } else { low };
+        [low, if other_high > high { other_high } else { high }]
+    })
 }
 
 /// A mark for each cell.
@@ -252,6 +280,15 @@ impl Near {
     pub fn of(&self, cell: usize) -> &[u32] {
         &self.ranks[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
+
+    /// Replaces `ranks` by those that have marked a cell of a circle, in ascending order.
+    #[inline(always)]
+    pub fn list_ranks(&self, grid: &Grid<'_>, center: [f32; 2], radius: f64, ranks: &mut Vec<u32>) {
+        ranks.clear();
+        grid.each_cell(grid.range(center, radius), |cell| ranks.extend_from_slice(self.of(cell)));
+        ranks.sort_unstable();
+        ranks.dedup();
+    }
 }
 
 #[cfg(test)]
@@ -296,28 +333,36 @@ mod tests {
         assert_eq!(cells(&grid, [2.5, 0.5], 1.99).len(), 16);
     }
 
+    /// Circles at random places: the cells of all that need others are marked, and each is near exactly the ranks
+    /// that have marked one of its cells.
     #[test]
-    fn bounds_of_cells_contain_their_circles() {
+    fn blocks_mark_and_find_the_cells_of_their_circles() {
         for container in [Container::None, Container::Torus { size: [4.0, 4.0] }] {
             let scales = even([4.0, 4.0]);
             let grid = Grid::new(&container, &scales, 1 << 12);
             let circle = |k: usize| {
-                let center = [0.618, 0.755].map(|step| (k as f32 * step).fract() * 4.0);
-                (center, 0.01 + 0.3 * (k as f64 * 0.37).fract())
+                // Of each 64 circles the first 40 are at one place.
+                let place = if k % 64 < 40 { k / 64 } else { k };
+                let center = [0.618, 0.755].map(|step| (place as f32 * step).fract() * 4.0);
+                (center, 0.01 + 0.3 * (k as f64 * 0.37).fract().powi(4), k.is_multiple_of(3))
             };
-            let circles: Vec<_> = (0..300).map(circle).collect();
-            let all = circles.iter().map(|&(center, radius)| (center, radius, false));
-            let bounds = CirclesInCells::new(&grid, all);
-            assert!(bounds.marks(&grid).runs().is_empty());
-            let mut found = vec![Vec::new(); grid.cells()];
-            bounds
-                .all
-                .each(&grid, |cell, range| grid.each_cell(range, |other| found[cell].push(other)));
-            for (center, radius) in circles {
-                let near = &found[grid.cell_of(center) as usize];
-                assert!(cells(&grid, center, radius).iter().all(|cell| near.contains(cell)));
+            let blocks = CircleBlocks::new(&grid, 300, circle);
+            let marked = blocks.marks().0;
+            let of = |k: usize| cells(&grid, circle(k).0, circle(k).1);
+            let needing = || (0..300usize).filter(|k| k.is_multiple_of(3));
+            assert!(needing().all(|k| of(k).iter().all(|&cell| marked[cell])));
+            // A block marks an AABB of at most `MOST_CELLS`, so not all cells.
+            assert!(marked.iter().any(|&is_marked| !is_marked));
+            let mut marks = [(); 2].map(|()| Marks::new(&grid));
+            (0..3).for_each(|k| of(70 * k).iter().for_each(|&cell| marks[k % 2].set(cell)));
+            let near = Near::new(&grid, &[marks[0].runs(), marks[1].runs(), vec![]], 2);
+            let mut found = vec![Vec::new(); 300];
+            blocks.each_near(&near, |k, ranks| found[k] = ranks.to_vec());
+            for (k, found) in found.iter().enumerate() {
+                let has = |rank: u32| of(k).iter().any(|&cell| near.of(cell).contains(&rank));
+                let expected: Vec<u32> = (0..2).filter(|&rank| has(rank)).collect();
+                assert_eq!(*found, expected);
             }
-            assert!(found.iter().all(|near| near.len() < grid.cells()));
         }
     }
 

@@ -13,7 +13,7 @@ use std::sync::Mutex;
 use crate::error::Result;
 use crate::forces::chance::mixed;
 use crate::parallel::locked;
-pub use cells::{CirclesInCells, Grid, Marks, Near};
+pub use cells::{CircleBlocks, Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records};

@@ -3,9 +3,9 @@
 use super::World;
 use super::asleep::Asleep;
 use super::bounds::{distance_at, distance_of_fall, rounding};
-use super::domain::Announced;
+use super::domain::{Announced, Domain};
 use super::waking_of_ranks::islands_of_circles;
-use crate::decomposition::{CirclesInCells, Grid, Near, RECORD, put_record};
+use crate::decomposition::{CircleBlocks, Grid, Near, RECORD, put_record};
 use crate::error::Result;
 use crate::forces;
 use crate::parallel::locked;
@@ -104,63 +104,45 @@ impl World {
     fn exchange_within(&mut self, distances: &[f32]) -> Result<()> {
         let Self { domain, particles, rows, settings, forces, asleep, .. } = self;
         let Some(domain) = domain else { return Ok(()) };
-        let grid = Grid::new(&settings.container, &domain.scales, domain.awake);
-        domain.announced.resize(domain.own, Announced::default());
-        let mut group = locked(&domain.group);
-        domain.sent.resize(group.size(), Vec::new());
-        domain.sent.iter_mut().for_each(Vec::clear);
-        domain.is_sent.clear();
-        domain.is_sent.resize(domain.own, false);
+        let (awake, has_sleepers) = (domain.awake, domain.asleep > 0);
+        let Domain { group, ids, own, scales, announced, sent, is_sent, foreign, .. } =
+            &mut **domain;
+        let grid = Grid::new(&settings.container, scales, awake);
+        let mut group = locked(group);
+        announced.resize(*own, Announced::default());
+        sent.resize(group.size(), Vec::new());
+        sent.iter_mut().for_each(Vec::clear);
+        is_sent.clear();
+        is_sent.resize(*own, false);
         for ((&row, &position), &distance) in rows.iter().zip(&particles.positions).zip(distances) {
-            domain.announced[row as usize] = Announced { position, distance };
+            announced[row as usize] = Announced { position, distance };
         }
-        let circle = |index: usize, distance: f32| {
+        let circle = |index: usize| {
             let center = settings.container.wrap(particles.positions[index]);
-            let radius = f64::from(particles.radii[index]) + f64::from(distance);
+            let radius = f64::from(particles.radii[index]) + f64::from(distances[index]);
             let rounding = f64::from(rounding(particles.positions[index], &settings.container));
-            (center, radius * 1.000_01 + rounding)
-        };
-        let needs_ghosts = |index: usize| {
             // Immovable particles need ghosts only if events are tracked or if they may wake others.
-            let wakes = domain.asleep > 0 && !particles.is_static(index);
-            particles.movable[index] || settings.track_events || wakes
+            let wakes = has_sleepers && !particles.is_static(index);
+            let needs_ghosts = particles.movable[index] || settings.track_events || wakes;
+            (center, radius * 1.000_01 + rounding, needs_ghosts)
         };
-        let circles = distances.iter().enumerate().map(|(index, &distance)| {
-            let (center, radius) = circle(index, distance);
-            (center, radius, needs_ghosts(index))
-        });
-        let circles = CirclesInCells::new(&grid, circles);
-        let marks = circles.marks(&grid);
-        let near = Near::new(&grid, &group.share(&marks.runs())?, group.rank());
-        // Most cells are far from other ranks, so cells are tested before their particles.
-        let is_near = circles.are_near(&grid, &near);
+        let circles = CircleBlocks::new(&grid, rows.len(), circle);
+        let near = Near::new(&grid, &group.share(&circles.marks().runs())?, group.rank());
         let mut to = vec![Vec::new(); group.size()];
-        let mut ranks = Vec::new();
-        for ((index, &row), &distance) in rows.iter().enumerate().zip(distances) {
-            if !is_near[circles.cell(index)] {
-                continue;
-            }
-            let (center, radius) = circle(index, distance);
-            ranks.clear();
-            let range = grid.range(center, radius);
-            grid.each_cell(range, |cell| ranks.extend_from_slice(near.of(cell)));
-            if ranks.is_empty() {
-                continue;
-            }
-            ranks.sort_unstable();
-            ranks.dedup();
-            domain.is_sent[row as usize] = true;
-            let name = (domain.id(row), forces::kinds_of(forces, row as usize));
-            for &rank in &ranks {
+        circles.each_near(&near, |index, ranks| {
+            let row = rows[index] as usize;
+            is_sent[row] = true;
+            let name = (ids[row], forces::kinds_of(forces, row));
+            for &rank in ranks {
                 put_record(&mut to[rank as usize], name, particles, index);
-                domain.sent[rank as usize].push(row);
+                sent[rank as usize].push(row as u32);
             }
-        }
+        });
         let arrived = group.exchange(&to)?;
-        if domain.asleep > 0 {
+        if has_sleepers {
             let circles = asleep.circles_near(&grid, &near, &settings.container, group.size());
             let circles = group.exchange(&circles)?.concat();
-            domain.foreign = islands_of_circles(&circles, settings.tree)?;
+            *foreign = islands_of_circles(&circles, settings.tree)?;
         }
         drop(group);
         let received = arrived.iter().map(|bytes| bytes.len() / RECORD).collect();
