@@ -3,8 +3,9 @@
 use jostle::{Communicator, Error, Result};
 use pyo3::create_exception;
 use pyo3::exceptions::PyRuntimeError;
+use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyList};
+use pyo3::types::{PyByteArray, PyBytes, PyTuple};
 
 use crate::interrupt;
 
@@ -50,31 +51,33 @@ impl Communicator for PyCommunicator {
 
     fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>> {
         called(|py| {
-            let all = self.object.bind(py).call_method1("gather", (PyBytes::new(py, own),))?;
-            Ok(all.cast::<PyBytes>()?.as_bytes().to_vec())
+            let own = (PyBytes::new(py, own),);
+            let all = self.object.bind(py).call_method1(intern!(py, "gather"), own)?;
+            Ok(all.cast::<PyByteArray>()?.to_vec())
         })
     }
 
     fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>> {
         called(|py| {
-            let arguments = (PyBytes::new(py, own), counts.to_vec());
-            let all = self.object.bind(py).call_method1("gather_all", arguments)?;
-            Ok(all.cast::<PyBytes>()?.as_bytes().to_vec())
+            let arguments = (PyBytes::new(py, own), PyTuple::new(py, counts)?);
+            let all = self.object.bind(py).call_method1(intern!(py, "gather_all"), arguments)?;
+            Ok(all.cast::<PyByteArray>()?.to_vec())
         })
     }
 
     fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>> {
-        called(|py| self.object.bind(py).call_method1("transpose", (to.to_vec(),))?.extract())
+        called(|py| {
+            let object = self.object.bind(py);
+            object.call_method1(intern!(py, "transpose"), (to.to_vec(),))?.extract()
+        })
     }
 
-    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
+    fn exchange(&mut self, to: &[u8], sent: &[usize], received: &[usize]) -> Result<Vec<u8>> {
         called(|py| {
-            let to = PyList::new(py, to.iter().map(|part| PyBytes::new(py, part)))?;
-            let all = self.object.bind(py).call_method1("exchange", (to, counts.to_vec()))?;
-            let part = |part: PyResult<Bound<'_, PyAny>>| {
-                PyResult::Ok(part?.cast::<PyBytes>()?.as_bytes().to_vec())
-            };
-            all.try_iter()?.map(part).collect()
+            let to = PyBytes::new(py, to);
+            let arguments = (to, PyTuple::new(py, sent)?, PyTuple::new(py, received)?);
+            let all = self.object.bind(py).call_method1(intern!(py, "exchange"), arguments)?;
+            Ok(all.cast::<PyByteArray>()?.to_vec())
         })
     }
 }

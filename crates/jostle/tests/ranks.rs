@@ -60,17 +60,16 @@ impl Communicator for ThreadRank {
         Ok(all.iter().map(|part| u64::from_le_bytes(part[..].try_into().unwrap())).collect())
     }
 
-    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
-        if to.is_empty() {
-            // One rank alone has no lists of ghosts.
-            return Ok(Vec::new());
-        }
-        let mut all = self.swap(to.to_vec())?;
-        assert!(all.iter().zip(counts).all(|(part, &count)| part.len() == count));
+    fn exchange(&mut self, to: &[u8], sent: &[usize], received: &[usize]) -> Result<Vec<u8>> {
+        let mut rest = to;
+        let parts = sent.iter().map(|&count| rest.split_off(..count).unwrap().to_vec()).collect();
+        let mut all = self.swap(parts)?;
+        assert!(rest.is_empty());
+        assert!(all.iter().zip(received).all(|(part, &count)| part.len() == count));
         if self.tampers && !std::mem::take(&mut self.knows_lengths) {
             all.iter_mut().flatten().for_each(|byte| *byte ^= 1);
         }
-        Ok(all)
+        Ok(all.concat())
     }
 }
 

@@ -16,8 +16,9 @@ pub trait Communicator: Send {
     fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>>;
     /// Sends one number to each rank; returns those from each rank.
     fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>>;
-    /// Sends bytes to each rank; returns those from each rank, of which there are `counts`.
-    fn exchange(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>>;
+    /// Sends bytes to each rank; returns those from each rank. `sent` and `received` are their numbers, in
+    /// the order of ranks.
+    fn exchange(&mut self, to: &[u8], sent: &[usize], received: &[usize]) -> Result<Vec<u8>>;
 }
 
 /// Numbers that ranks gather at a time.
@@ -114,29 +115,47 @@ impl Group {
         let counts: Vec<usize> = counts.iter().map(|[count]| *count as usize).collect();
         self.traffic.calls += 1;
         let all = self.communicator.gather_all(own, &counts)?;
-        let mut rest = &all[..];
-        let of_rank = |&count: &usize| rest.split_off(..count).unwrap_or_default().to_vec();
-        Ok(counts.iter().map(of_rank).collect())
+        Ok(split(&all, &counts))
     }
 
     /// Sends bytes to each rank; returns those from each rank.
     pub fn exchange(&mut self, to: &[Vec<u8>]) -> Result<Vec<Vec<u8>>> {
-        let lengths: Vec<u64> = to.iter().map(|part| part.len() as u64).collect();
+        let sent: Vec<usize> = to.iter().map(Vec::len).collect();
+        let lengths: Vec<u64> = sent.iter().map(|&count| count as u64).collect();
         self.gather([])?;
         self.traffic.calls += 1;
-        let counts = self.communicator.transpose(&lengths)?;
-        let counts: Vec<usize> = counts.iter().map(|&count| count as usize).collect();
-        self.exchange_known(to, &counts)
+        let received = self.communicator.transpose(&lengths)?;
+        let received: Vec<usize> = received.iter().map(|&count| count as usize).collect();
+        let all = self.exchange_known(&to.concat(), &sent, &received)?;
+        Ok(split(&all, &received))
     }
 
-    /// The same, if it is known how many bytes come from each rank, and that none has failed.
-    pub fn exchange_known(&mut self, to: &[Vec<u8>], counts: &[usize]) -> Result<Vec<Vec<u8>>> {
+    /// The same with the bytes of all ranks one after another, if it is known how many come from each rank, and
+    /// that none has failed.
+    pub fn exchange_known(
+        &mut self,
+        to: &[u8],
+        sent: &[usize],
+        received: &[usize],
+    ) -> Result<Vec<u8>> {
         self.traffic.calls += 1;
-        let others = (0..).zip(to).filter(|(rank, part)| *rank != self.rank() && !part.is_empty());
-        let (messages, bytes) = others
-            .fold((0, 0), |(messages, bytes), (_, part)| (messages + 1, bytes + part.len() as u64));
-        self.traffic.messages += messages;
-        self.traffic.bytes += bytes;
-        self.communicator.exchange(to, counts)
+        if sent.is_empty() {
+            // One rank alone has no lists of ghosts.
+            return Ok(Vec::new());
+        }
+        for (rank, &bytes) in sent.iter().enumerate() {
+            if rank != self.rank() && bytes > 0 {
+                self.traffic.messages += 1;
+                self.traffic.bytes += bytes as u64;
+            }
+        }
+        self.communicator.exchange(to, sent, received)
     }
+}
+
+/// The parts of some bytes.
+fn split(all: &[u8], counts: &[usize]) -> Vec<Vec<u8>> {
+    let mut rest = all;
+    let part = |&count: &usize| rest.split_off(..count).unwrap_or_default().to_vec();
+    counts.iter().map(part).collect()
 }

@@ -44,36 +44,37 @@ impl Halo<'_> {
         get: impl Fn(u32) -> [f32; N],
         set: impl Fn(u32, [f32; N]),
     ) -> Result<()> {
-        let bytes = |indices: &Vec<u32>| {
-            let numbers = indices.iter().flat_map(|&index| get(index));
-            numbers.flat_map(f32::to_le_bytes).collect()
-        };
-        let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
-        let counts: Vec<usize> = self.ghosts.iter().map(|indices| indices.len() * N * 4).collect();
-        let all = locked(self.group).exchange_known(&to, &counts)?;
-        for (indices, bytes) in self.ghosts.iter().zip(&all) {
-            let (numbers, _) = bytes.as_chunks::<4>();
-            for (&index, numbers) in indices.iter().zip(numbers.chunks_exact(N)) {
-                set(index, std::array::from_fn(|k| f32::from_le_bytes(numbers[k])));
-            }
+        let all = self.exchange(N * size_of::<f32>(), |index, to| {
+            get(index).iter().for_each(|number| to.extend(number.to_le_bytes()));
+        })?;
+        let (numbers, _) = all.as_chunks::<4>();
+        for (&index, numbers) in self.ghosts.iter().flatten().zip(numbers.chunks_exact(N)) {
+            set(index, std::array::from_fn(|k| f32::from_le_bytes(numbers[k])));
         }
         Ok(())
     }
 
     /// A number of each ghost from its own rank, with its index.
     pub fn labels(&self, of: impl Fn(u32) -> u64) -> Result<Vec<(u32, u64)>> {
-        let bytes = |indices: &Vec<u32>| {
-            indices.iter().flat_map(|&index| of(index).to_le_bytes()).collect()
-        };
-        let to: Vec<Vec<u8>> = self.sent.iter().map(bytes).collect();
-        let counts: Vec<usize> = self.ghosts.iter().map(|indices| indices.len() * 8).collect();
-        let all = locked(self.group).exchange_known(&to, &counts)?.concat();
+        let all =
+            self.exchange(size_of::<u64>(), |index, to| to.extend(of(index).to_le_bytes()))?;
         let (numbers, _) = all.as_chunks::<8>();
         let indices = self.ghosts.iter().flatten();
         Ok(indices
             .zip(numbers)
             .map(|(&index, number)| (index, u64::from_le_bytes(*number)))
             .collect())
+    }
+
+    /// Sends `size` bytes of each disc that is a ghost elsewhere; returns those of all ghosts, in their order.
+    fn exchange(&self, size: usize, put: impl Fn(u32, &mut Vec<u8>)) -> Result<Vec<u8>> {
+        let bytes_of = |lists: &[Vec<u32>]| -> Vec<usize> {
+            lists.iter().map(|indices| indices.len() * size).collect()
+        };
+        let (sent, received) = (bytes_of(self.sent), bytes_of(self.ghosts));
+        let mut to = Vec::with_capacity(sent.iter().sum());
+        self.sent.iter().flatten().for_each(|&index| put(index, &mut to));
+        locked(self.group).exchange_known(&to, &sent, &received)
     }
 
     /// Whether something is so on any rank. Returns an error if a rank has failed.

@@ -107,7 +107,10 @@ impl Sweeps<'_> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
         let State { scene, .. } = all;
         let (stop, shape) = (Stop::current(), scene.shape);
-        let act = |task| {
+        // Whether ghosts have the velocities that their own ranks have computed. They get them before they
+        // are read: walls change own particles after the last colour, and need none.
+        let mut is_current = true;
+        let mut act = |task| {
             // Other ranks would wait for a rank that is interrupted here.
             if scene.halo.is_none() {
                 stop.check()?;
@@ -116,28 +119,35 @@ impl Sweeps<'_> {
                 Task::Contacts(pass, which) => {
                     // Another rank may have more colours.
                     for number in 0..shape.colours {
+                        if !std::mem::replace(&mut is_current, false) {
+                            all.refresh()?;
+                        }
                         if let Some(colour) = contacts.blocks.colours.get(number) {
                             let is_all = which == Which::All;
                             let range = if is_all { colour.all() } else { colour.uneven() };
                             let frictions = frictions.get_mut(range.clone()).unwrap_or_default();
                             all.sweep(&mut blocks[range], frictions, pass);
                         }
-                        all.refresh()?;
                     }
                     Ok(())
                 }
                 Task::Walls(pass, which) => {
                     let count = if which == Which::All { walls.len() } else { uneven_walls };
                     all.solve_walls(&mut walls[..count], pass);
-                    all.refresh()
+                    is_current = false;
+                    Ok(())
                 }
                 Task::Accelerate => {
+                    if !std::mem::replace(&mut is_current, true) {
+                        all.refresh()?;
+                    }
                     all.accelerate(0..scene.moving.len());
                     Ok(())
                 }
             }
         };
-        Self::each_task(has_fast, shape.has_uneven, act)
+        Self::each_task(has_fast, shape.has_uneven, &mut act)?;
+        all.refresh()
     }
 
     /// Solves all contacts on this thread and on others.

@@ -291,16 +291,16 @@ impl World {
         if far != [0] {
             return Ok(Agreement::Further);
         }
-        let bytes = |(rank, rows): (u32, &Vec<u32>)| {
-            let hash = |&row: &u32| {
-                let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
-                digest(domain.digests[row as usize], pairs)
-            };
-            rows.iter().flat_map(|row| hash(row).to_le_bytes()).collect()
+        let hash = |row: u32, rank: u32| {
+            let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
+            digest(domain.digests[row as usize], pairs)
         };
-        let to: Vec<Vec<u8>> = (0..).zip(&domain.sent).map(bytes).collect();
-        let counts: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
-        let all = group.exchange_known(&to, &counts)?.concat();
+        let sent = (0..).zip(&domain.sent);
+        let hashes = sent.flat_map(|(rank, rows)| rows.iter().map(move |&row| hash(row, rank)));
+        let to: Vec<u8> = hashes.flat_map(u64::to_le_bytes).collect();
+        let sent: Vec<usize> = domain.sent.iter().map(|rows| rows.len() * 8).collect();
+        let received: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
+        let all = group.exchange_known(&to, &sent, &received)?;
         let (all, _) = all.as_chunks::<8>();
         let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
             let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
