@@ -245,6 +245,19 @@ fn a_particle_far_away_does_not_bring_all_others_to_each_rank() {
     }
 }
 
+/// Each rank has other blocks of discs than the others, and simulates other discs again. That changes no hash
+/// of a trajectory.
+#[test]
+fn steps_are_not_repeated_where_halos_are_wide_enough() {
+    let mut all = gas(40_000);
+    all.velocities.iter_mut().flatten().for_each(|v| *v *= 4.0);
+    let repeats = on_ranks(&all, WorldSettings::default(), ranks(2), |_, mut world| {
+        world.step(1.0 / 60.0, 8).unwrap();
+        world.own_particles().unwrap().repeats
+    });
+    assert_eq!(repeats, [0, 0]);
+}
+
 #[test]
 fn impacts_at_the_same_time_do_not_depend_on_ranks_and_far_particles() {
     // Discs in contact, in a lattice that is hit at one side.

@@ -105,11 +105,11 @@ fn sides_of(center: [f32; 2], radius: f64) -> Sides {
 }
 
 /// Circles in a block.
-const BLOCK: usize = 16;
+const BLOCK: usize = 8;
 
 /// Cells that the AABB of a block may overlap. The circles of a larger one are tested one by one: where the
 /// Morton curve jumps, successive circles are far from each other.
-const MOST_CELLS: usize = 64;
+const MOST_CELLS: usize = 16;
 
 /// Circles in Morton order, in blocks of successive ones, most of which are near each other.
 #[derive(Debug)]

@@ -65,7 +65,9 @@ impl Events {
     /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,
     /// which is the same on all ranks.
     fn digest_of(&self, window: &Window<'_>, index: u32, hash: u64) -> u64 {
-        if self.course_of[index as usize] == NONE && window.flight.kicks.is_empty() {
+        // A disc that a rank has simulated again may have a course without events there.
+        let course = self.course(index).filter(|(_, course)| course.count > 0);
+        if course.is_none() && window.flight.kicks.is_empty() {
             return hash;
         }
         let parts = self.trajectory(window, index).flat_map(|part| {
@@ -73,7 +75,7 @@ impl Events {
             [part.segment.time, position[0], position[1], velocity[0], velocity[1]]
         });
         let hash = digest_all(hash, parts);
-        match self.course(index) {
+        match course {
             None => hash,
             Some((_, course)) => digest(hash, course.groups ^ u64::from(course.stopped.is_some())),
         }
