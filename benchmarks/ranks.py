@@ -93,7 +93,7 @@ def main() -> None:
     parser.add_argument("--scene", default="gas", help="scene")
     parser.add_argument("-n", type=int, default=1_000_000, help="number of particles")
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--steps", type=int, default=2, help="steps of a round")
+    parser.add_argument("--steps", type=int, default=5, help="steps of a round")
     parser.add_argument(
         "--threads", type=int, help="threads of the one process; default: the ranks"
     )

@@ -3,7 +3,6 @@
 
 use super::Events;
 use super::flight::Window;
-use super::history::NONE;
 use super::window::most_impacts;
 use crate::decomposition::{Halo, digest, digest_all};
 use crate::error::Result;

@@ -3,6 +3,7 @@
 use super::World;
 use crate::error::Result;
 use crate::parallel::locked;
+use crate::quadtree::extent_of;
 
 impl World {
     /// The number of particles of all ranks that are awake.
@@ -48,12 +49,18 @@ impl World {
 
     /// The largest x, y, −x and −y of all centres.
     pub(super) fn farthest(&self) -> Result<[f64; 4]> {
-        let least = [f32::MIN; 4];
-        let larger = |most: [f32; 4], own: [f32; 4]| [0, 1, 2, 3].map(|k| most[k].max(own[k]));
-        let all = self.particles.positions.iter().map(|&[x, y]| [x, y, -x, -y]);
+        let (positions, least) = (&self.particles.positions, [f32::MIN; 4]);
         let most = match &self.domain {
-            None => all.fold(least, larger),
-            Some(domain) => domain.own_or(least, all, &self.rows).fold(least, larger),
+            _ if positions.is_empty() => least,
+            Some(domain) if domain.own < self.rows.len() => {
+                let all = positions.iter().map(|&[x, y]| [x, y, -x, -y]);
+                let own = domain.own_or(least, all, &self.rows);
+                own.fold(least, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])))
+            }
+            _ => {
+                let [[left, top], [right, bottom]] = extent_of(positions);
+                [right, bottom, -left, -top]
+            }
         };
         self.largest_of_all(most.map(f64::from))
     }
