@@ -148,6 +148,7 @@ impl World {
 
     /// Makes a step final that is the same on all ranks. If there is an error, it can be undone.
     fn end_step_with_other_ranks(&mut self, single: f32, dt: f64) -> Result<()> {
+        let may_rest = self.may_rest(); // while there are given accelerations
         self.apply_bath(single);
         self.keep_wall_pushes();
         super::touches::add_up(&mut self.wall_impulses);
@@ -159,7 +160,9 @@ impl World {
             domain.steps += 1;
             // The next steps need about as much.
             domain.widening = (domain.widened * NARROWING).clamp(1.0, MOST_WIDENING);
-            domain.has_contacts = true;
+            // Where nothing can rest there are no impulses at rest.
+            domain.has_contacts = may_rest;
+            domain.resting.retain(|_| may_rest);
         }
         Ok(())
     }
