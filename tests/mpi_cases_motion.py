@@ -233,6 +233,21 @@ def test_energy() -> None:
         assert abs(found - world.potential_energy) <= 1e-10 * abs(found)
 
 
+def test_rest_that_is_interrupted() -> None:
+    """Overlapping discs keep their impulses at rest through steps in which nothing can rest."""
+    world = gas(150, cover=0.8, **REST)
+    ours = scattered(world, unevenly)
+    ours.substeps = None  # fewer without gravity
+    ours._core._rebalance_every(4)
+    for gravity, steps in ((30.0, 40), (0.0, 2), (30.0, 3), (0.0, 1), (30.0, 3)):
+        alone = ours.gather()
+        for one in (world, ours, *([] if alone is None else [alone])):
+            one.gravity = (0.0, gravity)
+            one.step(1 / 60, steps)
+        assert ours.state_hash() == world.state_hash(), world.time
+        assert alone is None or alone.state_hash() == world.state_hash(), world.time
+
+
 def test_immovable() -> None:
     """Particles keep impulses on immovable ones, also when they move to the ranks of these."""
     world = jostle.scenes.create("heap", n=60, seed=3)

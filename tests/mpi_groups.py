@@ -26,7 +26,7 @@ def on_each_number_of_ranks(act: Callable[[MPI.Comm], object]) -> None:
 
 
 def wait_for_all() -> None:
-    """A barrier whose waiting ranks leave the cores to the others: `Barrier` polls without a pause."""
+    """A barrier whose waiting ranks leave the cores to the others; `Barrier` polls all the time."""
     request = ALL.Ibarrier()
     while not request.Test():
         time.sleep(0.002)

@@ -48,15 +48,19 @@ def run_ranks(
     Fails with the output if the exit status is not 0, or, unless `is_right`, if it is.
     """
     command = [LAUNCHER, "-n", str(ranks), sys.executable, *map(str, program)]
-    done = subprocess.run(
-        command,
-        env={**os.environ, **ENVIRONMENT},
-        cwd=folder,
-        timeout=SECONDS,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
+    try:
+        done = subprocess.run(
+            command,
+            env={**os.environ, **ENVIRONMENT},
+            cwd=folder,
+            timeout=SECONDS,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        printed = (error.stdout or b"").decode(errors="replace")
+        pytest.fail(f"not done after {SECONDS} s; printed until then:\n{printed}")
     assert (done.returncode == 0) == is_right, f"status {done.returncode}\n{done.stdout}"
     return done.stdout

@@ -1,7 +1,7 @@
 """A program of test_mpi_world: compares distributed worlds with those of one process.
 
-`mpiexec -n 4 python mpi_world.py CASE...` calls `test_CASE` of the modules `mpi_cases_*`. The name of a
-module stands for all of its tests that begin on any number of ranks.
+`mpiexec -n 4 python mpi_world.py NAME...` calls `test_NAME` of a module `mpi_cases_*`, or all tests
+of the module NAME that begin on any number of ranks.
 """
 
 import importlib
@@ -13,8 +13,6 @@ import mpi_worlds
 from mpi4py import MPI
 from mpi_groups import on_each_number_of_ranks, run
 
-MODULES = ("motion", "events", "sleeping", "files", "errors", "work")
-
 #: Cases that have a number of ranks of their own.
 ALONE = ("killed", "long", "many")
 
@@ -23,32 +21,36 @@ Test = Callable[[], None]
 
 def tests_of(module: str) -> dict[str, Test]:
     """The tests of a module by the names of their cases."""
-    found = vars(importlib.import_module(f"mpi_cases_{module}"))
     start = "test_"
+    found = vars(importlib.import_module(module))
     return {name.removeprefix(start): of for name, of in found.items() if name.startswith(start)}
 
 
-def chosen(names: list[str]) -> Iterator[tuple[str, Test]]:
+def chosen(names: list[str], modules: dict[str, dict[str, Test]]) -> Iterator[tuple[str, Test]]:
     """The cases with these names, or of the modules with these names."""
-    everything = {case: of for module in MODULES for case, of in tests_of(module).items()}
     for name in names:
-        if name in MODULES:
-            yield from ((case, of) for case, of in tests_of(name).items() if case not in ALONE)
+        if name in modules:
+            yield from ((case, of) for case, of in modules[name].items() if case not in ALONE)
         else:
-            yield name, everything[name]
+            [test] = (tests[name] for tests in modules.values() if name in tests)
+            yield name, test
 
 
 def main() -> None:
     def act(ranks: MPI.Intracomm) -> None:
         mpi_worlds.use(ranks)
         for case, test in tests:
+            if ranks.rank == 0:
+                print(f"{case} on {ranks.size}", end="", flush=True)
             start = time.perf_counter()
             test()
             if ranks.rank == 0:
-                print(f"{case} on {ranks.size}: {time.perf_counter() - start:.1f} s", flush=True)
+                print(f": {time.perf_counter() - start:.1f} s", flush=True)
 
     # In one order on all ranks.
-    tests = list(chosen(sys.argv[1:]))
+    modules = {name: tests_of(name) for name in mpi_worlds.CASES}
+    tests = list(chosen(sys.argv[1:], modules))
+    assert tests, "no case is named"
     on_each_number_of_ranks(act)
 
 

@@ -26,6 +26,10 @@ def use(ranks: MPI.Intracomm) -> None:
     _ranks = ranks
 
 
+#: The modules of cases.
+CASES = sorted(path.stem for path in Path(__file__).parent.glob("mpi_cases_*.py"))
+
+
 STEPS = 100
 
 

@@ -6,10 +6,10 @@ from mpi_ranks import HERE, needs_mpi, run_ranks
 pytestmark = [pytest.mark.ranks, pytest.mark.slow, needs_mpi]
 
 
-@pytest.mark.parametrize("cases", ["motion", "events", "sleeping", "files", "errors", "work"])
-def test_one_to_four_ranks_have_the_bits_of_one_process(cases: str) -> None:
+@pytest.mark.parametrize("module", sorted(path.stem for path in HERE.glob("mpi_cases_*.py")))
+def test_one_to_four_ranks_have_the_bits_of_one_process(module: str) -> None:
     """All cases of a module in one start of the ranks."""
-    assert "all bits are right" in run_ranks(4, HERE / "mpi_world.py", cases)
+    assert "all bits are right" in run_ranks(4, HERE / "mpi_world.py", module)
 
 
 def test_larger_worlds_have_the_bits_of_one_process_after_300_steps() -> None:

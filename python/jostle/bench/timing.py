@@ -13,6 +13,9 @@ __all__ = ["Timing", "clock", "interleaved"]
 LEAST_SECONDS = 1e-3
 """Seconds of a measurement; faster calls are repeated in a round."""
 
+WARM_UP_SECONDS = 0.1
+"""A call that takes less is made once, untimed, before each measurement."""
+
 Call = Callable[[], object]
 
 
@@ -56,16 +59,22 @@ def clock(call: Call) -> float:
 def interleaved(calls: Sequence[Call], rounds: int) -> list[Timing]:
     """Time every call once a round, after one round to warm up.
 
+    In each round a call is first made once untimed, because the other calls have evicted its data
+    from the caches.
+
     Examples
     --------
     >>> from jostle.bench.timing import interleaved
     >>> [len(timing.rounds) for timing in interleaved([dict, list], 9)]
     [9, 9]
     """
-    repeats = [max(1, math.ceil(LEAST_SECONDS / max(clock(call), 1e-7))) for call in calls]
+    first = [max(clock(call), 1e-7) for call in calls]
+    repeats = [math.ceil(LEAST_SECONDS / seconds) for seconds in first]
     times: list[list[float]] = [[] for _ in calls]
     for _ in range(rounds):
-        for own, call, count in zip(times, calls, repeats, strict=True):
+        for own, call, count, seconds in zip(times, calls, repeats, first, strict=True):
+            if seconds < WARM_UP_SECONDS:
+                call()
             start = time.perf_counter()
             for _ in range(count):
                 call()

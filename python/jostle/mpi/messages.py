@@ -12,7 +12,8 @@ from mpi4py import MPI
 class Messages:
     """The calls that the core makes, with buffers.
 
-    A step of a pile makes hundreds of them, so they are short: sizes are tuples, and each call has one buffer.
+    A step of a pile makes hundreds of them. So sizes are tuples, each call has one buffer, and the
+    times are taken without a context manager.
     """
 
     def __init__(self, comm: MPI.Intracomm) -> None:

@@ -508,6 +508,11 @@ impl Contacts {
         overflow
     }
 
+    /// Whether any contact has an impulse at rest that the next step begins with.
+    pub fn has_impulses(&self) -> bool {
+        !self.previous.starts.is_empty()
+    }
+
     /// The contacts that pushed, in canonical order, as the last step left them.
     pub fn touching(&self) -> impl Iterator<Item = &Contact> {
         self.list.iter().filter(|contact| contact.touched)

@@ -6,6 +6,12 @@ use std::ops::Range;
 use super::scale::{CELLS, Scale};
 use crate::container::Container;
 
+/// The first and the last coordinate along each axis.
+type Aabb = [[f64; 2]; 2];
+
+/// The AABB of no circles.
+const EMPTY: Aabb = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+
 /// Particles in a cell, on average.
 const IN_A_CELL: f64 = 16.0;
 
@@ -47,7 +53,7 @@ impl<'a> Grid<'a> {
 
     /// The same of an AABB, from the ends of both sides.
     #[inline(always)]
-    fn range_of(&self, sides: Sides) -> [[u16; 2]; 2] {
+    fn range_of(&self, sides: Aabb) -> [[u16; 2]; 2] {
         [0, 1].map(|axis| {
             let ends = sides[axis];
             let Some(size) = self.period else {
@@ -67,7 +73,7 @@ impl<'a> Grid<'a> {
     }
 
     /// The number of cells of such a range.
-    fn cells_of(&self, range: [[u16; 2]; 2]) -> usize {
+    fn count_of(&self, range: [[u16; 2]; 2]) -> usize {
         let along = |[first, last]: [u16; 2]| {
             let behind = if first > last { self.count } else { 0 };
             usize::from(last) + behind - usize::from(first) + 1
@@ -100,15 +106,15 @@ impl<'a> Grid<'a> {
 
 /// The ends of both sides of the AABB of a circle.
 #[inline(always)]
-fn sides_of(center: [f32; 2], radius: f64) -> Sides {
+fn sides_of(center: [f32; 2], radius: f64) -> Aabb {
     center.map(|v| [f64::from(v) - radius, f64::from(v) + radius])
 }
 
 /// Circles in a block.
 const BLOCK: usize = 8;
 
-/// Cells that the AABB of a block may overlap. The circles of a larger one are tested one by one: where the
-/// Morton curve jumps, successive circles are far from each other.
+/// Maximum number of cells of the AABB of a block that is tested as a whole. In a larger block each circle is
+/// tested: the Morton curve jumps there, and its circles are far apart.
 const MOST_CELLS: usize = 16;
 
 /// Circles in Morton order, in blocks of successive ones, most of which are near each other.
@@ -119,26 +125,20 @@ pub struct CircleBlocks<'a, C> {
     circle: C,
     len: usize,
     /// An AABB of each block, and one of those of its circles that need others.
-    bounds: Vec<[Sides; 2]>,
+    bounds: Vec<[Aabb; 2]>,
 }
-
-/// The ends of both sides of an AABB.
-type Sides = [[f64; 2]; 2];
-
-/// The AABB of no circles.
-const NONE: Sides = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
 
 impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
     /// The blocks of `len` circles.
     pub fn new(grid: &'a Grid<'a>, len: usize, circle: C) -> Self {
         let mut bounds = Vec::with_capacity(len.div_ceil(BLOCK));
         for first in (0..len).step_by(BLOCK) {
-            let [mut all, mut needing] = [NONE; 2];
+            let [mut all, mut needing] = [EMPTY; 2];
             for index in first..len.min(first + BLOCK) {
                 let (center, radius, needs) = circle(index);
                 let sides = sides_of(center, radius);
                 all = union(all, sides);
-                needing = union(needing, if needs { sides } else { NONE });
+                needing = union(needing, if needs { sides } else { EMPTY });
             }
             bounds.push([all, needing]);
         }
@@ -169,13 +169,12 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
     pub fn each_near(&self, near: &Near, mut act: impl FnMut(usize, &[u32])) {
         let mut ranks = Vec::new();
         for (block, [all, _]) in self.bounds.iter().enumerate() {
-            let mut is_near = false;
-            let range = self.few_cells(all);
-            range.inspect(|&range| {
+            if let Some(range) = self.few_cells(all) {
+                let mut is_near = false;
                 self.grid.each_cell(range, |cell| is_near |= !near.of(cell).is_empty());
-            });
-            if range.is_some() && !is_near {
-                continue;
+                if !is_near {
+                    continue;
+                }
             }
             for index in self.indices(block) {
                 let (center, radius, _) = (self.circle)(index);
@@ -188,9 +187,9 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
     }
 
     /// The cells of an AABB, unless there are many.
-    fn few_cells(&self, sides: &Sides) -> Option<[[u16; 2]; 2]> {
+    fn few_cells(&self, sides: &Aabb) -> Option<[[u16; 2]; 2]> {
         let range = self.grid.range_of(*sides);
-        (self.grid.cells_of(range) <= MOST_CELLS).then_some(range)
+        (self.grid.count_of(range) <= MOST_CELLS).then_some(range)
     }
 
     fn indices(&self, block: usize) -> Range<usize> {
@@ -200,7 +199,7 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
 
 /// The AABB of two AABBs. Functions such as `min` take longer, because they treat NaN.
 #[inline(always)]
-fn union(a: Sides, b: Sides) -> Sides {
+fn union(a: Aabb, b: Aabb) -> Aabb {
     [0, 1].map(|axis| {
         let ([low, high], [other_low, other_high]) = (a[axis], b[axis]);
         let low = if other_low < low { other_low } else { low };
@@ -346,6 +345,8 @@ mod tests {
                 let center = [0.618, 0.755].map(|step| (place as f32 * step).fract() * 4.0);
                 (center, 0.01 + 0.3 * (k as f64 * 0.37).fract().powi(4), k.is_multiple_of(3))
             };
+            let none = |k: usize| (circle(k).0, circle(k).1, false);
+            assert!(CircleBlocks::new(&grid, 300, none).marks().runs().is_empty());
             let blocks = CircleBlocks::new(&grid, 300, circle);
             let marked = blocks.marks().0;
             let of = |k: usize| cells(&grid, circle(k).0, circle(k).1);

@@ -77,7 +77,7 @@ pub fn insert(all: &mut Vec<Bounce>, more: &[Bounce]) {
 /// The courses of some discs.
 #[derive(Debug, Default)]
 pub struct History {
-    /// One for each disc that had an event.
+    /// One for each disc that had an event, and for those that were simulated again.
     pub courses: Vec<Course>,
     /// The rotation of each of them; empty if no disc has friction.
     pub turnings: Vec<Turning>,

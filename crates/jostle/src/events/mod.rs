@@ -240,7 +240,8 @@ impl Events {
         }
     }
 
-    /// The course of a disc and its history, if it has events.
+    /// The course of a disc and its history, if it has one. A disc that was simulated again may have one
+    /// without events.
     fn course(&self, index: u32) -> Option<(&History, &Course)> {
         let number = self.course_of[index as usize];
         if number == NONE {

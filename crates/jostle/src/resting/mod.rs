@@ -428,8 +428,11 @@ impl Resting {
         walls.clear();
         parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
         let mut list = |uneven| {
-            let is_listed =
-                |index: &usize| scene.moving[*index] && contacts.is_uneven(*index as u32) == uneven;
+            // Those of ghosts are solved by their own ranks.
+            let is_own = |index: usize| scene.halo.is_none_or(|halo| halo.is_own[index]);
+            let is_listed = |&index: &usize| {
+                scene.moving[index] && is_own(index) && contacts.is_uneven(index as u32) == uneven
+            };
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
             parallel::for_each(scene.threads, tasks, |(part, first)| {
                 let WallPart { walls, found, near } = part;

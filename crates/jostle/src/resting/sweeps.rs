@@ -107,8 +107,8 @@ impl Sweeps<'_> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
         let State { scene, .. } = all;
         let (stop, shape) = (Stop::current(), scene.shape);
-        // Whether ghosts have the velocities that their own ranks have computed. They get them before they
-        // are read: walls change own particles after the last colour, and need none.
+        // Whether the velocities of ghosts are those of their own ranks. They are refreshed only before a colour
+        // or `Accelerate` reads them. A contact with a wall reads no other particle.
         let mut is_current = true;
         let mut act = |task| {
             // Other ranks would wait for a rank that is interrupted here.

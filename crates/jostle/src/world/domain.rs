@@ -176,6 +176,11 @@ impl Domain {
             || ghosts > (MOST_GHOSTS * self.usual_ghosts).max(few);
     }
 
+    /// Whether there are ghosts. Rows of own particles include those that sleep.
+    pub(super) fn has_ghosts(&self) -> bool {
+        self.ids.len() > self.own
+    }
+
     /// Whether a row has an own particle.
     #[inline(always)]
     pub(super) fn owns(&self, row: u32) -> bool {
@@ -260,7 +265,7 @@ impl Domain {
 
     /// Lists the indices of own and of shared particles.
     pub(super) fn list_indices(&mut self, rows: &[u32]) {
-        if self.ids.len() == self.own && self.sent.iter().all(Vec::is_empty) {
+        if !self.has_ghosts() && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
             self.shared.clear();

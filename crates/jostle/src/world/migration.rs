@@ -38,7 +38,7 @@ impl World {
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
         let Some(domain) = domain else { return };
         let own = domain.own;
-        if domain.ids.len() > own {
+        if domain.has_ghosts() {
             let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
             let mut end = rows.len();
             for index in 0..awake {

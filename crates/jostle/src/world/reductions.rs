@@ -52,7 +52,7 @@ impl World {
         let (positions, least) = (&self.particles.positions, [f32::MIN; 4]);
         let most = match &self.domain {
             _ if positions.is_empty() => least,
-            Some(domain) if domain.own < self.rows.len() => {
+            Some(domain) if domain.has_ghosts() => {
                 let all = positions.iter().map(|&[x, y]| [x, y, -x, -y]);
                 let own = domain.own_or(least, all, &self.rows);
                 own.fold(least, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])))

@@ -4,7 +4,7 @@
 //! near them. A rank announces in which cells its particles may be during the step, and gets all
 //! particles of others that may be there.
 //!
-//! Contacts are solved colour by colour, and after each colour ghosts get the velocities, or in position
+//! Contacts are solved colour by colour, and between two colours ghosts get the velocities, or in position
 //! correction the displacements, that their own ranks have computed. So an own particle needs no
 //! more than the particles that it touches.
 //!
@@ -148,7 +148,6 @@ impl World {
 
     /// Makes a step final that is the same on all ranks. If there is an error, it can be undone.
     fn end_step_with_other_ranks(&mut self, single: f32, dt: f64) -> Result<()> {
-        let may_rest = self.may_rest(); // while there are given accelerations
         self.apply_bath(single);
         self.keep_wall_pushes();
         super::touches::add_up(&mut self.wall_impulses);
@@ -160,9 +159,10 @@ impl World {
             domain.steps += 1;
             // The next steps need about as much.
             domain.widening = (domain.widened * NARROWING).clamp(1.0, MOST_WIDENING);
-            // Where nothing can rest there are no impulses at rest.
-            domain.has_contacts = may_rest;
-            domain.resting.retain(|_| may_rest);
+            domain.has_contacts = self.contacts.has_impulses();
+            if !domain.has_contacts {
+                domain.resting.clear();
+            }
         }
         Ok(())
     }
