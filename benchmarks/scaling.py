@@ -29,7 +29,7 @@ DT = 1 / 60
 # Assumptions of the predictions: a cluster with InfiniBand, one rank on each core.
 LATENCY = 2e-6
 """Seconds of a message, and of each of the log2(ranks) stages of a call of all ranks."""
-CALL = 10e-6
+CALL = 3e-6
 """Seconds that a call costs in Python, whatever its size."""
 BANDWIDTH = 1e9
 """Bytes in a second for each rank, when all cores of a node send."""
