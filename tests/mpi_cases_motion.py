@@ -27,19 +27,23 @@ def test_gas() -> None:
         check("gas", gas(), 1 / 60, where=where)
 
 
-def test_scenes() -> None:
-    """All scenes that are not refused."""
+def check_scenes(n: int, steps: int) -> None:
+    """Compare all scenes that are not refused."""
     done = []
     for name in jostle.scenes.names():
-        world = jostle.scenes.create(name, n=60, seed=3)
+        world = jostle.scenes.create(name, n=n, seed=3)
         world.sleeping = False
         try:
             scattered(world, evenly)
         except ValueError:
             continue
-        check(name, world, 1 / 60, 12, unevenly)
+        check(name, world, 1 / 60, steps, unevenly)
         done.append(name)
     assert {"gas", "pile"} <= set(done), done
+
+
+def test_scenes() -> None:
+    check_scenes(60, 12)
 
 
 def test_piles() -> None:
@@ -57,7 +61,8 @@ def test_piles() -> None:
 
 
 def test_long() -> None:
-    """300 steps of a larger gas and of a larger pile."""
+    """300 steps of all scenes, and of a larger gas and a larger pile."""
+    check_scenes(40, 300)
     check("gas", jostle.scenes.create("gas", n=1000, seed=3), 1 / 60, 300)
     pile = jostle.scenes.create("pile", n=120, seed=3)
     pile.sleeping = False

@@ -159,8 +159,10 @@ impl World {
             let mut indices = contact.indices.map(|index| index as usize);
             indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
             let both = indices.map(|at| rows[at]);
-            let is_own = both.iter().any(|&row| domain.owns(row));
-            is_own.then(|| Resting {
+            // The rank of an immovable particle need not have what pushes the particles on it.
+            let both_move = particles.movable[indices[1]];
+            let is_known = domain.owns(both[0]) || both_move && domain.owns(both[1]);
+            is_known.then(|| Resting {
                 ids: both.map(|row| ids[row as usize]),
                 rows: both.map(|row| if domain.owns(row) { row } else { NONE }),
                 impulses: [contact.impulse, contact.friction_impulse],
