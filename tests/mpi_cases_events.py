@@ -38,8 +38,7 @@ def test_events() -> None:
         ("ignore", gas(400, on_touch="ignore", **options), 2),
         ("rest", gas(40, track_events=True, **REST), 1),
     ):
-        ours = scattered(world, unevenly)
-        ours._core._rebalance_every(3)
+        ours = scattered(world, unevenly, every=3)
         seen = 0
         for _ in range(8):
             world.step(1 / 60, steps)
@@ -82,8 +81,7 @@ def test_merging() -> None:
     }
     for number, (name, rules) in enumerate(options.items()):
         world = gas(400, cover=0.3, on_touch="merge", **rules)
-        ours = scattered(world, (evenly, unevenly, all_on_last)[number % 3])
-        ours._core._rebalance_every(3)
+        ours = scattered(world, (evenly, unevenly, all_on_last)[number % 3], every=3)
         for steps in (1, 2, 8):
             dt = 0.4 if name == "long steps" else 1 / 60
             world.step(dt, steps)

@@ -33,8 +33,7 @@ def test_sleeping() -> None:
     """Islands that several ranks have fall asleep and wake as in one process."""
     for where in (evenly, all_on_first, unevenly):
         world = sleepers()
-        ours = scattered(world, where)
-        ours._core._rebalance_every(7)
+        ours = scattered(world, where, every=7)
         counts = []
         for _ in range(14):
             world.step(1 / 30, 12)
@@ -136,8 +135,7 @@ def test_edits() -> None:
     folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
     for where in (evenly, all_on_last)[: 1 if comm().size > 2 else 2]:
         world = resting(track_events=True)
-        ours = scattered(world, where)
-        ours._core._rebalance_every(5)
+        ours = scattered(world, where, every=5)
         counts = set()
         for number, (name, change) in enumerate(edits()):
             for _ in range(2):

@@ -88,8 +88,25 @@ SETTINGS = (
 )
 
 
-def scattered(world: jostle.World, where: Distribution) -> jostle.mpi.World:
-    """This rank's part of a world."""
+class RandomDomains(jostle.mpi.World):
+    """A world whose domains follow from random numbers in place of measured times.
+
+    So they have very different sizes, which are the same in each run of a test.
+    """
+
+    _random: np.random.Generator | None = None
+
+    def _step(self, dt: float) -> None:
+        if self._random is None:
+            self._random = np.random.default_rng(comm().rank)
+        self._core._set_work(self._random.lognormal(sigma=1.5))
+        super()._step(dt)
+
+
+def scattered(
+    world: jostle.World, where: Distribution, every: int | None = None
+) -> jostle.mpi.World:
+    """This rank's part of a world. Particles move to other domains after `every` steps."""
     mine = parts(len(world), where)
     columns = {name: getattr(world, name)[mine] for name in COLUMNS}
     settings: dict[str, Any] = {name: getattr(world, name) for name in SETTINGS}
@@ -102,7 +119,8 @@ def scattered(world: jostle.World, where: Distribution) -> jostle.mpi.World:
     # One number is the world's.
     is_one = (world.restitutions == 1).all()
     restitution = world.restitution if is_one else world.restitutions[mine]
-    return jostle.mpi.World(
+    kind = jostle.mpi.World if every is None else RandomDomains
+    ours = kind(
         comm(),
         world.positions[mine],
         world.velocities[mine],
@@ -111,6 +129,9 @@ def scattered(world: jostle.World, where: Distribution) -> jostle.mpi.World:
         **columns,
         **settings,
     )
+    if every is not None:
+        ours._core._rebalance_every(every)
+    return ours
 
 
 class Expected(NamedTuple):
@@ -165,9 +186,7 @@ def check(
 ) -> jostle.mpi.World:
     """Compare a distributed world with one process; `world` remains as it is."""
     expected = expected_of(name, world, dt, steps)
-    ours = scattered(world, where)
-    # Particles move to other ranks often.
-    ours._core._rebalance_every(7)
+    ours = scattered(world, where, every=7)
     assert ours.state_hash() == expected.hashes[0], f"{name}: before the first step"
     done = 0
     for now, one in zip(counts(steps), expected.hashes[1:], strict=True):
