@@ -19,8 +19,8 @@ use crate::trajectory::Vector;
 /// Marks courses of discs that were simulated again.
 pub(super) const AGAIN: u32 = 1 << 31;
 
-/// Repetitions in which only discs with conflicts are simulated again. After that, all discs that
-/// ever had a conflict are simulated again, so that the repetition ends.
+/// Repetitions in which only discs with conflicts are simulated again. After that, all discs with
+/// events are, so that the repetitions end.
 const MOST_ROUNDS: usize = 64;
 
 /// Approximate number of values read to test two trajectories.
@@ -34,6 +34,7 @@ impl Events {
         bounds: &mut dyn Bounds,
     ) -> Result<()> {
         self.conflicts.clear();
+        self.had_conflicts.clear();
         self.find_crossing(window);
         self.find_meeting(window);
         interrupt::check()?;
@@ -116,6 +117,7 @@ impl Events {
         };
         simulation.run(&[], &self.discs);
         locked(&self.scratch).push(scratch);
+        self.connect_conflicts();
         let mut found = std::mem::take(&mut self.conflicts);
         found.clear();
         for Course { index, .. } in &self.again.courses[base as usize..] {
@@ -136,6 +138,21 @@ impl Events {
         self.find_meeting_new(window)
     }
 
+    /// Makes one island of the discs of each conflict of the window, so that they are simulated together in all
+    /// later repetitions. Some of them do not collide. Without this, a disc that has conflicts with two others could
+    /// be simulated again with each of them in turn, without end.
+    fn connect_conflicts(&mut self) {
+        let Self { had_conflicts, conflicts, course_of, again, .. } = self;
+        had_conflicts.append(conflicts);
+        for pair in had_conflicts {
+            let courses = pair.map(|disc| course_of[disc as usize]);
+            if courses.iter().all(|&course| course != NONE && course & AGAIN != 0) {
+                let [a, b] = courses.map(|course| course & !AGAIN);
+                again.connect(a, b);
+            }
+        }
+    }
+
     /// Loads the first segments of the discs that are simulated again, and of their neighbours, into
     /// the cache. They are far from each other in memory, and the processor waits for many of these
     /// reads at once.
@@ -148,12 +165,30 @@ impl Events {
     }
 
     /// Removes the courses of the discs of the conflicts, and of all that depend on theirs, and
-    /// lists these discs.
+    /// lists these discs. If these are more than half of the discs with events, or if `all` is true, the other discs with
+    /// events are added: one repetition for all costs less than several for nearly all.
     fn reopen(&mut self, window: &Window<'_>, all: bool) {
-        let Self { course_of, blocks, again, size, conflicts, discs, .. } = self;
-        discs.clear();
-        let had_conflicts = if all { &again.courses[..] } else { &[] };
-        let reopened: Vec<u32> = had_conflicts.iter().map(|course| course.index).collect();
+        let with_events =
+            self.blocks.iter().map(|block| block.history.courses.len()).sum::<usize>();
+        let conflicts = std::mem::take(&mut self.conflicts);
+        self.discs.clear();
+        self.reopen_islands(conflicts.iter().flatten().copied());
+        self.conflicts = conflicts;
+        if all || self.discs.len() > with_events / 2 {
+            let others = (0..).zip(&self.course_of).filter(|(_, course)| **course != NONE);
+            let others: Vec<u32> = others.map(|(index, _)| index).collect();
+            self.reopen_islands(others.into_iter());
+        }
+        let discs = &mut self.discs;
+        discs.retain(|&index| window.starts[index as usize].is_movable);
+        discs.sort_unstable();
+        discs.dedup();
+    }
+
+    /// Removes the courses of some discs and of all that depend on theirs, and appends these discs to
+    /// the list.
+    fn reopen_islands(&mut self, indices: impl Iterator<Item = u32>) {
+        let Self { course_of, blocks, again, size, discs, .. } = self;
         let mut reopen = |index: u32| {
             let (history, mark) = match course_of[index as usize] {
                 NONE => return discs.push(index),
@@ -170,10 +205,7 @@ impl Events {
                 }
             });
         };
-        conflicts.iter().flatten().chain(&reopened).for_each(|&index| reopen(index));
-        discs.retain(|&index| window.starts[index as usize].is_movable);
-        discs.sort_unstable();
-        discs.dedup();
+        indices.for_each(&mut reopen);
     }
 
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times

@@ -83,6 +83,8 @@ pub struct Events {
     outside: Vec<Outside>,
     /// Pairs whose trajectories meet, of discs that were not simulated together.
     conflicts: Vec<[u32; 2]>,
+    /// Those of the window for which discs were simulated again.
+    had_conflicts: Vec<[u32; 2]>,
     /// Those that each block has found.
     found: Vec<Vec<[u32; 2]>>,
     /// Discs that are simulated again.
