@@ -138,9 +138,9 @@ impl Events {
         self.find_meeting_new(window)
     }
 
-    /// Makes one island of the discs of each conflict of the window, so that they are simulated together in all
-    /// later repetitions. Some of them do not collide. Without this, a disc that has conflicts with two others could
-    /// be simulated again with each of them in turn, without end.
+    /// Makes one island of the discs of each conflict of the window, so that they are simulated
+    /// together in all later repetitions, also if they do not collide. Without this, a disc that has
+    /// conflicts with two others could be simulated again with each of them in turn, without end.
     fn connect_conflicts(&mut self) {
         let Self { had_conflicts, conflicts, course_of, again, .. } = self;
         had_conflicts.append(conflicts);
@@ -165,8 +165,9 @@ impl Events {
     }
 
     /// Removes the courses of the discs of the conflicts, and of all that depend on theirs, and
-    /// lists these discs. If these are more than half of the discs with events, or if `all` is true, the other discs with
-    /// events are added: one repetition for all costs less than several for nearly all.
+    /// lists these discs. If these are more than half of the discs with events, or if `all` is true,
+    /// the other discs with events are added: one repetition for all costs less than several for
+    /// nearly all.
     fn reopen(&mut self, window: &Window<'_>, all: bool) {
         let with_events =
             self.blocks.iter().map(|block| block.history.courses.len()).sum::<usize>();

@@ -159,7 +159,8 @@ impl World {
             let mut indices = contact.indices.map(|index| index as usize);
             indices.sort_unstable_by_key(|&at| (!particles.movable[at], ids[rows[at] as usize]));
             let both = indices.map(|at| rows[at]);
-            // The rank of an immovable particle need not have what pushes the particles on it.
+            // The rank of an immovable particle may lack neighbours of the movable one. Then its
+            // impulse of this contact is not the right one.
             let both_move = particles.movable[indices[1]];
             let is_known = domain.owns(both[0]) || both_move && domain.owns(both[1]);
             is_known.then(|| Resting {
