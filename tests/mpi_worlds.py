@@ -76,15 +76,7 @@ REST: dict[str, Any] = {"gravity": (0.0, 30.0), "restitution": 0.4, "sleeping": 
 
 SETTINGS = (
     *("gravity", "drag", "container", "container_restitution", "walls", "wall_velocities"),
-    *(
-        "wall_restitution",
-        "wall_friction",
-        "forces",
-        "on_touch",
-        "substeps",
-        "sleeping",
-        "track_events",
-    ),
+    *("wall_restitution", "wall_friction", "forces", "on_touch", "sleeping", "track_events"),
 )
 
 
@@ -101,6 +93,13 @@ class RandomDomains(jostle.mpi.World):
             self._random = np.random.default_rng(comm().rank)
         self._core._set_work(self._random.lognormal(sigma=1.5))
         super()._step(dt)
+
+
+def chosen_substeps(world: jostle.World) -> int | None:
+    """The number of sub-steps, or None if the world finds the same one."""
+    free = jostle.World.restore(world.snapshot())
+    free.substeps = None
+    return None if free.substeps == world.substeps else world.substeps
 
 
 def scattered(
@@ -126,6 +125,7 @@ def scattered(
         world.velocities[mine],
         world.radii[mine],
         restitution=restitution,
+        substeps=chosen_substeps(world),
         **columns,
         **settings,
     )

@@ -264,12 +264,88 @@ def test_a_pile_comes_to_rest_in_five_seconds() -> None:
         ("as in the scene", 1000, 1 / 30),
         ("masses 100:1", 1000, 1 / 60),
         ("radii 10:1", 1000, 1 / 60),
+        ("radii 25:1", 300, 1 / 60),
     ],
 )
 def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
     world = a_pile(kind, friction, n)
     world.step(dt, steps=round(5 / dt))
     assert deepest_overlap(world) <= 0.03
+
+
+def stack(lower: float, upper: float, **settings: object) -> jostle.World:
+    """Two discs of radius 1 with these masses, one on the other, and both on a floor."""
+    settings = {"gravity": (0, -G), "restitution": 0.0, "container": BOX} | settings
+    return jostle.World(
+        [(0, 1), (0.5, 1 + math.sqrt(3.75))],
+        np.zeros((2, 2)),
+        radii=1,
+        masses=[lower, upper],
+        **settings,
+    )
+
+
+@pytest.mark.parametrize(
+    ("world", "expected"),
+    [
+        (stack(1, 100), 4),
+        (stack(1, 625), 20),
+        (stack(1, 1e6), 32),
+        (stack(1e6, 1), 4),
+        (stack(1, 625, substeps=4), 4),
+        (stack(1, 625, restitution=1.0), 1),
+        (stack(1, 625, gravity=(-G, 0)), 20),
+        (stack(1, 625, gravity=(G, 0)), 4),
+        (stack(1, 625, gravity=(0, 0)), 1),
+    ],
+    ids=lambda value: str(value) if isinstance(value, int) else "",
+)
+def test_heavy_discs_that_press_light_ones_take_more_substeps(
+    world: jostle.World, expected: int
+) -> None:
+    assert world.stats.substeps == 0
+    world.step(1 / 60)
+    assert world.stats.substeps == expected
+
+
+@pytest.mark.parametrize("pull", [(0.0, 0.0), (3.0, -2.0)])
+def test_the_number_of_substeps_may_be_chosen_or_found(pull: tuple[float, float]) -> None:
+    """Attractors act as if the number had been known when the step began."""
+    worlds = [stack(1, 625), stack(1, 625, substeps=20)]
+    for world in worlds:
+        world.forces = [jostle.Attractor((0, -3), strength=5.0)]
+        world.accelerations = np.full((2, 2), pull)
+        for _ in range(5):
+            world.step(1 / 60)
+            assert world.stats.substeps == 20
+    assert worlds[0].positions.tolist() == worlds[1].positions.tolist()
+    assert worlds[0].velocities.tolist() == worlds[1].velocities.tolist()
+
+
+def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
+    pile = a_pile("radii 25:1", 0.1, 200)
+    pile.step(1 / 60, steps=90)
+    columns = ("positions", "velocities", "radii", "masses", "friction")
+    results, most = set(), 0
+    for order, settings in [
+        (np.arange(200), {"threads": 1}),
+        (np.arange(200), {"threads": 2}),
+        (np.arange(200)[::-1], {"method": "brute"}),
+    ]:
+        world = jostle.World(
+            **{name: getattr(pile, name)[order] for name in columns},
+            gravity=pile.gravity,
+            restitution=pile.restitution,
+            container=pile.container,
+            **settings,
+        )
+        for _ in range(30):
+            world.step(1 / 60)
+            most = max(most, world.stats.substeps)
+        states = np.column_stack([world.positions, world.velocities])[np.argsort(order)]
+        results.add(states.tobytes())
+    assert most == 20
+    assert len(results) == 1
 
 
 def measure_speeds(friction: float, count: int) -> None:

@@ -3119,7 +3119,8 @@ class World:
     substeps : int, optional
         Sub-steps of a step, in which forces act and resting contacts are solved. None, the
         default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
-        accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. A step whose particles travel far is
+        accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. Where a particle presses on one
+        that touches it and has less than 1/128 of its mass, there are 2 to 8 times as many. A step whose particles travel far is
         divided into parts, which share the sub-steps; each part has at least one.
     sleeping : bool, default True
         Whether islands of touching particles that rest fall asleep under gravity, if the
@@ -4042,10 +4043,12 @@ class World:
     @property
     def substeps(self) -> int:
         """Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
-        for the latter.
+        for the latter. A step in which heavy particles press light ones has more then; see
+        `stats.substeps`.
 
         See Also
         --------
+        stats : Sub-steps of the last step, among others.
         step : Advances the simulation.
         """
     @substeps.setter
@@ -4265,9 +4268,9 @@ class World:
     @property
     def stats(self) -> WorldStats:
         """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
-        `tests`, the number of pairs that were tested, and `unresolved`, the number of particles
-        that had too many collisions and stood still for the rest of the step. All are 0 before the
-        first step, and after `restore` and `load`.
+        `tests`, the number of pairs that were tested, `unresolved`, the number of particles that had
+        too many collisions and stood still for the rest of the step, and `substeps`. All are 0
+        before the first step, and after `restore` and `load`.
 
         See Also
         --------

@@ -596,6 +596,8 @@ class WorldStats(NamedTuple):
     unresolved : int
         Particles that had so many collisions in a part of the step that they stood still for
         the rest of the step.
+    substeps : int
+        Sub-steps of the step; 0 before the first step and where all particles sleep.
     """
 
     nodes: int
@@ -603,6 +605,7 @@ class WorldStats(NamedTuple):
     depth: int
     tests: int
     unresolved: int
+    substeps: int
 
 
 class GaltonBoard(NamedTuple):

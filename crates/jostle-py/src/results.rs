@@ -161,7 +161,7 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
 /// `jostle.WorldStats`.
 pub fn world_stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (all.nodes, all.leaves, all.depth, all.tests, all.unresolved);
+    let fields = (all.nodes, all.leaves, all.depth, all.tests, all.unresolved, all.substeps);
     STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 

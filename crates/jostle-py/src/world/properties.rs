@@ -126,10 +126,12 @@ impl PyWorld {
     }
 
     /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
-    /// for the latter.
+    /// for the latter. A step in which heavy particles press light ones has more then; see
+    /// `stats.substeps`.
     ///
     /// See Also
     /// --------
+    /// stats : Sub-steps of the last step, among others.
     /// step : Advances the simulation.
     #[getter]
     fn substeps(&self, py: Python<'_>) -> PyResult<usize> {

@@ -161,6 +161,12 @@ pub struct WallPush {
     pub pushes: [f32; 2],
 }
 
+/// Whether surfaces touch whose centres have this offset.
+pub fn are_touching([x, y]: [f32; 2], contact_distance: f32) -> bool {
+    let most = (1.0 + TOUCHING) * contact_distance;
+    x * x + y * y <= most * most
+}
+
 /// The sum of two vectors.
 fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| a[k] + b[k])

@@ -3,6 +3,7 @@
 
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
+use crate::contacts::ContactShape;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -20,7 +21,7 @@ impl World {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
+        let Self { particles, settings, scratch, contacts, .. } = self;
         let StepScratch { tree, pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
@@ -29,12 +30,16 @@ impl World {
         }
         let lists = if may_rest { pairs } else { &scratch.overlaps };
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
-        scratch.contact_shape = contacts.shape();
+        let shape = ContactShape { refinement: self.refinement(), ..self.contacts.shape() };
+        let Self { particles, scratch, contacts, domain, rows, .. } = self;
+        scratch.contact_shape = shape;
         if let Some(domain) = domain {
+            let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            scratch.contact_shape = domain.shape_of_all(scratch.contact_shape)?;
+            scratch.contact_shape = domain.shape_of_all(shape)?;
             domain.add_pair_digests(of_pairs);
         }
+        scratch.substeps *= scratch.contact_shape.refinement;
         Ok(())
     }
 

@@ -337,14 +337,15 @@ impl Domain {
 
     /// What the order of solving contacts depends on, on all ranks.
     pub(super) fn shape_of_all(&self, own: ContactShape) -> Result<ContactShape> {
-        let numbers = [own.colours as f64, f64::from(own.has_uneven), f64::from(own.is_serial)];
-        let [colours, has_uneven, is_serial] = locked(&self.group).largest(numbers)?;
+        let flags = [own.has_uneven, own.is_serial].map(f64::from);
+        let numbers = [own.colours as f64, flags[0], flags[1], own.refinement as f64];
+        let [colours, has_uneven, is_serial, refinement] = locked(&self.group).largest(numbers)?;
         if is_serial > 0.0 {
             let rule = "one of a distributed world may have contacts with 64 others at most";
             return Err(Error::of("radii", "those of a particle with many contacts", rule));
         }
-        let colours = colours as usize;
-        Ok(ContactShape { colours, has_uneven: has_uneven > 0.0, is_serial: false })
+        let [colours, refinement] = [colours, refinement].map(|number| number as usize);
+        Ok(ContactShape { colours, has_uneven: has_uneven > 0.0, is_serial: false, refinement })
     }
 
     /// Writes how far own particles may get from where they are before they leave the circles that other

@@ -29,6 +29,7 @@ mod merge_of_ranks;
 mod migration;
 mod record;
 mod reductions;
+mod refinement;
 mod reorder;
 mod search;
 mod settings;
@@ -117,7 +118,7 @@ impl Stage {
 /// A callback that is called when a stage of a step ends, to time it.
 pub type Watch<'a> = dyn FnMut(Stage) + Send + 'a;
 
-/// The search of the last step, and its unresolved particles.
+/// The search of the last step, its sub-steps and its unresolved particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// Nodes of the tree.
@@ -131,6 +132,8 @@ pub struct Stats {
     /// Particles that had too many collisions in a part of the step, and stood still for the
     /// rest of the step.
     pub unresolved: u64,
+    /// Sub-steps of all parts of the step.
+    pub substeps: usize,
 }
 
 /// Particles, their settings and forces.

@@ -32,6 +32,8 @@ pub(super) struct Substeps {
     has_kicks: bool,
     /// Whether all particles without events stay in their bounds in the first sub-step.
     is_bounded: bool,
+    /// Whether there are more sub-steps than [`World::apply_forces`] knew of.
+    is_refined: bool,
     threads: Option<usize>,
 }
 
@@ -100,6 +102,7 @@ impl World {
             watch(Stage::Correction);
         }
         self.end_substeps(&of);
+        self.stats.substeps += of.count;
         Ok(())
     }
 
@@ -145,19 +148,20 @@ impl World {
             has_accelerations,
             has_kicks: may_rest || is_pulled,
             is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
+            is_refined: scratch.contact_shape.refinement > 1,
             threads,
         }
     }
 
     /// Computes the kicks of accelerations and springs. [`World::apply_forces`] has computed the
-    /// accelerations of the first sub-step.
+    /// accelerations of the first sub-step, unless it is shorter now.
     fn apply_forces_in_substep(
         &mut self,
         of: &Substeps,
         substep: usize,
         watch: &mut Watch<'_>,
     ) -> Result<()> {
-        if substep > 0 && of.has_accelerations {
+        if of.has_accelerations && (substep > 0 || of.is_refined) {
             let StepScratch { forces, motions, .. } = &mut self.scratch;
             forces.find_halfway(motions, &self.settings.container, of.seconds as f32);
             self.accelerate(of.seconds as f32)?;

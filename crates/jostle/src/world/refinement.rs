@@ -1,0 +1,55 @@
+//! More sub-steps where heavy particles press light ones.
+//!
+//! The impulses of resting contacts are found by iterations. Their error grows with the ratio of the
+//! masses of a heavy particle and a light one on which it rests, and falls with the length of a
+//! sub-step, because each sub-step begins with the impulses of the one before. So the number of
+//! sub-steps grows with that ratio.
+
+use super::World;
+use crate::resting::are_touching;
+
+/// Ratio of masses up to which [`DEFAULT_SUBSTEPS`](super::settings::DEFAULT_SUBSTEPS) are enough.
+const ENOUGH: f32 = 128.0;
+
+/// Times that number at most.
+const MOST: usize = 8;
+
+impl World {
+    /// How many times the usual number of sub-steps the contacts of this part of the step need. It
+    /// follows from the particles that touch as the part begins.
+    pub(super) fn refinement(&self) -> usize {
+        let is_free = self.settings.substeps.is_none() && self.may_rest();
+        if !is_free || !self.contacts.has_uneven() {
+            return 1;
+        }
+        let all = self.scratch.pairs.iter();
+        let ratios = all.flat_map(|(image, pairs)| {
+            pairs.iter().filter_map(|&pair| self.ratio_under_load(pair, *image))
+        });
+        let largest = ratios.fold(0.0, f32::max);
+        ((largest / ENOUGH).ceil() as usize).clamp(1, MOST)
+    }
+
+    /// The mass of the heavier particle over that of the lighter, if they touch and the heavier
+    /// presses the lighter: gravity and forces accelerate it towards the lighter.
+    fn ratio_under_load(&self, pair: [u32; 2], image: [f32; 2]) -> Option<f32> {
+        let particles = &self.particles;
+        let [a, b] = pair.map(|index| index as usize);
+        let ratio = particles.masses[a] / particles.masses[b];
+        let ratio = ratio.max(1.0 / ratio);
+        if ratio <= ENOUGH || !(self.scratch.moving[a] && self.scratch.moving[b]) {
+            return None;
+        }
+        let [p, q] = [a, b].map(|index| particles.positions[index]);
+        let offset = [0, 1].map(|k| q[k] - p[k] + image[k]);
+        if !are_touching(offset, particles.radii[a] + particles.radii[b]) {
+            return None;
+        }
+        let (heavier, sign) =
+            if particles.masses[a] > particles.masses[b] { (a, 1.0) } else { (b, -1.0) };
+        let by_forces = self.scratch.forces.accelerations.get(heavier).copied().unwrap_or_default();
+        let acceleration = [0, 1].map(|k| self.settings.gravity[k] + by_forces[k]);
+        let towards = sign * (acceleration[0] * offset[0] + acceleration[1] * offset[1]);
+        (towards > 0.0).then_some(ratio)
+    }
+}
