@@ -290,7 +290,8 @@ def stack(lower: float, upper: float, **settings: object) -> jostle.World:
     [
         (stack(1, 100), 4),
         (stack(1, 625), 20),
-        (stack(1, 1e6), 32),
+        (stack(1, 1e4), 32),
+        (stack(1, 1e6), 4),
         (stack(1e6, 1), 4),
         (stack(1, 625, substeps=4), 4),
         (stack(1, 625, restitution=1.0), 1),

@@ -14,6 +14,10 @@ const ENOUGH: f32 = 128.0;
 /// Times that number at most.
 const MOST: usize = 8;
 
+/// Ratio of masses above which the heavier particle has no effect on the number. Programs give such
+/// masses to bodies that they move themselves and that nothing should slow down.
+const OF_MOVED_BODIES: f32 = 10_000.0;
+
 impl World {
     /// How many times the usual number of sub-steps the contacts of this part of the step need. It
     /// follows from the particles that touch as the part begins.
@@ -37,7 +41,8 @@ impl World {
         let [a, b] = pair.map(|index| index as usize);
         let ratio = particles.masses[a] / particles.masses[b];
         let ratio = ratio.max(1.0 / ratio);
-        if ratio <= ENOUGH || !(self.scratch.moving[a] && self.scratch.moving[b]) {
+        let is_counted = ENOUGH < ratio && ratio <= OF_MOVED_BODIES;
+        if !is_counted || !(self.scratch.moving[a] && self.scratch.moving[b]) {
             return None;
         }
         let [p, q] = [a, b].map(|index| particles.positions[index]);
