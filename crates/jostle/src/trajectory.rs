@@ -136,8 +136,16 @@ impl Limits {
 /// 2u/(a (1 − e)). They end within the sub-step if u ≤ a h (1 − e)/2; the speed of approach is then
 /// at most u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
+    let restitution = restitution_at_rest(restitution);
     let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MOST_REST_SPEED);
     [approach, restitution * approach]
+}
+
+/// The coefficient of restitution by which it is decided whether a contact rests, in worlds that lose energy.
+/// Friction makes discs come to rest also if they collide elastically, and without this limit their
+/// collisions would become ever more frequent.
+pub fn restitution_at_rest(restitution: f64) -> f64 {
+    restitution.min(0.999)
 }
 
 /// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.

@@ -136,7 +136,7 @@ impl Window<'_> {
         let span = self.end as f32;
         let passing = own.now().passing(&other.now(), image, span);
         // In a pile nearly all pairs end here, so the branch is predicted rightly.
-        if !self.flight.is_elastic && self.defers(own, other, &passing) {
+        if !self.flight.is_lossless && self.defers(own, other, &passing) {
             return false;
         }
         !passing.is_far(span) | (own.falls != other.falls)

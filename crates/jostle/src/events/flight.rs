@@ -8,7 +8,9 @@ use crate::forces::{HotWalls, Thermostat};
 use crate::motion::{Motion, Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, vector};
+use crate::trajectory::{
+    Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
+};
 use crate::walls::{Around, Contact, FIRST};
 
 /// Relative size of the rounding of positions with residuals, with a reserve for sums.
@@ -81,8 +83,8 @@ pub struct Flight<'a> {
     pub walls: Around<'a>,
     /// Coefficient of restitution of the world.
     pub restitution: f32,
-    /// Whether all coefficients of restitution are 1.
-    pub is_elastic: bool,
+    /// Whether all collisions keep the energy: elastic, without friction.
+    pub is_lossless: bool,
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
     /// The walls at temperatures.
@@ -165,13 +167,13 @@ impl Flight<'_> {
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
                 }
-                start.is_settled = !self.is_elastic && start.is_settled(self.end as f32);
+                start.is_settled = !self.is_lossless && start.is_settled(self.end as f32);
             }
         });
         for &index in exhausted {
             let start = &mut starts[index as usize];
             (start.velocity, start.is_movable, start.falls) = ([0.0; 2], false, false);
-            start.is_settled = !self.is_elastic;
+            start.is_settled = !self.is_lossless;
         }
     }
 }
@@ -266,7 +268,7 @@ impl Window<'_> {
     pub fn pair_restitution(&self, [a, b]: [u32; 2]) -> f64 {
         let Flight { particles: Particles { restitutions, .. }, restitution, .. } = self.flight;
         // Not read if all are 1.
-        if self.flight.is_elastic {
+        if self.flight.is_lossless {
             return 1.0;
         }
         f64::from(restitution * (restitutions[a as usize] * restitutions[b as usize]))
@@ -305,11 +307,12 @@ impl Window<'_> {
             deep_tolerance: rounding,
             bounces: f64::INFINITY,
         };
-        if self.flight.is_elastic {
+        if self.flight.is_lossless {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
         let tolerance = if are_supported { DEFERRED * contact_distance } else { limits.tolerance };
+        let restitution = restitution_at_rest(restitution);
         let bounces = 2.0 * restitution / (1.0 - restitution);
         Limits { tolerance, deep_tolerance: rounding.max(tolerance), bounces, ..limits }
     }

@@ -548,7 +548,7 @@ impl Simulation<'_> {
 
     /// Events of a disc after which it stands still.
     pub(super) fn most_events(&self) -> u32 {
-        MOST_EVENTS[usize::from(!self.window.flight.is_elastic)]
+        MOST_EVENTS[usize::from(!self.window.flight.is_lossless)]
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

@@ -141,6 +141,11 @@ impl Particles {
         self.sensors.get(row).is_some_and(|&is_sensor| is_sensor)
     }
 
+    /// Whether any disc has friction.
+    pub fn has_friction(&self) -> bool {
+        self.spins.iter().any(|spin| spin.friction > 0.0)
+    }
+
     /// Whether two discs that overlap touch: one of them must be movable, or just one a sensor.
     #[inline(always)]
     pub fn may_touch(&self, a: usize, b: usize) -> bool {

@@ -161,10 +161,9 @@ pub struct WallPush {
     pub pushes: [f32; 2],
 }
 
-/// Whether surfaces touch whose centres have this offset.
-pub fn are_touching([x, y]: [f32; 2], contact_distance: f32) -> bool {
-    let most = (1.0 + TOUCHING) * contact_distance;
-    x * x + y * y <= most * most
+/// Whether surfaces with this gap count as touching.
+pub fn are_touching(gap: f32, contact_distance: f32) -> bool {
+    gap <= TOUCHING * contact_distance
 }
 
 /// The sum of two vectors.
@@ -263,13 +262,18 @@ impl Surfaces {
         if gap > FARTHEST * a.max(b) * h {
             return None;
         }
+        let most = a.max(b);
         let limits = rest_speeds(f64::from(self.restitution));
-        let [approach, separation] = limits.map(|limit| limit as f32 * a.max(b));
+        let [approach, separation] = limits.map(|limit| limit as f32 * most);
         let closing_speed = gap.max(0.0) / h;
         let is_near = closing_speed <= approach + a + b;
-        let is_touching = gap <= TOUCHING * self.contact_distance;
+        let is_touching = are_touching(gap, self.contact_distance);
         let is_slow = normal_speed <= separation || self.has_pushed;
-        let rests = is_touching || normal_speed >= -approach && is_slow;
+        // The square of the speed at which they fall onto each other, v² + 2 a d.
+        let impact = normal_speed * normal_speed + 2.0 * most * closing_speed;
+        let limit = if self.has_pushed { approach.max(most) } else { approach };
+        let is_low = impact <= limit * limit;
+        let rests = is_touching || normal_speed >= -approach && is_slow && is_low;
         if approach == 0.0 || !is_near || !rests {
             return None;
         }

@@ -168,11 +168,18 @@ fn start<S: Simd<f32>>(
     let has_pushed = simd.less(zero, simd.load(&block.impulses[1]));
     let is_slow = simd.at_most(minus_approach, normal_speed)
         & (simd.at_most(normal_speed, separation) | has_pushed);
+    let fallen = simd.mul(simd.mul(simd.splat(2.0), most), closing_speed);
+    let impact = simd.add(simd.mul(normal_speed, normal_speed), fallen);
+    let limit = simd.choose(has_pushed, simd.max(approach, most), approach);
+    let is_low = simd.at_most(impact, simd.mul(limit, limit));
     // The normal is taken as constant.
     let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
     let is_steady = simd.at_most(simd.mul(speed, h), simd.mul(simd.splat(0.5), contact_distance));
-    let resting =
-        is_near & (is_touching | is_slow) & is_steady & simd.less(zero, approach) & of.lanes;
+    let resting = is_near
+        & (is_touching | is_slow & is_low)
+        & is_steady
+        & simd.less(zero, approach)
+        & of.lanes;
 
     let fast = resting & is_touching & simd.less(normal_speed, minus_approach);
     let minus_restitution = simd.sub(simd.splat(-0.0), simd.load(&of.restitutions));

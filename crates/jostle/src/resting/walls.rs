@@ -1,7 +1,7 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes};
+use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
 use crate::motion::{Scalars, Vectors, exact};
@@ -178,6 +178,12 @@ impl WallContact {
         let own = scene.motions.velocity(index as u32);
         let velocity = scene.walls.walls.velocity(number);
         let [u, v] = [0, 1].map(|k| own[k] - velocity[k]);
+        // On a wall from which gravity and forces move it away it rests only if other particles push it.
+        let away = [0, 1].map(|k| wall.inward[k] * scene.change(kick, k) as f32);
+        let is_pushed = pushes[0] > 0.0 || are_touching(wall.gap, scene.particles.radii[index]);
+        if away[0] + away[1] > 0.0 && !is_pushed {
+            return None;
+        }
         let own = scene.restitution * scene.particles.restitutions[index];
         let surfaces = Surfaces {
             gap: wall.gap,

@@ -51,7 +51,7 @@ impl World {
             foreign: Asleep::default(),
             touched: Vec::new(),
             left: Vec::new(),
-            is_elastic: self.are_own_elastic(),
+            is_lossless: self.are_own_lossless(),
             has_friction: true,
             scales: Default::default(),
             extent: None,

@@ -87,7 +87,7 @@ pub(super) struct Domain {
     pub(super) touched: Vec<Id>,
     /// How far the particle at each index may get before it leaves its circle.
     pub(super) left: Vec<f32>,
-    pub(super) is_elastic: bool,
+    pub(super) is_lossless: bool,
     pub(super) has_friction: bool,
     /// Quantiles of the coordinates of all ranks along each axis.
     pub(super) scales: [Scale; 2],
@@ -209,9 +209,9 @@ impl Domain {
         self.ids[a as usize].cmp(&self.ids[b as usize])
     }
 
-    /// Whether the collisions of all ranks are elastic.
-    pub(super) fn is_elastic(&self) -> bool {
-        self.is_elastic
+    /// Whether all collisions of all ranks keep the energy.
+    pub(super) fn is_lossless(&self) -> bool {
+        self.is_lossless
     }
 
     /// Whether any particle of any rank has friction.

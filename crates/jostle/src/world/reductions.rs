@@ -67,9 +67,9 @@ impl World {
 
     /// Finds out what the particles that are awake require on all ranks, and how many these are.
     pub(super) fn sum_up_ranks(&mut self) -> Result<()> {
-        let has_friction = self.particles.spins.iter().any(|spin| spin.friction > 0.0);
+        let has_friction = self.particles.has_friction();
         let moving = (0..self.rows.len()).any(|index| !self.particles.is_static(index));
-        let flags = [!self.are_own_elastic(), has_friction, moving].map(u64::from);
+        let flags = [!self.are_own_lossless(), has_friction, moving].map(u64::from);
         let counts = [self.rows.len(), self.asleep.len()].map(|count| count as u64);
         let own = [flags[0], flags[1], flags[2], counts[0], counts[1]];
         let Some(domain) = &mut self.domain else { return Ok(()) };
@@ -82,7 +82,7 @@ impl World {
         let [inelastic, frictions, moving, awake, asleep] = [0, 1, 2, 3, 4].map(sum);
         let loads = |k: usize| all.iter().map(move |of| f64::from_bits(of[k]));
         domain.note_load(loads(5), loads(6).sum());
-        (domain.is_elastic, domain.has_friction) = (inelastic == 0, frictions > 0);
+        (domain.is_lossless, domain.has_friction) = (inelastic == 0, frictions > 0);
         (domain.awake, domain.asleep) = (awake as usize, asleep as usize);
         domain.is_still = asleep > 0 && moving == 0;
         if frictions > 0 {

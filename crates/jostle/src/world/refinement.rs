@@ -42,12 +42,14 @@ impl World {
         let ratio = particles.masses[a] / particles.masses[b];
         let ratio = ratio.max(1.0 / ratio);
         let is_counted = ENOUGH < ratio && ratio <= OF_MOVED_BODIES;
-        if !is_counted || !(self.scratch.moving[a] && self.scratch.moving[b]) {
+        if !(is_counted && self.scratch.moving[a] && self.scratch.moving[b]) {
             return None;
         }
         let [p, q] = [a, b].map(|index| particles.positions[index]);
         let offset = [0, 1].map(|k| q[k] - p[k] + image[k]);
-        if !are_touching(offset, particles.radii[a] + particles.radii[b]) {
+        let contact_distance = particles.radii[a] + particles.radii[b];
+        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        if !are_touching(length - contact_distance, contact_distance) {
             return None;
         }
         let (heavier, sign) =

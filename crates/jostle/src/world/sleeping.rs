@@ -162,7 +162,7 @@ impl World {
     /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an
     /// error, the step can be undone.
     pub(super) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
-        if !self.may_sleep() || self.is_elastic() {
+        if !self.may_sleep() || self.is_lossless() {
             self.persistent.drifts.clear();
             return Ok(());
         }

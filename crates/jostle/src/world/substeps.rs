@@ -24,7 +24,7 @@ pub(super) struct Substeps {
     /// Seconds of each.
     seconds: f64,
     flow: Flow,
-    is_elastic: bool,
+    is_lossless: bool,
     may_rest: bool,
     has_friction: bool,
     has_accelerations: bool,
@@ -46,18 +46,20 @@ impl Substeps {
 }
 
 impl World {
-    /// Whether all collisions are elastic, so that nothing comes to rest.
-    pub(super) fn is_elastic(&self) -> bool {
-        self.domain.as_ref().map_or_else(|| self.are_own_elastic(), |domain| domain.is_elastic())
+    /// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
+    /// friction.
+    pub(super) fn is_lossless(&self) -> bool {
+        self.domain.as_ref().map_or_else(|| self.are_own_lossless(), |domain| domain.is_lossless())
     }
 
     /// The same of the particles of this rank.
-    pub(super) fn are_own_elastic(&self) -> bool {
+    pub(super) fn are_own_lossless(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         self.settings.restitution == 1.0
             && self.particles.restitutions.chunks(256).all(elastic)
             && self.walls.are_elastic()
+            && !self.particles.has_friction()
     }
 
     /// Whether forces give kicks before and after the flights of a step.
@@ -65,10 +67,11 @@ impl World {
         self.has_accelerations() || springs(&self.forces).next().is_some()
     }
 
-    /// Whether gravity or forces may press inelastic particles against each other or against walls.
+    /// Whether gravity or forces may press particles against each other or against walls, where collisions
+    /// lose energy.
     pub(super) fn may_rest(&self) -> bool {
         // Coefficients of restitution are read last, because there is one for each particle.
-        (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_elastic()
+        (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_lossless()
     }
 
     /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
@@ -109,11 +112,12 @@ impl World {
     /// Prepares what lasts for all sub-steps: the impulses of resting contacts and of position
     /// correction, and the results of events.
     fn begin_substeps(&mut self, dt: f32) -> Substeps {
-        let (threads, may_rest, is_elastic) = (self.threads(), self.may_rest(), self.is_elastic());
+        let (threads, may_rest, is_lossless) =
+            (self.threads(), self.may_rest(), self.is_lossless());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
         let Self { particles, persistent, contacts, scratch, settings, domain, rows, .. } = self;
         let has_friction = match &domain {
-            None => particles.spins.iter().any(|spin| spin.friction > 0.0),
+            None => particles.has_friction(),
             Some(domain) => domain.has_friction(),
         };
         scratch.limits.clear();
@@ -142,7 +146,7 @@ impl World {
             count: scratch.substeps,
             seconds,
             flow: Flow::new(seconds, settings.gravity, settings.drag),
-            is_elastic,
+            is_lossless,
             may_rest,
             has_friction,
             has_accelerations,
@@ -235,7 +239,7 @@ impl World {
             container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
             restitution: settings.restitution,
-            is_elastic: of.is_elastic,
+            is_lossless: of.is_lossless,
             thermostat: forces::thermostat(&self.forces),
             hot: &scratch.hot_walls,
             pairs: settings.on_touch == OnTouch::Bounce,
