@@ -111,6 +111,87 @@ def test_a_ball_bounces_to_rest(restitution: float, dt: float, substeps: int | N
     assert world.velocities.tolist() == [[0, 0]]
 
 
+@pytest.mark.parametrize(
+    ("restitution", "time", "substeps"),
+    [(0.5, 1.0, None), (0.9, 1.5, None), (0.5, 0.5, 1), (0.9, 0.5, 1), (0.9, 1.5, 1)],
+)
+def test_a_ball_that_begins_slowly_bounces_in_one_step(
+    restitution: float, time: float, substeps: int | None
+) -> None:
+    """It does not rest, although it is slow at first and reaches the floor within a sub-step."""
+    world = jostle.World(
+        [(0, 2)],
+        [(0, 0)],
+        radii=1,
+        gravity=(0, -G),
+        restitution=restitution,
+        substeps=substeps,
+        container=BOX,
+    )
+    world.step(time)
+    fall = math.sqrt(2 / G)
+    speed = restitution * G * fall
+    left = time - fall
+    while left > 2 * speed / G:
+        left, speed = left - 2 * speed / G, restitution * speed
+    assert world.positions[0, 1] == pytest.approx(1 + speed * left - G * left**2 / 2, abs=1e-4)
+    assert world.velocities[0, 1] == pytest.approx(speed - G * left, abs=1e-4)
+
+
+@pytest.mark.parametrize("time", [0.5, 1.0, 2.0])
+def test_two_discs_do_not_gain_energy_in_a_long_step(time: float) -> None:
+    def discs() -> jostle.World:
+        return jostle.World(
+            [(3.09, 2), (5.36, 2)],
+            [(1.1, -0.5), (0.9, -1.1)],
+            radii=1,
+            gravity=(0, -G),
+            restitution=0.9,
+            container=jostle.Box(0, 0, 8, 40),
+        )
+
+    one, many = discs(), discs()
+    one.step(time)
+    many.step(time / 1000, steps=1000)
+    assert one.positions == pytest.approx(many.positions, abs=0.01)
+    assert one.velocities == pytest.approx(many.velocities, abs=0.01)
+
+
+def test_a_disc_does_not_rest_at_the_ceiling() -> None:
+    world = jostle.World(
+        [(3, 2)],
+        [(0, 1)],
+        radii=1,
+        gravity=(0, -G),
+        restitution=0,
+        container=jostle.Box(0, 0, 8, 40),
+    )
+    world.step(100, steps=3)
+    assert world.positions.tolist() == [[3, 1]]
+
+
+def test_friction_brings_elastic_discs_to_rest() -> None:
+    """Otherwise their collisions would become ever more frequent while the energy falls."""
+    rng = np.random.default_rng(1)
+    grid = np.stack(np.meshgrid(np.arange(10), np.arange(10)), -1).reshape(-1, 2)
+    world = jostle.World(
+        grid * 2.2 + 2 + rng.uniform(-0.09, 0.09, grid.shape),
+        np.zeros(grid.shape),
+        radii=1,
+        gravity=(0, -G),
+        friction=0.5,
+        container=jostle.Box(0, 0, 26, 100),
+    )
+    begun = world.kinetic_energy + world.masses @ world.positions[:, 1] * G
+    most = 0
+    for _ in range(40):
+        world.step(1 / 60, steps=30)
+        most = max(most, world.collisions.pairs)
+        assert world.stats.unresolved == 0
+    assert most < 100 * len(world)
+    assert world.kinetic_energy < 1e-4 * begun
+
+
 # ---- resting contacts ----------------------------------------------------------------------------
 
 
