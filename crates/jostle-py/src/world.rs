@@ -129,8 +129,9 @@ pub use ranks::{begin_hash, checksum, hash_records};
 /// substeps : int, optional
 ///     Sub-steps of a step, in which forces act and resting contacts are solved. None, the
 ///     default, takes as many as the scene needs: 4 with attractors, gravitation, springs or given
-///     accelerations, or with a restitution below 1 and gravity or forces; otherwise 1. Where a particle presses on one
-///     that touches it and has 1/128 to 1/10,000 of its mass, there are 2 to 8 times as many. A step whose
+///     accelerations, or with gravity or forces and friction or a restitution below 1; otherwise 1. If
+///     contacts may rest and a particle presses on a touching one with 1/10,000 to 1/128 of its mass,
+///     there are 2 to 8 times as many. A step whose
 ///     particles travel far is divided into parts, which share the sub-steps; each part has at least one.
 /// sleeping : bool, default True
 ///     Whether islands of touching particles that rest fall asleep under gravity, if the

@@ -126,7 +126,7 @@ impl PyWorld {
     }
 
     /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
-    /// for the latter. A step in which heavy particles press light ones has more then; see
+    /// for the latter. With None, a step in which heavy particles press on light ones has more; see
     /// `stats.substeps`.
     ///
     /// See Also

@@ -1,4 +1,4 @@
-//! More sub-steps where heavy particles press light ones.
+//! More sub-steps where heavy particles press on light ones.
 //!
 //! The impulses of resting contacts are found by iterations. Their error grows with the ratio of the
 //! masses of a heavy particle and a light one on which it rests, and falls with the length of a
@@ -6,21 +6,23 @@
 //! sub-steps grows with that ratio.
 
 use super::World;
+use super::domain::owns;
 use crate::resting::are_touching;
 
 /// Ratio of masses up to which [`DEFAULT_SUBSTEPS`](super::settings::DEFAULT_SUBSTEPS) are enough.
-const ENOUGH: f32 = 128.0;
+const RATIO_OF_A_REFINEMENT: f32 = 128.0;
 
-/// Times that number at most.
-const MOST: usize = 8;
+/// The largest factor of that number.
+const MAX_REFINEMENT: usize = 8;
 
 /// Ratio of masses above which the heavier particle has no effect on the number. Programs give such
 /// masses to bodies that they move themselves and that nothing should slow down.
-const OF_MOVED_BODIES: f32 = 10_000.0;
+const LARGEST_RATIO: f32 = 10_000.0;
 
 impl World {
     /// How many times the usual number of sub-steps the contacts of this part of the step need. It
-    /// follows from the particles that touch as the part begins.
+    /// follows from the particles that touch as the part begins. Two ghosts do not count: their states
+    /// may be wrong in later parts of a step, and the rank of one of them has the pair too.
     pub(super) fn refinement(&self) -> usize {
         let is_free = self.settings.substeps.is_none() && self.may_rest();
         if !is_free || !self.contacts.has_uneven() {
@@ -31,17 +33,20 @@ impl World {
             pairs.iter().filter_map(|&pair| self.ratio_under_load(pair, *image))
         });
         let largest = ratios.fold(0.0, f32::max);
-        ((largest / ENOUGH).ceil() as usize).clamp(1, MOST)
+        ((largest / RATIO_OF_A_REFINEMENT).ceil() as usize).clamp(1, MAX_REFINEMENT)
     }
 
     /// The mass of the heavier particle over that of the lighter, if they touch and the heavier
-    /// presses the lighter: gravity and forces accelerate it towards the lighter.
+    /// presses on the lighter: gravity and forces accelerate it towards the lighter.
     fn ratio_under_load(&self, pair: [u32; 2], image: [f32; 2]) -> Option<f32> {
+        if !pair.iter().any(|&index| owns(&self.domain, self.rows[index as usize])) {
+            return None;
+        }
         let particles = &self.particles;
         let [a, b] = pair.map(|index| index as usize);
         let ratio = particles.masses[a] / particles.masses[b];
         let ratio = ratio.max(1.0 / ratio);
-        let is_counted = ENOUGH < ratio && ratio <= OF_MOVED_BODIES;
+        let is_counted = RATIO_OF_A_REFINEMENT < ratio && ratio <= LARGEST_RATIO;
         if !(is_counted && self.scratch.moving[a] && self.scratch.moving[b]) {
             return None;
         }
