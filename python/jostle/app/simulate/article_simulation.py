@@ -28,7 +28,6 @@ from jostle.app.simulate.simulation import (
     Rect,
     StepStats,
     Tags,
-    TreeBoxes,
     find,
 )
 from jostle.app.simulate.validation import FARTHEST, Fields, read
@@ -122,7 +121,7 @@ class ArticleSimulation:
             born=self._born,
             container=self.container,
             stats=self._stats(),
-            tree=self._tree_boxes() if request.tree else None,
+            tree=self._nodes() if request.tree else None,
             attractors=self.attractors,
         )
         return replace(
@@ -145,16 +144,14 @@ class ArticleSimulation:
             stage_times={"frame": self._milliseconds},  # the article has no separate stages
         )
 
-    def _tree_boxes(self) -> TreeBoxes:
+    def _nodes(self) -> jostle.Nodes:
         """Return the leaves of the last frame; brute force has none."""
-        if not self.program.leaves:
-            return TreeBoxes.none()
-        leaves = np.array(self.program.leaves)
+        leaves = np.array(self.program.leaves, np.int64).reshape(-1, 5)
         low, high = leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]
         places = np.array([(p.x, p.y) for p in self.program.particles]).reshape(-1, 1, 2)
         counts = ((places >= low) & (places < high)).all(axis=2).sum(axis=0)
         corners = np.concatenate([low, high], axis=1).astype(np.float64)
-        return TreeBoxes(corners, leaves[:, 4].astype(np.intp), counts, np.ones(len(leaves), bool))
+        return jostle.Nodes(corners, leaves[:, 4], counts, np.ones(len(leaves), np.bool_))
 
     # Changing
 
@@ -325,7 +322,12 @@ def _energies(frame: Frame) -> Energies:
 
 
 def _contacts(frame: Frame) -> FrameContacts:
-    return FrameContacts.of_pairs(jostle.Quadtree(frame.positions, frame.radii).contacts())
+    """Return the contacts; the article computes no impulses, and none with walls."""
+    pairs, normals, depths = jostle.Quadtree(frame.positions, frame.radii).contacts()
+    rows, none = np.empty(0, np.int64), np.empty(0, np.float32)
+    return FrameContacts(
+        pairs, normals, depths, np.zeros_like(depths), rows, none.reshape(0, 2), none
+    )
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
