@@ -131,11 +131,8 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
             whole: Any = start(settings)
             core, view = part_of(whole.world, rank, size), whole.view
         else:
-            simulation = WorldSimulation(
-                settings,
-                view,
-                lambda: create_scene_part(settings.scene, settings.n, settings.seed, rank, size),
-            )
+            own = create_scene_part(settings.scene, settings.n, settings.seed, rank, size)
+            simulation = WorldSimulation(settings, view, own)
             simulation.add_own_walls(settings.walls)
             core, view = simulation.world, simulation.view
         core.threads = threads

@@ -54,6 +54,7 @@ class ArticleSimulation:
     """
 
     time_step = 1 / FRAME_RATE
+    adjustable = frozenset({"method", "time_scale"})
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -80,14 +81,6 @@ class ArticleSimulation:
 
     def __len__(self) -> int:
         return len(self.program.particles)
-
-    @property
-    def method(self) -> str:
-        return f"article-{self.program.method}"
-
-    @property
-    def adjustable(self) -> frozenset[str]:
-        return frozenset({"method", "time_scale"})
 
     @property
     def effective_settings(self) -> Settings:

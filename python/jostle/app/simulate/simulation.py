@@ -163,20 +163,13 @@ class Simulation(Protocol):
     scene: str
     time_step: float
     view: Rect
+    adjustable: frozenset[str]  # the fields of `Settings` that `adjust` can change while it runs
 
     @property
     def attractors(self) -> tuple[Attractor, ...]:
         """The attractors of the user."""
 
     def __len__(self) -> int: ...
-
-    @property
-    def method(self) -> str:
-        """One of `settings.METHODS`."""
-
-    @property
-    def adjustable(self) -> frozenset[str]:
-        """The fields of `Settings` that `adjust` can change while it runs."""
 
     @property
     def effective_settings(self) -> Settings:
