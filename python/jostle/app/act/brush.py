@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jostle.app.act.commands import Commands, usual
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.placement import TRIES, in_disc
+from jostle.app.simulate.placement import random_in_disc
 from jostle.app.simulate.simulation import Point
 
 REACH = 6.0  # radii of a particle: the radius of the brush
@@ -55,8 +55,8 @@ class Brush:
 
     def _add(self, middles: NDArray[np.float64]) -> None:
         middles = np.repeat(middles, DROPS, axis=0)
-        offsets = in_disc(self._rng.random((len(middles), TRIES, 2)))
-        self._commands.paint(middles + self.radius * offsets)
+        offsets = self.radius * random_in_disc(self._rng, len(middles))
+        self._commands.paint(middles + offsets)
 
     def _particle(self) -> float:
         """Return the radius of a new particle; a median, so it is kept while no number changes."""

@@ -31,9 +31,14 @@ def in_disc(tries: Floats) -> Floats:
     return chosen
 
 
+def random_in_disc(rng: np.random.Generator, count: int) -> Floats:
+    """Return random points distributed evenly over the disc of radius 1."""
+    return in_disc(rng.random((count, TRIES, 2)))
+
+
 def directions(rng: np.random.Generator, count: int) -> Floats:
     """Return random vectors of length 1."""
-    points = in_disc(rng.random((count, TRIES, 2)))
+    points = random_in_disc(rng, count)
     lengths = np.sqrt(_squares(points))
     points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
     return points / lengths[:, None]
@@ -55,7 +60,7 @@ def free_positions(
 ) -> tuple[Floats, NDArray[np.intp]]:
     """Return random free positions for discs, and the rows of the discs that have one."""
     rng = np.random.default_rng([seed, len(taken), len(radii)])
-    rect = np.array(_common(bounds(container), view)).reshape(2, 2)
+    rect = np.array(common(bounds(container), view)).reshape(2, 2)
     places = np.zeros((len(radii), 2))
     found = np.zeros(len(radii), np.bool_)
     images, _ = wall_images(container, walls, float(np.max(radii, initial=0.0)))
@@ -113,7 +118,7 @@ def _apart(places: Floats, radii: Floats) -> NDArray[np.bool_]:
     return apart
 
 
-def _common(walls: Rect | None, view: Rect) -> Rect:
+def common(walls: Rect | None, view: Rect) -> Rect:
     """Return the intersection of both rectangles; the walls if it is empty."""
     if walls is None:
         return view
