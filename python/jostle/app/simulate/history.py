@@ -30,13 +30,8 @@ class Moment:
 class History:
     """Records every step, and restores moments. Only the thread that steps uses it.
 
-    Parameters
-    ----------
-    seconds
-        Its length, in simulated time.
-    budget
-        Bytes of snapshots. If it is exceeded, only every second, fourth … step has one; if that is
-        not enough, the history is shorter.
+    It covers `seconds` of simulated time. If the snapshots have more than `budget` bytes, only
+    every second, fourth … step has one; if that is not enough, the history is shorter.
     """
 
     def __init__(self, seconds: float = SECONDS, budget: int = BUDGET) -> None:
@@ -125,7 +120,6 @@ class History:
         if moment.state is not None:
             self.bytes += len(moment.state)
             self._since, self._adrift = 0, False
-        self._at_last()
         self._trim()
 
     def _trim(self) -> None:
@@ -137,7 +131,7 @@ class History:
         while self.bytes > self.budget and (end := self._first_part()):
             if self.stride >= MOST_STRIDE or not self._thin():
                 self._drop(0, end)
-        self._at_last()
+        self._go(len(self.moments) - 1)
 
     def _first_part(self) -> int:
         """Return the index of the second snapshot; 0 if there is none."""
@@ -167,9 +161,6 @@ class History:
     def _drop(self, begin: int, end: int) -> None:
         self.bytes -= sum(len(moment.state or b"") for moment in self.moments[begin:end])
         del self.moments[begin:end]
-
-    def _at_last(self) -> None:
-        self._go(len(self.moments) - 1)
 
     def _go(self, index: int) -> None:
         self.at = index
