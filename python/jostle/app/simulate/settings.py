@@ -222,9 +222,9 @@ FIXED_BY_ARTICLE = (
 
 def other_method(method: str) -> str:
     """Return brute force for a quadtree and vice versa, by the same rules."""
-    prefix, _, search = method.rpartition("-")
-    other = "brute" if search == "quadtree" else "quadtree"
-    return f"{prefix}-{other}" if prefix else other
+    if method.endswith("quadtree"):
+        return method.replace("quadtree", "brute")
+    return method.replace("brute", "quadtree")
 
 
 def too_slow(method: str, n: int) -> str | None:

@@ -185,14 +185,11 @@ def line_of(text: str, key: Key) -> int:
 
 def _contains(entries: Any, key: Key) -> bool:
     """Return whether nested tables and lists have an entry with a key."""
-    for part in key:
-        if isinstance(entries, list):
-            known: Any = range(len(entries))
-        else:
-            known = entries if isinstance(entries, dict) else ()
-        if part not in known:
-            return False
-        entries = entries[part]
+    try:
+        for part in key:
+            entries = entries[part]
+    except (KeyError, IndexError, TypeError):
+        return False
     return True
 
 
