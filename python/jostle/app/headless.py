@@ -148,6 +148,13 @@ class Film:
     step_seconds: float  # spent in the simulation alone
 
 
+def progress_bar(console: Console) -> Progress:
+    """Return a bar that counts steps."""
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    return Progress(*columns, console=console)
+
+
 def default_steps(simulation: Simulation) -> int:
     """Return the number of steps of a ten-second video."""
     return round(DEFAULT_SECONDS / simulation.time_step)
@@ -186,10 +193,7 @@ def make_film(
         readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    count = TextColumn("{task.completed:,}/{task.total:,} steps")
-    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
-    bar = Progress(*columns, console=console)
-    with Encoder(video, size, FRAME_RATE) as recorder, bar as progress:
+    with Encoder(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
