@@ -31,8 +31,7 @@ def inside(frame: Frame, rect: Rect) -> Tags:
     """Return the tags of the particles whose centres lie in a box, in ascending order."""
     x, y = frame.positions[:, 0], frame.positions[:, 1]
     chosen = (x >= rect[0]) & (y >= rect[1]) & (x <= rect[2]) & (y <= rect[3])
-    found: Tags = frame.tags[chosen]
-    return found
+    return frame.tags[chosen]
 
 
 class Selection:
