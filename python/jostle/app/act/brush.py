@@ -31,12 +31,6 @@ class Brush:
         """Return the radius of the brush in units of the world."""
         return REACH * self._particle()
 
-    @property
-    def kind(self) -> int | None:
-        """Return the kind of new particles; None if forces do not depend on kinds."""
-        matrix = self._engine.frame.matrix
-        return None if matrix is None else self._commands.kind % len(matrix)
-
     def begin(self, point: Point) -> None:
         """Add particles around a point, where a stroke begins."""
         self._at = point

@@ -39,6 +39,12 @@ class Commands:
         self.kind = 0  # the kind of new particles, where forces depend on it
         self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
 
+    @property
+    def new_kind(self) -> int | None:
+        """Return the kind of new particles; None if forces do not depend on kinds."""
+        matrix = self._engine.frame.matrix
+        return None if matrix is None else self.kind % len(matrix)
+
     # Some particles
 
     def create(self, point: Point) -> None:
@@ -47,19 +53,13 @@ class Commands:
 
     def paint(self, points: NDArray[np.float64]) -> None:
         """Add such particles at those points at which they overlap nothing."""
-        self._add(
-            lambda frame, radius: points[
-                free_among(
-                    points, radius, frame.positions, frame.radii, frame.container, frame.walls
-                )
-            ]
-        )
+        self._add(lambda frame, radius: points[free_among(points, radius, frame)])
 
     def _add(self, places: Callable[[Frame, float], NDArray[np.float64]]) -> None:
         """Add particles of the chosen kind and filter; `places` has the frame and their radius."""
         frame = self._engine.frame
         radius, density = usual(frame)
-        kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
+        kinds = self.new_kind
         # A copy, because the edit may run after the next change of the filter.
         bits = {} if frame.categories is None else dict(self.new_filter)
 

@@ -152,11 +152,11 @@ class Interaction:
     @property
     def preview(self) -> Drag | None:
         """Return the current drag, or that of a click, if it is to be drawn."""
+        point = self.at_cursor()
         if self.tool is Tool.BRUSH:
-            point, brush = self.at_cursor(), self.brush
-            return Drag(self.tool, point, point, reach=brush.radius, kind=brush.kind)
+            kind = self.commands.new_kind
+            return Drag(self.tool, point, point, reach=self.brush.radius, kind=kind)
         if self._drag is None:
-            point = self.at_cursor()
             shown = self._moved and self.tool is not Tool.POINTER
             return Drag(self.tool, point, point) if shown else None
         if self._drag.tool is Tool.POINTER and (self._drag.tag is not None or self._drag.is_click):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import article
@@ -213,14 +212,7 @@ class ArticleSimulation:
         places = np.asarray(positions, np.float64).reshape(-1, 2)
         within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)
-        rows = zip(
-            places.tolist(),
-            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAME_RATE).tolist(),
-            np.broadcast_to(np.asarray(radii), n).tolist(),
-            np.broadcast_to(np.asarray(densities), n).tolist(),
-            strict=True,
-        )
-        self.program.particles += [_particle(*row) for row in rows]
+        self.program.particles += _particles(places, velocities, radii, densities)
         tags = np.arange(self._next_tag, self._next_tag + n, dtype=np.int64)
         self._next_tag += n
         self._tags = np.concatenate([self._tags, tags])
@@ -330,21 +322,27 @@ def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
     whole numbers of at least 1, as in the article.
     """
     min_x, min_y, max_x, max_y = view
-    places = (frame.positions - np.array([min_x, min_y])).tolist()
-    velocities = (frame.velocities / FRAME_RATE).tolist()
-    radii, densities = frame.radii.tolist(), frame.densities.tolist()
-    rows = zip(places, velocities, radii, densities, strict=True)
-    particles = [_particle(*row) for row in rows]
+    places = frame.positions - np.array([min_x, min_y])
+    particles = _particles(places, frame.velocities, frame.radii, frame.densities)
     width, height = (
         max(math.ceil(side), article.SMALLEST_SIDE) for side in (max_x - min_x, max_y - min_y)
     )
     return article.Simulation.of(particles, rules, width=width, height=height)
 
 
-def _particle(
-    place: Sequence[float], velocity: Sequence[float], radius: float, density: float
-) -> article.Particle:
-    """Return a particle of the article, with its velocity in pixels per frame."""
-    (x, y), (dx, dy) = place, velocity
-    radius, density = max(round(radius), 1), max(round(density), 1)
-    return article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))
+def _particles(
+    places: NDArray[np.floating], velocities: ArrayLike, radii: ArrayLike, densities: ArrayLike
+) -> list[article.Particle]:
+    """Return particles of the article; it has velocities in pixels per frame."""
+    n, particles = len(places), []
+    for (x, y), (dx, dy), radius, density in zip(
+        places.tolist(),
+        (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAME_RATE).tolist(),
+        np.broadcast_to(np.asarray(radii), n).tolist(),
+        np.broadcast_to(np.asarray(densities), n).tolist(),
+        strict=True,
+    ):
+        radius, density = max(round(radius), 1), max(round(density), 1)
+        speed, angle = math.hypot(dx, dy), math.atan2(dx, -dy)
+        particles.append(article.Particle(x, y, radius, density, speed, angle))
+    return particles

@@ -110,8 +110,8 @@ class History:
 
     def index_of(self, seconds_ago: float) -> int:
         """Return the last moment at least `seconds_ago` before the latest."""
-        times = [moment.time for moment in self.moments]
-        return max(bisect_right(times, times[-1] - seconds_ago + 1e-9) - 1, 0)
+        latest = self.moments[-1].time - seconds_ago + 1e-9
+        return max(bisect_right(self.moments, latest, key=lambda moment: moment.time) - 1, 0)
 
     # Memory
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.containers import bounds, moved_inside, wall_images
-from jostle.app.simulate.simulation import Container, Rect
+from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.wall_segments import Ends, clear_of
 
 Floats = NDArray[np.floating]
@@ -85,19 +85,14 @@ def free_positions(
     return places[found], np.flatnonzero(found)
 
 
-def free_among(
-    places: Floats,
-    radius: float,
-    taken: Floats,
-    taken_radii: Floats,
-    container: Container,
-    walls: Ends,
-) -> NDArray[np.intp]:
+def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:
     """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
     radii = np.full(len(places), radius)
-    images, _ = wall_images(container, walls, radius)
-    free = (moved_inside(places, radii, container) == places).all(axis=1)
-    free &= _clear_of(places, radii, taken.astype(np.float64), taken_radii.astype(np.float64))
+    images, _ = wall_images(frame.container, frame.walls, radius)
+    free = (moved_inside(places, radii, frame.container) == places).all(axis=1)
+    free &= _clear_of(
+        places, radii, frame.positions.astype(np.float64), frame.radii.astype(np.float64)
+    )
     rows = np.flatnonzero(free & clear_of(places, radii, images))
     return rows[_apart(places[rows], radii[rows])]
 

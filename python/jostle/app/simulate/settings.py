@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from jostle.app.simulate.validation import (
     real,
     rect,
     refusals,
-    rules_of,
     shown,
     unknown,
     whole,
@@ -40,8 +39,6 @@ METHODS = {
     "article-brute": "article's brute force",
 }
 RENDERERS = ("auto", "opengl", "software")
-CONTAINERS = ("box", "circle", "torus", "none")
-ON_TOUCH = ("bounce", "merge", "ignore")
 # Largest numbers of particles with which a running scene takes a slow method.
 MOST_RUNNING = {"brute": 30_000, "article-quadtree": 4_000, "article-brute": 4_000}
 MAX_PARTICLES = 100_000_000
@@ -51,6 +48,8 @@ EVERY_CATEGORY = 2**32 - 1  # a mask with all bits
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
 OnTouch = Literal["bounce", "merge", "ignore"]
+ContainerKind = Literal["box", "circle", "torus", "none"]
+ON_TOUCH, CONTAINERS = get_args(OnTouch), get_args(ContainerKind)
 Range = tuple[float, float]
 Vector = tuple[float, float]
 Rect = tuple[float, float, float, float]
@@ -182,9 +181,7 @@ class Settings:
     max_depth: int | None = limited(or_none(whole(0, 2**31 - 1)), None)
     # The container's sides, as a multiple of the scene's own.
     world_size: float = limited(real(0.01, 100), 1.0)
-    container: Literal["box", "circle", "torus", "none"] | None = limited(
-        or_none(one_of(*CONTAINERS)), None
-    )
+    container: ContainerKind | None = limited(or_none(one_of(*CONTAINERS)), None)
     gravity: Vector | None = limited(or_none(VECTOR), None)  # world units per second squared
     drag: float | None = limited(or_none(real(0)), None)  # 1/s
     restitution: float | None = limited(or_none(real(0, 1)), None)
@@ -210,7 +207,7 @@ class Settings:
 
 
 SETTINGS = fields_of(Settings, "a setting")
-RULES = rules_of(Settings)
+RULES = SETTINGS.rules
 
 # Settings that are fixed in the article's programs.
 FIXED_BY_ARTICLE = (

@@ -86,15 +86,16 @@ def read(value: Any, rule: AnyRule) -> Any:
     """Return a value as the program uses it; raise a ValueError with the first wrong field."""
     for key, why in refusals(value, rule):
         raise ValueError(f"{dotted(key)} {why}".lstrip())
-    return _read(value, rule)
+    return converted(value, rule)
 
 
-def _read(value: Any, rule: AnyRule) -> Any:
+def converted(value: Any, rule: AnyRule) -> Any:
+    """Return a value that obeys its rule as the program uses it."""
     if isinstance(rule, Rule):
         return rule.read(value)
     if isinstance(rule, Many):
-        return tuple(_read(one, rule.rule) for one in value)
-    return rule.make(**{name: _read(one, rule.rules[name]) for name, one in value.items()})
+        return tuple(converted(one, rule.rule) for one in value)
+    return rule.make(**{name: converted(one, rule.rules[name]) for name, one in value.items()})
 
 
 def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Refusals:

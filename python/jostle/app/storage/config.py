@@ -29,10 +29,10 @@ from jostle.app.simulate.validation import (
     Fields,
     Key,
     Rule,
+    converted,
     dotted,
     each,
     one_of,
-    read,
     refusals,
     shorten,
     whole,
@@ -77,7 +77,7 @@ def read_config(path: Path) -> Config:
     entries = _parsed(path.name, text)
     for key, refusal in _refusals(entries):
         raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
-    values = read(entries, ENTRIES)
+    values = converted(entries, ENTRIES)
     window, shown = values.pop("window", {}), values.pop("shown", {})
     return Config(
         name=path.name,
