@@ -30,30 +30,34 @@ class Moment:
 class History:
     """Records every step, and restores moments. Only the thread that steps uses it.
 
-    It covers `seconds` of simulated time. If the snapshots have more than `budget` bytes, only
-    every second, fourth … step has one; if that is not enough, the history is shorter.
+    It begins with the present state, which may be saved already, and covers `seconds` of simulated
+    time. If the snapshots have more than `budget` bytes, only every second, fourth … step has one;
+    if that is not enough, the history is shorter.
     """
 
-    def __init__(self, seconds: float = SECONDS, budget: int = BUDGET) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        state: bytes | None = None,
+        *,
+        seconds: float = SECONDS,
+        budget: int = BUDGET,
+    ) -> None:
         self.seconds, self.budget = seconds, budget
         self.moments: list[Moment] = []  # from the oldest to the latest
-        self._changed = False
         self.at = 0  # index of the present one, unless the simulation has changed since
         self.bytes = 0  # of all snapshots
         self.span = 0.0  # seconds from the oldest to the latest moment
         self.back = 0.0  # seconds from the present to the latest one
         self.stride = 1  # steps between two snapshots
-
-    def restart(self, simulation: Simulation, state: bytes | None = None) -> None:
-        """Clear it, and begin with the present state, which may be saved already."""
-        self.moments, self.bytes, self.stride, self._time = [], 0, 1, 0.0
+        self._time = 0.0
+        self._since = 0  # steps since the last snapshot
         self._changed = False  # by the user, since the last step
         self._adrift = False  # whether moments were omitted since the last stored one
         self._keep(Moment(0.0, False, state or simulation.save()))
-        whole = self.bytes * self.seconds / simulation.time_step
-        while self.stride < MOST_STRIDE and whole > self.budget * self.stride:
+        whole = self.bytes * seconds / simulation.time_step
+        while self.stride < MOST_STRIDE and whole > budget * self.stride:
             self.stride *= 2
-        self._since = 0  # steps since the last snapshot
 
     @property
     def can_go_back(self) -> bool:

@@ -18,6 +18,7 @@ from jostle.app.simulate.validation import (
     Refusals,
     Rule,
     each,
+    either,
     fields_of,
     limited,
     one_of,
@@ -63,12 +64,7 @@ SEED = whole(0, 2**63 - 1)
 STEPS = whole(1, 2**31 - 1)
 THREADS = whole(1, 1_024)
 
-_SHARE, _SHARES = real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y")
-SIDES = Rule(
-    f"{_SHARE.words}, or {_SHARES.words}",
-    lambda value: _SHARE.fits(value) or _SHARES.fits(value),
-    lambda value: _SHARE.read(value) if _SHARE.fits(value) else _SHARES.read(value),
-)
+SIDES = either(real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y"))
 
 
 def _is_matrix(value: Any) -> bool:
@@ -77,23 +73,22 @@ def _is_matrix(value: Any) -> bool:
     return 1 <= len(rows) <= MOST_KINDS and all(map(line.fits, rows))
 
 
-MATRIX = Rule(
-    f"one of {', '.join(life.MATRICES)}, "
-    f"or up to {MOST_KINDS} rows of as many numbers from -1 to 1",
-    lambda value: _is_matrix(value) or (isinstance(value, str) and value in life.MATRICES),
-    lambda value: (
-        value if isinstance(value, str) else tuple(tuple(map(float, row)) for row in value)
-    ),
+_ROWS = Rule(
+    f"up to {MOST_KINDS} rows of as many numbers from -1 to 1",
+    _is_matrix,
+    lambda rows: tuple(tuple(map(float, row)) for row in rows),
 )
+MATRIX = either(one_of(*life.MATRICES), _ROWS)
 
 
 # Of a whole group, or of each particle; `_wrong_filters` checks the entries of a list.
 _BITS = whole(0, EVERY_CATEGORY)
-FILTER = Rule(
-    f"{_BITS.words}, or a list of such numbers, one for each particle",
-    lambda value: _BITS.fits(value) or isinstance(value, list | tuple),
-    lambda value: tuple(value) if isinstance(value, list | tuple) else value,
+_EACH_BITS = Rule(
+    "a list of such numbers, one for each particle",
+    lambda value: isinstance(value, list | tuple),
+    tuple,
 )
+FILTER = either(_BITS, _EACH_BITS)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 FARTHEST = 1e18  # the largest coordinate, velocity and force of the library
@@ -216,6 +216,15 @@ def each(rule: Rule, *names: str) -> Rule:
     )
 
 
+def either(first: Rule, second: Rule) -> Rule:
+    """Return the rule of a value that obeys one of two rules."""
+    return Rule(
+        f"{first.words}, or {second.words}",
+        lambda value: first.fits(value) or second.fits(value),
+        lambda value: (first if first.fits(value) else second).read(value),
+    )
+
+
 def or_none(rule: Rule) -> Rule:
     """Return the rule of a value that may be None."""
     return Rule(
@@ -228,11 +237,13 @@ def or_none(rule: Rule) -> Rule:
 def range_of(low: float, high: float = FARTHEST) -> Rule:
     """Return the rule of one number, or of a pair of the smallest and the largest."""
     one, two = real(low, high), each(real(low, high), "smallest", "largest")
-    return Rule(
-        f"{one.words}, or two [smallest, largest] in this order",
-        lambda value: one.fits(value) or (two.fits(value) and value[0] <= value[1]),
-        lambda value: (float(value), float(value)) if one.fits(value) else two.read(value),
+    same = replace(one, read=lambda value: (float(value), float(value)))
+    ordered = Rule(
+        "two [smallest, largest] in this order",
+        lambda value: two.fits(value) and value[0] <= value[1],
+        two.read,
     )
+    return either(same, ordered)
 
 
 def rect(farthest: float = FARTHEST, *, least: float = SMALLEST) -> Rule:
