@@ -11,7 +11,7 @@ from jostle.app.act.brush import Brush
 from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.messages import Messages
-from jostle.app.act.selection import NO_TAGS, Selection, inside, pick, pick_first
+from jostle.app.act.selection import Selection, inside, pick, pick_first
 from jostle.app.draw.camera import Camera
 from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
@@ -100,10 +100,8 @@ class Interaction:
 
     def targets(self) -> Tags:
         """Return the selection, or else the particle under the cursor."""
-        return self.selection.tags if len(self.selection) else self._around(self.under_cursor())
-
-    def _around(self, tag: int | None) -> Tags:
-        return NO_TAGS if tag is None else self.selection.around(tag)
+        selection = self.selection
+        return selection.tags if len(selection) else selection.around(self.under_cursor())
 
     # Left button
 
@@ -206,7 +204,7 @@ class Interaction:
 
     def open_menu(self) -> None:
         tag = self.under_cursor()
-        self.menu = Menu(self.at_cursor(), tag, self._around(tag))
+        self.menu = Menu(self.at_cursor(), tag, self.selection.around(tag))
 
     def dismiss(self) -> bool:
         """Choose the pointer, or else clear the selection; return whether anything changed."""

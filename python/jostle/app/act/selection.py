@@ -59,8 +59,10 @@ class Selection:
     def clear(self) -> None:
         self.tags = NO_TAGS
 
-    def around(self, tag: int) -> Tags:
-        """Return the selection if it contains the particle, else the particle alone."""
+    def around(self, tag: int | None) -> Tags:
+        """Return the selection if it contains the particle, else the particle alone, if any."""
+        if tag is None:
+            return NO_TAGS
         return self.tags if tag in self else np.array([tag], np.int64)
 
     def follow(self, frame: Frame) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
-from rich.table import Table
+from rich.table import Column, Table
 
 import jostle.mpi
 from jostle.app.draw.text import plural
@@ -72,10 +72,8 @@ def report(comm: MPI.Intracomm, title: str, world: jostle.mpi.World, times: Stag
     own = np.array([len(world), world.ghosts, traffic["messages"], traffic["bytes"] / 1024])
     of_ranks = np.array(comm.allgather(own))
     particles, ghosts, messages, kib = of_ranks.T
-    table = Table(title=title, title_style="bold")
-    table.add_column()
-    table.add_column("mean of ranks", justify="right")
-    table.add_column("largest", justify="right")
+    columns = (Column(name, justify="right") for name in ("mean of ranks", "largest"))
+    table = Table("", *columns, title=title, title_style="bold")
     rows = [
         ("particles", f"{particles.mean():,.0f}", f"{particles.max():,.0f}"),
         ("ghosts", f"{ghosts.mean():,.0f}", f"{ghosts.max():,.0f}"),

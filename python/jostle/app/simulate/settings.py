@@ -27,6 +27,7 @@ from jostle.app.simulate.validation import (
     real,
     rect,
     refusals,
+    shorten,
     shown,
     unknown,
     whole,
@@ -232,4 +233,4 @@ def too_slow(method: str, n: int) -> str | None:
 def unknown_scene(name: str) -> str | None:
     """Return why a scene is refused, or None."""
     names = jostle.scenes.names()
-    return None if name in names else unknown(name, "a scene", names)
+    return None if name in names else f"{shorten(name)} {unknown(name, 'a scene', names)}"

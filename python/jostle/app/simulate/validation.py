@@ -118,7 +118,7 @@ def _in_table(value: Mapping[str, Any], rule: Fields) -> Refusals:
         if name in rule.rules:
             yield from refusals(one, rule.rules[name], (name,))
         else:
-            yield (name,), _unknown(name, rule.what, rule.rules)
+            yield (name,), unknown(name, rule.what, rule.rules)
     for name in rule.rules if rule.required is None else rule.required:
         if name not in value:
             yield (name,), "is missing"
@@ -135,11 +135,7 @@ def _in_list(value: Any, rule: Many, key: Key) -> Refusals:
 
 
 def unknown(name: str, what: str, known: Iterable[str]) -> str:
-    """Return why a name is refused, with the most similar known name."""
-    return f"{shorten(name)} {_unknown(name, what, known)}"
-
-
-def _unknown(name: str, what: str, known: Iterable[str]) -> str:
+    """Return why a name is refused, with the most similar known name; the name comes before it."""
     known = list(known)
     alike = similar(name, known)
     hint = f"did you mean {alike}?" if alike else f"there are {', '.join(known)}"
