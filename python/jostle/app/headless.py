@@ -173,7 +173,8 @@ def make_film(
     The files in the folder `out` are named after the scene and the method, with a number if the
     name exists. Without `options` the tree is drawn in the second half only.
     """
-    name = free_name(out, video_name(simulation.scene, simulation.settings.method), ".mp4", ".png")
+    settings = simulation.settings
+    name = free_name(out, video_name(settings.scene, settings.method), ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
     changing, options = options is None, options or ViewOptions()
@@ -231,7 +232,7 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     if isinstance(simulation, WorldSimulation):
         simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
-    table = Table(title=f"{simulation.scene}, {METHODS[settings.method]}", title_style="bold")
+    table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
     table.show_header = False
     table.add_column()
     table.add_column(justify="right")

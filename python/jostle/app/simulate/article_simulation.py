@@ -57,9 +57,8 @@ class ArticleSimulation:
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.scene = settings.scene
         rules = settings.method.removeprefix("article-")
-        if self.scene == "article":
+        if settings.scene == "article":
             n = DEFAULT_N if settings.n is None else settings.n
             sides = (
                 max(round(side * settings.world_size), article.SMALLEST_SIDE) for side in WINDOW

@@ -160,7 +160,7 @@ class Engine:
         self._elapsed = 0.0
         self.error = ""  # message of a failed step; no more steps are made until `take_error`
         self.simulation = simulation
-        self.scene, self.time_step = simulation.scene, simulation.time_step
+        self.scene, self.time_step = simulation.settings.scene, simulation.time_step
         self._note_settings()
         self._timestep = FixedTimestep(simulation.time_step)
         self.step_seconds = 0.0  # of a step alone, smoothed

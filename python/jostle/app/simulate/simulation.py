@@ -160,7 +160,6 @@ class Simulation(Protocol):
     """
 
     settings: Settings
-    scene: str
     time_step: float
     view: Rect
     adjustable: frozenset[str]  # the fields of `Settings` that `adjust` can change while it runs

@@ -87,7 +87,7 @@ class WorldSimulation:
     }
 
     def __init__(self, settings: Settings, view: Rect, world: jostle.World) -> None:
-        self.settings, self.scene, self.view, self.world = settings, settings.scene, view, world
+        self.settings, self.view, self.world = settings, view, world
         for name in (*WORLD_SETTINGS, "friction", "container_restitution"):
             value = getattr(settings, name)
             if value is not None:
@@ -127,8 +127,8 @@ class WorldSimulation:
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
         return frame_of(
-            self.world, self._columns, request, scene=self.scene, attractors=self.attractors,
-            own_walls=self._segments.own, begun_with=self._initial.n,
+            self.world, self._columns, request, scene=self.settings.scene,
+            attractors=self.attractors, own_walls=self._segments.own, begun_with=self._initial.n,
         )  # fmt: skip
 
     # Changing
