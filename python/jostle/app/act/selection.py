@@ -53,8 +53,7 @@ class Selection:
         self.tags = np.union1d(self.tags, chosen) if add else chosen
 
     def toggle(self, tag: int) -> None:
-        one = np.array([tag], np.int64)
-        self.tags = np.setxor1d(self.tags, one)
+        self.tags = np.setxor1d(self.tags, np.array([tag], np.int64))
 
     def clear(self) -> None:
         self.tags = NO_TAGS

@@ -24,7 +24,7 @@ def in_disc(tries: Floats) -> Floats:
     Of each row of `tries`, (n, `TRIES`, 2) from 0 to 1, the first that is in the disc is used.
     """
     points = 2 * tries - 1
-    inside: NDArray[np.bool_] = _squares(points) <= 1
+    inside: NDArray[np.bool_] = (points * points).sum(axis=2) <= 1
     first = points[np.arange(len(points)), inside.argmax(axis=1)]
     found = inside.any(axis=1)
     chosen: Floats = first * np.where(found, 1.0, 0.5)[:, None]
@@ -39,14 +39,9 @@ def random_in_disc(rng: np.random.Generator, count: int) -> Floats:
 def directions(rng: np.random.Generator, count: int) -> Floats:
     """Return random vectors of length 1."""
     points = random_in_disc(rng, count)
-    lengths = np.sqrt(_squares(points))
+    lengths: Floats = np.sqrt((points * points).sum(axis=1))
     points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
     return points / lengths[:, None]
-
-
-def _squares(points: Floats) -> Floats:
-    x, y = points[..., 0], points[..., 1]
-    return x * x + y * y
 
 
 def free_positions(

@@ -22,17 +22,13 @@ Key = tuple[str | int, ...]  # names of fields, and numbers within lists
 Refusals = Iterator[tuple[Key, str]]
 
 
-def unchanged(value: Any) -> Any:
-    return value
-
-
 @dataclass(frozen=True)
 class Rule:
     """A condition for a value, in words and as a test; `read` converts a value that fits."""
 
     words: str
     fits: Callable[[Any], bool]
-    read: Callable[[Any], Any] = unchanged
+    read: Callable[[Any], Any] = lambda value: value
 
 
 @dataclass(frozen=True)
