@@ -177,7 +177,7 @@ def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
     window.session.runner.paused = True
     press(window, pygame.K_b)
     assert (
-        window.session.engine.simulation.settings.method == "quadtree"
+        window.session.engine.simulation.world.method == "quadtree"
         and "too slow" in window.session.message
     )
 
