@@ -24,13 +24,10 @@ Point = tuple[float, float]
 
 def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> WorldSimulation:
     """Discs at rest in a box of 800 by 500, without gravity."""
-
-    def create() -> jostle.World:
-        speeds = np.zeros((len(places), 2))
-        rules.setdefault("container", jostle.Box(*VIEW))
-        return jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
-
-    return WorldSimulation(Settings("test"), VIEW, create)
+    speeds = np.zeros((len(places), 2))
+    rules.setdefault("container", jostle.Box(*VIEW))
+    world = jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
+    return WorldSimulation(Settings("test"), VIEW, world)
 
 
 def article_with(places: Sequence[Point]) -> ArticleSimulation:

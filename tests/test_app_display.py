@@ -14,6 +14,7 @@ import pytest
 
 pygame = pytest.importorskip("pygame")
 
+import jostle  # noqa: E402
 from jostle.app.draw import background_render, screen  # noqa: E402
 from jostle.app.draw.background_render import LONG, BackgroundRenderer  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
@@ -23,11 +24,7 @@ from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
-from jostle.app.simulate.simulation import (  # noqa: E402
-    FrameContacts,
-    FrameRequest,
-    TreeBoxes,
-)
+from jostle.app.simulate.simulation import FrameContacts, FrameRequest  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
@@ -317,10 +314,10 @@ EVERY_PART = FrameRequest(tree=True, contacts=True, energies=True)
 
 def arrays_of(record: object) -> Iterator[np.ndarray]:
     """All arrays of a frame and of its parts."""
-    for value in vars(record).values():
+    for value in record if isinstance(record, tuple) else vars(record).values():
         if isinstance(value, np.ndarray):
             yield value
-        elif isinstance(value, (TreeBoxes, FrameContacts)):
+        elif isinstance(value, (jostle.Nodes, FrameContacts)):
             yield from arrays_of(value)
 
 

@@ -29,11 +29,8 @@ TREE = FrameRequest(tree=True)
 def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[Frame, Settings]:
     rules = Settings("some discs", **settings)
     zeros = np.zeros((len(places), 2))
-    simulation = WorldSimulation(
-        rules,
-        VIEW,
-        lambda: jostle.World(places, zeros, radii, container=container, movable=movable),
-    )
+    world = jostle.World(places, zeros, radii, container=container, movable=movable)
+    simulation = WorldSimulation(rules, VIEW, world)
     return simulation.frame(TREE), rules
 
 

@@ -58,7 +58,7 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     simulation.step()
     again = resume(settings, simulation.save())
     assert again.settings == simulation.settings == settings
-    assert (again.view, again.method) == (simulation.view, simulation.method)
+    assert again.view == simulation.view
     for _ in range(10):
         assert again.save() == simulation.save()
         simulation.step()

@@ -96,7 +96,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
     simulation = start(settings)
     film = make_film(simulation, 2, tmp_path, console, SIZE)
     console.file = io.StringIO()
-    console.print(headless.film_report(simulation, film, settings))
+    console.print(headless.film_report(simulation, film))
     return console.file.getvalue()
 
 

@@ -171,8 +171,7 @@ def test_what_changes_nothing_leaves_the_future_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seconds", [0.5, 2.0])
 def test_it_reaches_back_as_far_as_it_says(seconds: float) -> None:
     simulation = start(Settings("gas", 10))
-    history = History(seconds)
-    history.restart(simulation)
+    history = History(simulation, seconds=seconds)
     for _ in range(200):
         simulation.step()
         history.after(simulation)
@@ -182,8 +181,7 @@ def test_it_reaches_back_as_far_as_it_says(seconds: float) -> None:
 def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
     simulation = start(Settings("gas", 100))
     budget = 12 * len(simulation.save())
-    history, prints = History(1e9, budget), {}
-    history.restart(simulation)
+    history, prints = History(simulation, seconds=1e9, budget=budget), {}
     history.stride = 1
     for step in range(1, 301):
         if step % 70 == 0:
@@ -203,8 +201,7 @@ def test_memory_stays_within_the_budget_and_states_stay_right() -> None:
 
 def test_a_world_larger_than_the_budget_keeps_one_snapshot() -> None:
     simulation = start(Settings("gas", 100))
-    history = History(budget=1)
-    history.restart(simulation)
+    history = History(simulation, budget=1)
     for _ in range(200):
         simulation.step()
         history.after(simulation)

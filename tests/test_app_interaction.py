@@ -506,7 +506,7 @@ def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
         def __len__(self) -> int:
             return len(world)
 
-    simulation = WorldSimulation(Settings("gas", 5), VIEW, ReadOnly)
+    simulation = WorldSimulation(Settings("gas", 5), VIEW, ReadOnly())
     session = Driver(simulation).session
     session.interaction.commands.create((50.0, 50.0))
     session.interaction.commands.clone(session.frame.tags[:2])

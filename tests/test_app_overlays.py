@@ -25,11 +25,11 @@ from jostle.app.draw.subsampling import subset  # noqa: E402
 from jostle.app.draw.trails import Trails  # noqa: E402
 from jostle.app.draw.tree_overlay import draw_heat, draw_outline  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, ViewOptions  # noqa: E402
-from jostle.app.simulate.simulation import Attractor, TreeBoxes  # noqa: E402
+from jostle.app.simulate.simulation import Attractor  # noqa: E402
 
 
-def tree_of(boxes, levels, counts, leaves) -> TreeBoxes:
-    return TreeBoxes(
+def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
+    return jostle.Nodes(
         np.array(boxes, float), np.array(levels), np.array(counts), np.array(leaves, bool)
     )
 

@@ -26,7 +26,7 @@ from jostle.app.draw.palette import (  # noqa: E402
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
 from jostle.app.draw.stamps import MEMORY_LIMIT, Stamps  # noqa: E402
 from jostle.app.draw.tree_overlay import STRONGEST, draw_filled, draw_outline  # noqa: E402
-from jostle.app.simulate.simulation import Frame, TreeBoxes  # noqa: E402
+from jostle.app.simulate.simulation import Frame  # noqa: E402
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)
@@ -193,7 +193,7 @@ def test_walls_are_outlined(painter, container, edge, outside) -> None:
 
 def test_tree_is_coloured_by_level(painter) -> None:
     boxes = [(20, 20, 220, 220), (20, 20, 120, 120), (120, 20, 220, 120)]
-    tree = TreeBoxes(
+    tree = jostle.Nodes(
         np.array(boxes, float), np.array([0, 1, 1]), np.ones(3, int), np.array([False, True, True])
     )
     painter.fill(STAGE)
@@ -211,8 +211,10 @@ def test_tree_is_coloured_by_level(painter) -> None:
 
 def test_no_tree_is_no_trouble(painter) -> None:
     painter.fill((0, 0, 0))
-    draw_outline(painter, TreeBoxes.none(), camera_of_pixels())
-    draw_filled(painter, TreeBoxes.none(), camera_of_pixels())
+    none = np.empty(0, int)
+    tree = jostle.Nodes(np.empty((0, 4)), none, none, np.empty(0, bool))
+    draw_outline(painter, tree, camera_of_pixels())
+    draw_filled(painter, tree, camera_of_pixels())
     assert not pygame.surfarray.array3d(painter.canvas()).any()
 
 

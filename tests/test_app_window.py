@@ -24,12 +24,9 @@ VIEW = (0.0, 0.0, 1000.0, 1000.0)
 
 def lone_ball(container: object = None) -> WorldSimulation:
     """A ball at rest, and another far away, without gravity."""
-
-    def create() -> jostle.World:
-        places = [(500, 500), (900, 100)]
-        return jostle.World(places, [(0, 0), (0, 0)], 20.0, container=container)
-
-    return WorldSimulation(Settings("lone ball"), VIEW, create)
+    places = [(500, 500), (900, 100)]
+    world = jostle.World(places, [(0, 0), (0, 0)], 20.0, container=container)
+    return WorldSimulation(Settings("lone ball"), VIEW, world)
 
 
 @pytest.fixture
@@ -119,10 +116,8 @@ def test_a_click_on_the_background_drags_nothing(open_window) -> None:
 
 
 def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
-    def create() -> jostle.World:
-        return jostle.World([(500, 500)], [(0, 0)], 20.0, movable=[False])
-
-    window = open_window(WorldSimulation(Settings("peg"), VIEW, create))
+    world = jostle.World([(500, 500)], [(0, 0)], 20.0, movable=[False])
+    window = open_window(WorldSimulation(Settings("peg"), VIEW, world))
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (500, 500)))
     window.frame(FRAME)
     assert window.session.interaction.drag_tool.held is None
@@ -159,10 +154,10 @@ def test_r_starts_again_with_the_method_of_the_moment(open_window, method) -> No
     window.frame(FRAME)
     assert (window.session.engine.simulation.frame().positions != first).any()
     press(window, pygame.K_b)
-    method = window.session.engine.simulation.method
+    method = window.session.engine.simulation.settings.method
     press(window, pygame.K_r)
     assert (window.session.engine.simulation.frame().positions == first).all()
-    assert window.session.engine.simulation.method == method
+    assert window.session.engine.simulation.settings.method == method
 
 
 @pytest.mark.parametrize("names", [["brute", "quadtree"], ["article-brute", "article-quadtree"]])
@@ -182,7 +177,7 @@ def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
     window.session.runner.paused = True
     press(window, pygame.K_b)
     assert (
-        window.session.engine.simulation.method == "quadtree"
+        window.session.engine.simulation.world.method == "quadtree"
         and "too slow" in window.session.message
     )
 

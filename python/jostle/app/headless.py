@@ -148,6 +148,13 @@ class Film:
     step_seconds: float  # spent in the simulation alone
 
 
+def progress_bar(console: Console) -> Progress:
+    """Return a bar that counts steps."""
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    return Progress(*columns, console=console)
+
+
 def default_steps(simulation: Simulation) -> int:
     """Return the number of steps of a ten-second video."""
     return round(DEFAULT_SECONDS / simulation.time_step)
@@ -166,7 +173,8 @@ def make_film(
     The files in the folder `out` are named after the scene and the method, with a number if the
     name exists. Without `options` the tree is drawn in the second half only.
     """
-    name = free_name(out, video_name(simulation.scene, simulation.method), ".mp4", ".png")
+    settings = simulation.settings
+    name = free_name(out, video_name(settings.scene, settings.method), ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
     changing, options = options is None, options or ViewOptions()
@@ -186,10 +194,7 @@ def make_film(
         readout.draw(painter, engine, rate, now)
         readout.measure(draw=(time.perf_counter() - start) * 1e3)
 
-    count = TextColumn("{task.completed:,}/{task.total:,} steps")
-    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
-    bar = Progress(*columns, console=console)
-    with Encoder(video, size, FRAME_RATE) as recorder, bar as progress:
+    with Encoder(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
         task = progress.add_task(f"recording {name}", total=steps)
         for step in range(steps + 1):
             interrupt.check()
@@ -216,18 +221,18 @@ BRUTE_SAMPLE = 10_000
 ARTICLE_LIMIT = 10_000  # particles; above, the article's tree is timed with so many
 
 
-def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table:
+def film_report(simulation: Simulation, film: Film) -> Table:
     """Time the methods at the last state, and return all numbers as a table.
 
     This steps `simulation`.
     """
-    n, state = len(simulation), simulation.frame()
+    settings, n, state = simulation.settings, len(simulation), simulation.frame()
     facts = state.stats
     every_pair = pairs_of(n)
     if isinstance(simulation, WorldSimulation):
         simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
-    table = Table(title=f"{simulation.scene}, {METHODS[simulation.method]}", title_style="bold")
+    table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
     table.show_header = False
     table.add_column()
     table.add_column(justify="right")
@@ -244,7 +249,7 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     if facts.asleep:
         rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
     nothing: list[TableRow] = [("other methods", "–", "no pairs, so nothing to compare")]
-    others = _comparison(simulation, state, settings) if every_pair else nothing
+    others = _comparison(simulation, state) if every_pair else nothing
     for part_of_table in (rows, others):
         table.add_section()
         for row in part_of_table:
@@ -252,9 +257,9 @@ def film_report(simulation: Simulation, film: Film, settings: Settings) -> Table
     return table
 
 
-def _comparison(simulation: Simulation, state: Frame, settings: Settings) -> list[TableRow]:
+def _comparison(simulation: Simulation, state: Frame) -> list[TableRow]:
     """Return a row for each method, all at the same state."""
-    view = simulation.view
+    settings, view = simulation.settings, simulation.view
     if not isinstance(simulation, WorldSimulation):
         settings = replace(settings, method="quadtree", sleeping=False)
         simulation = WorldSimulation.of_scene(settings)

@@ -225,13 +225,10 @@ class Traces:
 
     def __init__(self, statistics: Statistics) -> None:
         self._statistics = statistics
-        self._stages: tuple[str, ...] = ()
         self._parts = (self._renew_times, self._renew_stats, self._renew_energies,
                        self._renew_momenta)  # fmt: skip
-        self._done = [-np.inf] * len(self._parts)
         self.ages = np.linspace(-SPAN, 0.0, BINS)  # seconds before now of each bin, ascending to 0
         self.frames = np.zeros(BINS)  # the time between two frames, per bin
-        self.means: dict[str, float] = {}  # milliseconds of each stage
         self.frame_mean = 0.0  # milliseconds between two frames
         self.top = 20.0  # upper end of the axis of milliseconds: 1, 2 or 5 times a power of ten
         self.count, self.stats = 0, StepStats()  # particles, and the numbers of the last step
@@ -254,7 +251,7 @@ class Traces:
         self._stages = self._statistics.stages
         # (stages + 1, bins): the cumulative times of the stages, from zeros on.
         self.stacked = np.zeros((len(self._stages) + 1, BINS))
-        self.means = {}
+        self.means: dict[str, float] = {}  # milliseconds of each stage
         # Sums since the last change of the rules; the potential energy is 0 at their beginning.
         self.energies = np.zeros((len(ENERGIES), 0))
         self.momenta = np.zeros((len(MOMENTA), 0))

@@ -323,8 +323,7 @@ class Runner:
 
     def _begin_history(self, simulation: Simulation, state: bytes | None = None) -> None:
         """Begin a new history; an abandoned step still writes to the previous one."""
-        self.history = history = History()
-        history.restart(simulation, state)
+        self.history = history = History(simulation, state)
 
         def before(simulation: Simulation) -> None:
             if self._interaction.before_step(simulation):

@@ -78,7 +78,7 @@ def record(settings: Settings, steps: int | None, out: Path, config: Config) -> 
     except KeyboardInterrupt:
         console.print(f"Stopped. The video so far, if any, is in {out}.")
         raise
-    console.print(film_report(simulation, film, settings))
+    console.print(film_report(simulation, film))
     console.print(f"video    {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from jostle.app.act.commands import Commands, usual
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.placement import TRIES, in_disc
+from jostle.app.simulate.placement import random_in_disc
 from jostle.app.simulate.simulation import Point
 
 REACH = 6.0  # radii of a particle: the radius of the brush
@@ -31,12 +31,6 @@ class Brush:
         """Return the radius of the brush in units of the world."""
         return REACH * self._particle()
 
-    @property
-    def kind(self) -> int | None:
-        """Return the kind of new particles; None if forces do not depend on kinds."""
-        matrix = self._engine.frame.matrix
-        return None if matrix is None else self._commands.kind % len(matrix)
-
     def begin(self, point: Point) -> None:
         """Add particles around a point, where a stroke begins."""
         self._at = point
@@ -55,8 +49,8 @@ class Brush:
 
     def _add(self, middles: NDArray[np.float64]) -> None:
         middles = np.repeat(middles, DROPS, axis=0)
-        offsets = in_disc(self._rng.random((len(middles), TRIES, 2)))
-        self._commands.paint(middles + self.radius * offsets)
+        offsets = self.radius * random_in_disc(self._rng, len(middles))
+        self._commands.paint(middles + offsets)
 
     def _particle(self) -> float:
         """Return the radius of a new particle; a median, so it is kept while no number changes."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -12,7 +11,14 @@ import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
 from jostle.app.simulate.containers import bounds, diagonal, wall_images
 from jostle.app.simulate.engine import REFUSALS, Engine, message_of
-from jostle.app.simulate.placement import free_among, free_positions
+from jostle.app.simulate.placement import (
+    Floats,
+    common,
+    directions,
+    free_among,
+    free_positions,
+    random_in_disc,
+)
 from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
 from jostle.app.simulate.wall_segments import nearest
@@ -33,6 +39,12 @@ class Commands:
         self.kind = 0  # the kind of new particles, where forces depend on it
         self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
 
+    @property
+    def new_kind(self) -> int | None:
+        """Return the kind of new particles; None if forces do not depend on kinds."""
+        matrix = self._engine.frame.matrix
+        return None if matrix is None else self.kind % len(matrix)
+
     # Some particles
 
     def create(self, point: Point) -> None:
@@ -41,19 +53,13 @@ class Commands:
 
     def paint(self, points: NDArray[np.float64]) -> None:
         """Add such particles at those points at which they overlap nothing."""
-        self._add(
-            lambda frame, radius: points[
-                free_among(
-                    points, radius, frame.positions, frame.radii, frame.container, frame.walls
-                )
-            ]
-        )
+        self._add(lambda frame, radius: points[free_among(points, radius, frame)])
 
     def _add(self, places: Callable[[Frame, float], NDArray[np.float64]]) -> None:
         """Add particles of the chosen kind and filter; `places` has the frame and their radius."""
         frame = self._engine.frame
         radius, density = usual(frame)
-        kinds = None if frame.matrix is None else self.kind % len(frame.matrix)
+        kinds = self.new_kind
         # A copy, because the edit may run after the next change of the filter.
         bits = {} if frame.categories is None else dict(self.new_filter)
 
@@ -128,23 +134,18 @@ class Commands:
         """Give every particle a random position, velocity and density, and so a random colour."""
         self._scatter(party=True)
 
-    def _party(self, count: int, view: Rect) -> dict[str, NDArray[np.float64]]:
-        angle = self._rng.uniform(0, 2 * math.pi, count)
-        speed = self._rng.uniform(0, PARTY_SPEED * diagonal(view), count)
-        return {
-            "velocities": np.stack([speed * np.cos(angle), speed * np.sin(angle)], axis=1),
-            "densities": np.rint(self._rng.uniform(*DENSITIES, count)),
-        }
-
     def _scatter(self, *, party: bool = False) -> None:
         """Move every movable particle to a random position."""
 
         def work(simulation: Simulation) -> None:
-            frame, view = simulation.frame(), simulation.view
+            frame, view, rng = simulation.frame(), simulation.view, self._rng
             radii = frame.radii[frame.movable]
-            places = scatter(self._rng, frame.container, view, radii)
-            columns = self._party(len(radii), view) if party else {}
-            simulation.change(frame.tags[frame.movable], positions=places, **columns)
+            columns = {"positions": scatter(rng, frame.container, view, radii)}
+            if party:
+                speeds = rng.uniform(0, PARTY_SPEED * diagonal(view), (len(radii), 1))
+                columns["velocities"] = speeds * directions(rng, len(radii))
+                columns["densities"] = np.rint(rng.uniform(*DENSITIES, len(radii)))
+            simulation.change(frame.tags[frame.movable], **columns)
 
         self._edit(work)
 
@@ -153,8 +154,7 @@ class Commands:
     @property
     def drawn_walls(self) -> NDArray[np.intp]:
         """Return the rows of the walls that a user drew."""
-        frame = self._engine.frame
-        return np.arange(frame.own_walls, len(frame.walls))
+        return _drawn(self._engine.frame)
 
     def wall(self, start: Point, end: Point) -> None:
         """Add a wall: a line segment."""
@@ -176,13 +176,8 @@ class Commands:
         self._edit(work)
 
     def clear_walls(self) -> None:
-
-        def work(simulation: Simulation) -> None:
-            frame = simulation.frame()
-            simulation.remove_walls(np.arange(frame.own_walls, len(frame.walls)))
-
         if len(self.drawn_walls):
-            self._edit(work)
+            self._edit(lambda simulation: simulation.remove_walls(_drawn(simulation.frame())))
 
     def _edit(self, work: Callable[[Simulation], object]) -> None:
         """Edit the simulation; an error becomes a message."""
@@ -194,6 +189,10 @@ class Commands:
                 self._say(message_of(error))
 
         self._engine.edit(edit)
+
+
+def _drawn(frame: Frame) -> NDArray[np.intp]:
+    return np.arange(frame.own_walls, len(frame.walls))
 
 
 def _filters(frame: Frame, rows: NDArray[np.intp]) -> dict[str, NDArray[np.uint32]]:
@@ -217,23 +216,16 @@ def usual(frame: Frame) -> tuple[float, float]:
     return float(np.median(radii)), float(np.median(densities))
 
 
-def scatter(
-    rng: np.random.Generator, container: Container, view: Rect, radii: NDArray[np.floating]
-) -> NDArray[np.float64]:
+def scatter(rng: np.random.Generator, container: Container, view: Rect, radii: Floats) -> Floats:
     """Return random positions for discs, inside both the container and the view."""
     n = len(radii)
     if isinstance(container, jostle.Circle):
-        angle = rng.uniform(0, 2 * math.pi, n)
-        reach = np.maximum(container.radius - radii, 0) * np.sqrt(rng.uniform(0, 1, n))
-        around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        inside: NDArray[np.float64] = np.array(container.center) + around * reach[:, None]
+        reach = np.maximum(container.radius - radii, 0)[:, None]
+        inside: Floats = np.array(container.center) + reach * random_in_disc(rng, n)
         return inside
-    low, high = np.array(view[:2]), np.array(view[2:])
-    walls = bounds(container)
-    if walls is not None:
-        low, high = np.clip(low, walls[:2], walls[2:]), np.clip(high, walls[:2], walls[2:])
+    low, high = np.array(common(bounds(container), view)).reshape(2, 2)
     room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)
-    places: NDArray[np.float64] = (low + high) / 2 + room * rng.uniform(-0.5, 0.5, (n, 2))
+    places: Floats = (low + high) / 2 + room * rng.uniform(-0.5, 0.5, (n, 2))
     return places
 
 

@@ -68,19 +68,12 @@ class DragTool:
         return thrown
 
     def _state(self, span: float) -> DragState | None:
-        return None if self.held is None else DragState(self.held, self.point, self._velocity(span))
-
-    @property
-    def point(self) -> Point:
-        return self._path[-1][1]
-
-    @property
-    def velocity(self) -> Point:
-        """Return the cursor's mean velocity, in world units per second."""
-        return self._velocity(THROW_WINDOW)
+        """Return the drag, with the mean velocity of the cursor over a number of seconds."""
+        if self.held is None:
+            return None
+        return DragState(self.held, self._path[-1][1], self._velocity(span))
 
     def _velocity(self, span: float) -> Point:
-        """Return the mean velocity over a number of seconds."""
         end, last = self._path[-1]
         begin, first = self._path[0]
         for moment, point in self._path:

@@ -12,10 +12,11 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
+import jostle
 from jostle.app.draw.text import plural
 from jostle.app.simulate.containers import minimum_image
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, Rect, TreeBoxes
+from jostle.app.simulate.simulation import Frame, Rect
 
 AXES = ("x", "y")
 INTERVAL = 1.0  # seconds between two explanations in scenes of
@@ -140,7 +141,7 @@ def _leaves(
 
 
 def _article_leaves(
-    frame: Frame, rows: NDArray[np.intp], tree: TreeBoxes
+    frame: Frame, rows: NDArray[np.intp], tree: jostle.Nodes
 ) -> tuple[tuple[Leaf, ...], bool, list[str]]:
     """Explain with the article's tree: a particle is in each leaf that its rectangle overlaps."""
     meets = []
@@ -161,23 +162,23 @@ def _article_leaves(
     return leaves, True, [said]
 
 
-def _home(tree: TreeBoxes, point: NDArray[np.floating]) -> int:
+def _home(tree: jostle.Nodes, point: NDArray[np.floating]) -> int:
     """Return the leaf that contains a centre; on a border, the deepest and the last of them."""
     held = (tree.boxes[:, :2] <= point) & (point <= tree.boxes[:, 2:])
     found = np.flatnonzero(held.all(axis=1) & tree.is_leaf)
     inside = found[(point < tree.boxes[found, 2:]).all(axis=1)]
     found = inside if len(inside) else found
-    return int(max(found, key=lambda index: (tree.levels[index], index)))
+    return int(max(found, key=lambda index: (tree.depths[index], index)))
 
 
-def _leaf(frame: Frame, tree: TreeBoxes, index: int) -> Leaf:
+def _leaf(frame: Frame, tree: jostle.Nodes, index: int) -> Leaf:
     box = tree.boxes[index]
     places = frame.positions
     inside = ((places >= box[:2]) & (places <= box[2:])).all(axis=1)
     reach = frame.radii[inside, None]
     low = (places[inside] - reach).min(axis=0, initial=np.inf)
     high = (places[inside] + reach).max(axis=0, initial=-np.inf)
-    return Leaf(_rect(box), int(tree.levels[index]), int(tree.counts[index]), _rect([*low, *high]))
+    return Leaf(_rect(box), int(tree.depths[index]), int(tree.counts[index]), _rect([*low, *high]))
 
 
 def _describe(leaf: Leaf) -> str:

@@ -11,7 +11,7 @@ from jostle.app.act.brush import Brush
 from jostle.app.act.commands import Commands
 from jostle.app.act.drag_tool import DragTool
 from jostle.app.act.messages import Messages
-from jostle.app.act.selection import NO_TAGS, Selection, inside, pick, pick_first
+from jostle.app.act.selection import Selection, inside, pick, pick_first
 from jostle.app.draw.camera import Camera
 from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
@@ -100,10 +100,8 @@ class Interaction:
 
     def targets(self) -> Tags:
         """Return the selection, or else the particle under the cursor."""
-        return self.selection.tags if len(self.selection) else self._around(self.under_cursor())
-
-    def _around(self, tag: int | None) -> Tags:
-        return NO_TAGS if tag is None else self.selection.around(tag)
+        selection = self.selection
+        return selection.tags if len(selection) else selection.around(self.under_cursor())
 
     # Left button
 
@@ -152,11 +150,11 @@ class Interaction:
     @property
     def preview(self) -> Drag | None:
         """Return the current drag, or that of a click, if it is to be drawn."""
+        point = self.at_cursor()
         if self.tool is Tool.BRUSH:
-            point, brush = self.at_cursor(), self.brush
-            return Drag(self.tool, point, point, reach=brush.radius, kind=brush.kind)
+            kind = self.commands.new_kind
+            return Drag(self.tool, point, point, reach=self.brush.radius, kind=kind)
         if self._drag is None:
-            point = self.at_cursor()
             shown = self._moved and self.tool is not Tool.POINTER
             return Drag(self.tool, point, point) if shown else None
         if self._drag.tool is Tool.POINTER and (self._drag.tag is not None or self._drag.is_click):
@@ -206,7 +204,7 @@ class Interaction:
 
     def open_menu(self) -> None:
         tag = self.under_cursor()
-        self.menu = Menu(self.at_cursor(), tag, self._around(tag))
+        self.menu = Menu(self.at_cursor(), tag, self.selection.around(tag))
 
     def dismiss(self) -> bool:
         """Choose the pointer, or else clear the selection; return whether anything changed."""

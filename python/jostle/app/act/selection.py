@@ -31,8 +31,7 @@ def inside(frame: Frame, rect: Rect) -> Tags:
     """Return the tags of the particles whose centres lie in a box, in ascending order."""
     x, y = frame.positions[:, 0], frame.positions[:, 1]
     chosen = (x >= rect[0]) & (y >= rect[1]) & (x <= rect[2]) & (y <= rect[3])
-    found: Tags = frame.tags[chosen]
-    return found
+    return frame.tags[chosen]
 
 
 class Selection:
@@ -54,14 +53,15 @@ class Selection:
         self.tags = np.union1d(self.tags, chosen) if add else chosen
 
     def toggle(self, tag: int) -> None:
-        one = np.array([tag], np.int64)
-        self.tags = np.setxor1d(self.tags, one)
+        self.tags = np.setxor1d(self.tags, np.array([tag], np.int64))
 
     def clear(self) -> None:
         self.tags = NO_TAGS
 
-    def around(self, tag: int) -> Tags:
-        """Return the selection if it contains the particle, else the particle alone."""
+    def around(self, tag: int | None) -> Tags:
+        """Return the selection if it contains the particle, else the particle alone, if any."""
+        if tag is None:
+            return NO_TAGS
         return self.tags if tag in self else np.array([tag], np.int64)
 
     def follow(self, frame: Frame) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import pygame
 
+import jostle
 from jostle.app.draw import tree_overlay
 from jostle.app.draw.base_layers import (
     WallDiscs,
@@ -32,9 +33,9 @@ from jostle.app.draw.text import EDGE, Card, Legend, draw_cards
 from jostle.app.draw.trails import Trails
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.containers import bounds
-from jostle.app.simulate.simulation import Frame, FrameRequest, TreeBoxes
+from jostle.app.simulate.simulation import Frame, FrameRequest
 
-DrawTree = Callable[[Painter, TreeBoxes, Camera], Legend | None]
+DrawTree = Callable[[Painter, jostle.Nodes, Camera], Legend | None]
 
 
 class Picture:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.palette import HEAT, STAGE, blend, level_colour
 from jostle.app.draw.text import Legend
-from jostle.app.simulate.simulation import TreeBoxes
 
 SMALLEST = 3.0  # pixels; smaller boxes are not drawn
 WHOLE = 40.0  # pixels; smaller boxes are fainter
@@ -20,15 +20,15 @@ FULLEST = 0.98  # quantile of the counts at the last colour
 Boxes = NDArray[np.float64]
 
 
-def draw_filled(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | None:
+def draw_filled(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend | None:
     """Fill the leaves by their level."""
     corners, shown = _on_screen(tree, camera, tree.is_leaf)
     filled = [blend(STAGE, (r, g, b), FILL_SHARE) for r, g, b in _colours(tree).tolist()]
-    painter.rects(corners, np.array(filled, np.uint8)[tree.levels[shown]], filled=True)
+    painter.rects(corners, np.array(filled, np.uint8)[tree.depths[shown]], filled=True)
     return None
 
 
-def draw_heat(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | None:
+def draw_heat(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend | None:
     """Fill the leaves by their number of particles; return the legend."""
     corners, shown = _on_screen(tree, camera, tree.is_leaf)
     counts = tree.counts[tree.is_leaf]
@@ -40,15 +40,15 @@ def draw_heat(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | Non
     return Legend("particles in a leaf", "0", f"{top:,.0f}", tuple(HEAT))
 
 
-def draw_outline(painter: Painter, tree: TreeBoxes, camera: Camera) -> Legend | None:
+def draw_outline(painter: Painter, tree: jostle.Nodes, camera: Camera) -> Legend | None:
     """Outline every box; deep levels and small boxes are fainter."""
-    corners, shown = _on_screen(tree, camera, np.ones(len(tree.levels), np.bool_))
+    corners, shown = _on_screen(tree, camera, np.ones(len(tree.depths), np.bool_))
     if len(shown) == 0:
         return None
-    levels = tree.levels[shown]
+    levels = tree.depths[shown]
     edges, owner = _edges(corners, levels)
     levels, sides = levels[owner], np.ptp(corners[:, [0, 2]], axis=1)[owner]
-    depth = max(int(tree.levels.max()), 1)
+    depth = max(int(tree.depths.max()), 1)
     strength = STRONGEST + (WEAKEST - STRONGEST) * np.sqrt(levels / depth)
     strength *= np.clip((sides - SMALLEST) / (WHOLE - SMALLEST), 0.12, 1.0)
     alpha = np.rint(16 * strength) * 255 / 16  # few colours, which painters can cache
@@ -97,13 +97,13 @@ def _edges(corners: Boxes, levels: NDArray[np.intp]) -> tuple[Boxes, NDArray[np.
     return edges[once], owner[once]
 
 
-def _colours(tree: TreeBoxes) -> NDArray[np.uint8]:
-    depth = int(tree.levels.max(initial=0))
+def _colours(tree: jostle.Nodes) -> NDArray[np.uint8]:
+    depth = int(tree.depths.max(initial=0))
     return np.array([level_colour(level, depth) for level in range(depth + 1)], np.uint8)
 
 
 def _on_screen(
-    tree: TreeBoxes, camera: Camera, wanted: NDArray[np.bool_]
+    tree: jostle.Nodes, camera: Camera, wanted: NDArray[np.bool_]
 ) -> tuple[Boxes, NDArray[np.intp]]:
     """Return the wanted boxes in the view, in pixels, and their rows."""
     (x0, y0), (x1, y1) = camera.to_screen(tree.boxes[:, :2]), camera.to_screen(tree.boxes[:, 2:])

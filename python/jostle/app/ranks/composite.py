@@ -66,8 +66,7 @@ class Composite:
 
 
 def _pixels(painter: SoftwarePainter) -> NDArray[np.uint32]:
-    pixels: NDArray[np.uint32] = pygame.surfarray.pixels2d(painter.canvas())
-    return pixels
+    return pygame.surfarray.pixels2d(painter.canvas())
 
 
 def _frame_of(world: jostle.mpi.World) -> Frame:

@@ -12,15 +12,21 @@ from typing import Any
 import pygame
 from mpi4py import MPI
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 import jostle.mpi
 from jostle import interrupt
 from jostle._core import create_scene_part
 from jostle.app.draw.camera import Size
 from jostle.app.draw.text import SMALL, TITLE, plural, scientific
-from jostle.app.headless import DEFAULT_SECONDS, EDGE, FRAME_RATE, SPACE, Row, sheet_of
+from jostle.app.headless import (
+    DEFAULT_SECONDS,
+    EDGE,
+    FRAME_RATE,
+    SPACE,
+    Row,
+    progress_bar,
+    sheet_of,
+)
 from jostle.app.ranks.composite import Composite
 from jostle.app.ranks.stages import StageTimes, report
 from jostle.app.simulate.containers import bounds
@@ -70,18 +76,18 @@ def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
     # All ranks handle signals at the same place, so that none waits for another.
     with interrupt.raised(), held() as run_handlers:
         world, view = _world(comm, plan)
-        files = _Files(plan.out, _name_of(comm, plan, world), plan.settings.scene)
-        film = _Film(comm, plan, world, files, view)
+        film = _Film(comm, plan, world, _name_of(comm, plan, world), view)
         try:
             with film:
                 film.steps(world, console, run_handlers)
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt) or "KeyboardInterrupt" in str(error):
-                raise Stopped(files.remains(film.saved)) from None
+                raise Stopped(film.remains()) from None
             raise
-        table = report(comm, film.title, world, film.times, film.seconds)
+        table = report(comm, film.title, world, film.times)
     if comm.rank == 0:
-        _print(console, table, files, film.saved)
+        console.print(table)
+        console.print(film.written(), highlight=False, soft_wrap=True)
 
 
 def leave_together(comm: MPI.Intracomm) -> None:
@@ -131,11 +137,8 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
             whole: Any = start(settings)
             core, view = part_of(whole.world, rank, size), whole.view
         else:
-            simulation = WorldSimulation(
-                settings,
-                view,
-                lambda: create_scene_part(settings.scene, settings.n, settings.seed, rank, size),
-            )
+            own = create_scene_part(settings.scene, settings.n, settings.seed, rank, size)
+            simulation = WorldSimulation(settings, view, own)
             simulation.add_own_walls(settings.walls)
             core, view = simulation.world, simulation.view
         core.threads = threads
@@ -144,71 +147,44 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
     return jostle.mpi.World.of_parts(comm, part), view
 
 
-@dataclass(frozen=True)
-class _Files:
-    """The files of a run."""
-
-    out: Path
-    name: str
-    scene: str
-
-    @property
-    def video(self) -> Path:
-        return self.out / f"{self.name}.mp4"
-
-    @property
-    def still(self) -> Path:
-        return self.out / f"{self.name}.png"
-
-    @property
-    def checkpoint(self) -> Path:
-        return self.out / f"{self.scene}.checkpoint"
-
-    def remains(self, saved: int | None) -> str:
-        """Return what there is after the run has stopped, with a checkpoint of so many steps."""
-        if saved is None:
-            return f"Stopped. The video so far, if any, is in {self.out}."
-        return f"Stopped. {self.checkpoint} has the state after {plural(saved, 'step')}."
-
-
-def _print(console: Console, table: Table, files: _Files, saved: int | None) -> None:
-    console.print(table)
-    lines = [f"video       {files.video}", f"picture     {files.still}"]
-    if saved is not None:
-        lines.append(f"checkpoint  {files.checkpoint}, after {plural(saved, 'step')}")
-    console.print("\n".join(lines), highlight=False, soft_wrap=True)
-
-
 class _Film:
     """The video of a run; only rank 0 has an encoder and a progress bar."""
 
     def __init__(
-        self,
-        comm: MPI.Intracomm,
-        plan: Plan,
-        world: jostle.mpi.World,
-        files: _Files,
-        view: Rect,
+        self, comm: MPI.Intracomm, plan: Plan, world: jostle.mpi.World, name: str, view: Rect
     ) -> None:
-        self._comm, self._plan, self._files = comm, plan, files
+        self._comm, self._plan, self._name = comm, plan, name
+        self._video, self._still = plan.out / f"{name}.mp4", plan.out / f"{name}.png"
+        self._checkpoint = plan.out / f"{plan.settings.scene}.checkpoint"
         self._composite = Composite(comm, plan.size, view, left=SPACE)
         self._stack = contextlib.ExitStack()
         self._recorder: Encoder | None = None
         self.times = StageTimes(world)
         self.title = f"{plan.settings.scene}, {plural(comm.size, 'rank')}"
-        #: Seconds in steps, and the steps that the last checkpoint has.
-        self.seconds = 0.0
-        self.saved: int | None = None
+        self._saved: int | None = None  # the steps that the last checkpoint has
 
     def __enter__(self) -> _Film:
         with together(self._comm):
             if self._comm.rank == 0:
-                encoder = Encoder(self._files.video, self._plan.size, FRAME_RATE)
+                encoder = Encoder(self._video, self._plan.size, FRAME_RATE)
                 self._recorder = self._stack.enter_context(encoder)
         return self
 
     def __exit__(self, *error: Any) -> None:
         self._stack.__exit__(*error)
+
+    def remains(self) -> str:
+        """Return what there is after the run has been stopped."""
+        if self._saved is None:
+            return f"Stopped. The video so far, if any, is in {self._plan.out}."
+        return f"Stopped. {self._checkpoint} has the state after {plural(self._saved, 'step')}."
+
+    def written(self) -> str:
+        """Return the files of a complete run."""
+        lines = [f"video       {self._video}", f"picture     {self._still}"]
+        if self._saved is not None:
+            lines.append(f"checkpoint  {self._checkpoint}, after {plural(self._saved, 'step')}")
+        return "\n".join(lines)
 
     def steps(
         self, world: jostle.mpi.World, console: Console, run_handlers: Callable[[], None]
@@ -221,15 +197,13 @@ class _Film:
                 if step > done:
                     start = time.perf_counter()
                     world.step(TIME_STEP)
-                    spent = time.perf_counter() - start
-                    self.seconds += spent
-                    self.times.add(spent)
+                    self.times.add(time.perf_counter() - start)
                     advance()
                 if step % stride == 0 or step == plan.steps:
                     self._draw(world, step, records=step % stride == 0)
                 if plan.checkpoint and step > done and step % plan.checkpoint == 0:
-                    world.save(self._files.checkpoint)
-                    self.saved = step
+                    world.save(self._checkpoint)
+                    self._saved = step
                 with together(self._comm):
                     run_handlers()
 
@@ -238,11 +212,9 @@ class _Film:
         if self._comm.rank > 0:
             yield lambda: None
             return
-        count = TextColumn("{task.completed:,}/{task.total:,} steps")
-        columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
-        with Progress(*columns, console=console) as progress:
+        with progress_bar(console) as progress:
             task = progress.add_task(
-                f"recording {self._files.name}", total=self._plan.steps, completed=done
+                f"recording {self._name}", total=self._plan.steps, completed=done
             )
             yield lambda: progress.advance(task)
 
@@ -256,14 +228,13 @@ class _Film:
                 if records:
                     self._recorder.draw(painter.canvas())
                 if step == self._plan.steps:
-                    pygame.image.save(painter.canvas(), self._files.still)
+                    pygame.image.save(painter.canvas(), self._still)
 
     def _rows(self, world: jostle.mpi.World) -> list[Row | None]:
         """Return the lines of the panel of numbers."""
         spans = self.times.of_ranks(self._comm)
-        energy = world.kinetic_energy
         longest = max((span.mean for span in spans.values()), default=0.0) or 1.0
-        rate = self.times.steps / self.seconds if self.seconds else None
+        rate = self.times.rate
         return [
             Row(self._plan.settings.scene, size=TITLE),
             Row(f"{world.total:,} particles · {plural(self._comm.size, 'rank')}"),
@@ -277,5 +248,5 @@ class _Film:
             ),
             None,
             Row("time", f"{world.time:.2f} s"),
-            Row("kinetic energy", scientific(energy)),
+            Row("kinetic energy", scientific(world.kinetic_energy)),
         ]

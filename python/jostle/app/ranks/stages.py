@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
-from rich.table import Table
+from rich.table import Column, Table
 
 import jostle.mpi
 from jostle.app.draw.text import plural
@@ -28,14 +28,21 @@ class StageTimes:
     def __init__(self, world: jostle.mpi.World) -> None:
         self._world = world
         self.steps = 0
+        self._seconds = 0.0  # of all steps
         self._sums: dict[str, float] = {}
         self._begun = world.traffic
 
     def add(self, seconds: float) -> None:
         """Add the last step, which took so long."""
         self.steps += 1
+        self._seconds += seconds
         for name, milliseconds in {"step": seconds * 1e3, **self._world.profile}.items():
             self._sums[name] = self._sums.get(name, 0.0) + milliseconds
+
+    @property
+    def rate(self) -> float | None:
+        """Return the steps per second; None before the first."""
+        return self.steps / self._seconds if self._seconds else None
 
     def traffic(self) -> dict[str, float]:
         """Return what this rank has sent in a step, on average."""
@@ -58,20 +65,15 @@ class StageTimes:
         }
 
 
-def report(
-    comm: MPI.Intracomm, title: str, world: jostle.mpi.World, times: StageTimes, seconds: float
-) -> Table:
+def report(comm: MPI.Intracomm, title: str, world: jostle.mpi.World, times: StageTimes) -> Table:
     """Return the numbers of a run; all ranks call this together, and rank 0 prints it."""
     spans, state = times.of_ranks(comm), world.state_hash()
     traffic = times.traffic()
     own = np.array([len(world), world.ghosts, traffic["messages"], traffic["bytes"] / 1024])
     of_ranks = np.array(comm.allgather(own))
     particles, ghosts, messages, kib = of_ranks.T
-    rate = times.steps / seconds if seconds else 0.0
-    table = Table(title=title, title_style="bold")
-    table.add_column()
-    table.add_column("mean of ranks", justify="right")
-    table.add_column("largest", justify="right")
+    columns = (Column(name, justify="right") for name in ("mean of ranks", "largest"))
+    table = Table("", *columns, title=title, title_style="bold")
     rows = [
         ("particles", f"{particles.mean():,.0f}", f"{particles.max():,.0f}"),
         ("ghosts", f"{ghosts.mean():,.0f}", f"{ghosts.max():,.0f}"),
@@ -84,7 +86,7 @@ def report(
         (f"{name}, ms", f"{of.mean:,.2f}", f"{of.longest:,.2f}") for name, of in spans.items()
     ]
     whole = [
-        ("steps", f"{times.steps:,}", f"{rate:,.1f} a second"),
+        ("steps", f"{times.steps:,}", f"{times.rate or 0.0:,.1f} a second"),
         ("all particles", f"{world.total:,}", plural(comm.size, "rank")),
         ("state hash", f"{state:016x}", f"at {world.time:.3f} s"),
     ]

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import article
@@ -28,7 +27,6 @@ from jostle.app.simulate.simulation import (
     Rect,
     StepStats,
     Tags,
-    TreeBoxes,
     find,
 )
 from jostle.app.simulate.validation import FARTHEST, Fields, read
@@ -55,12 +53,12 @@ class ArticleSimulation:
     """
 
     time_step = 1 / FRAME_RATE
+    adjustable = frozenset({"method", "time_scale"})
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.scene = settings.scene
         rules = settings.method.removeprefix("article-")
-        if self.scene == "article":
+        if settings.scene == "article":
             n = DEFAULT_N if settings.n is None else settings.n
             sides = (
                 max(round(side * settings.world_size), article.SMALLEST_SIDE) for side in WINDOW
@@ -81,14 +79,6 @@ class ArticleSimulation:
 
     def __len__(self) -> int:
         return len(self.program.particles)
-
-    @property
-    def method(self) -> str:
-        return f"article-{self.program.method}"
-
-    @property
-    def adjustable(self) -> frozenset[str]:
-        return frozenset({"method", "time_scale"})
 
     @property
     def effective_settings(self) -> Settings:
@@ -122,7 +112,7 @@ class ArticleSimulation:
             born=self._born,
             container=self.container,
             stats=self._stats(),
-            tree=self._tree_boxes() if request.tree else None,
+            tree=self._nodes() if request.tree else None,
             attractors=self.attractors,
         )
         return replace(
@@ -145,16 +135,14 @@ class ArticleSimulation:
             stage_times={"frame": self._milliseconds},  # the article has no separate stages
         )
 
-    def _tree_boxes(self) -> TreeBoxes:
+    def _nodes(self) -> jostle.Nodes:
         """Return the leaves of the last frame; brute force has none."""
-        if not self.program.leaves:
-            return TreeBoxes.none()
-        leaves = np.array(self.program.leaves)
+        leaves = np.array(self.program.leaves, np.int64).reshape(-1, 5)
         low, high = leaves[:, :2], leaves[:, :2] + leaves[:, 2:4]
         places = np.array([(p.x, p.y) for p in self.program.particles]).reshape(-1, 1, 2)
         counts = ((places >= low) & (places < high)).all(axis=2).sum(axis=0)
         corners = np.concatenate([low, high], axis=1).astype(np.float64)
-        return TreeBoxes(corners, leaves[:, 4].astype(np.intp), counts, np.ones(len(leaves), bool))
+        return jostle.Nodes(corners, leaves[:, 4], counts, np.ones(len(leaves), np.bool_))
 
     # Changing
 
@@ -223,14 +211,7 @@ class ArticleSimulation:
         places = np.asarray(positions, np.float64).reshape(-1, 2)
         within("positions", places, -FARTHEST, FARTHEST)
         n = len(places)
-        rows = zip(
-            places.tolist(),
-            (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAME_RATE).tolist(),
-            np.broadcast_to(np.asarray(radii), n).tolist(),
-            np.broadcast_to(np.asarray(densities), n).tolist(),
-            strict=True,
-        )
-        self.program.particles += [_particle(*row) for row in rows]
+        self.program.particles += _particles(places, velocities, radii, densities)
         tags = np.arange(self._next_tag, self._next_tag + n, dtype=np.int64)
         self._next_tag += n
         self._tags = np.concatenate([self._tags, tags])
@@ -325,7 +306,12 @@ def _energies(frame: Frame) -> Energies:
 
 
 def _contacts(frame: Frame) -> FrameContacts:
-    return FrameContacts.of_pairs(jostle.Quadtree(frame.positions, frame.radii).contacts())
+    """Return the contacts; the article computes no impulses, and none with walls."""
+    pairs, normals, depths = jostle.Quadtree(frame.positions, frame.radii).contacts()
+    rows, none = np.empty(0, np.int64), np.empty(0, np.float32)
+    return FrameContacts(
+        pairs, normals, depths, np.zeros_like(depths), rows, none.reshape(0, 2), none
+    )
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
@@ -335,21 +321,27 @@ def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:
     whole numbers of at least 1, as in the article.
     """
     min_x, min_y, max_x, max_y = view
-    places = (frame.positions - np.array([min_x, min_y])).tolist()
-    velocities = (frame.velocities / FRAME_RATE).tolist()
-    radii, densities = frame.radii.tolist(), frame.densities.tolist()
-    rows = zip(places, velocities, radii, densities, strict=True)
-    particles = [_particle(*row) for row in rows]
+    places = frame.positions - np.array([min_x, min_y])
+    particles = _particles(places, frame.velocities, frame.radii, frame.densities)
     width, height = (
         max(math.ceil(side), article.SMALLEST_SIDE) for side in (max_x - min_x, max_y - min_y)
     )
     return article.Simulation.of(particles, rules, width=width, height=height)
 
 
-def _particle(
-    place: Sequence[float], velocity: Sequence[float], radius: float, density: float
-) -> article.Particle:
-    """Return a particle of the article, with its velocity in pixels per frame."""
-    (x, y), (dx, dy) = place, velocity
-    radius, density = max(round(radius), 1), max(round(density), 1)
-    return article.Particle(x, y, radius, density, math.hypot(dx, dy), math.atan2(dx, -dy))
+def _particles(
+    places: NDArray[np.floating], velocities: ArrayLike, radii: ArrayLike, densities: ArrayLike
+) -> list[article.Particle]:
+    """Return particles of the article; it has velocities in pixels per frame."""
+    n, particles = len(places), []
+    for (x, y), (dx, dy), radius, density in zip(
+        places.tolist(),
+        (np.broadcast_to(np.asarray(velocities), (n, 2)) / FRAME_RATE).tolist(),
+        np.broadcast_to(np.asarray(radii), n).tolist(),
+        np.broadcast_to(np.asarray(densities), n).tolist(),
+        strict=True,
+    ):
+        radius, density = max(round(radius), 1), max(round(density), 1)
+        speed, angle = math.hypot(dx, dy), math.atan2(dx, -dy)
+        particles.append(article.Particle(x, y, radius, density, speed, angle))
+    return particles

@@ -61,11 +61,10 @@ def _particles_of(arrays: Arrays) -> list[article.Particle]:
     within("sizes", sizes[:, :2], 1, LARGEST)
     within("sizes", sizes, -4 * FARTHEST, 4 * FARTHEST)
     particles = []
-    for (x, y, speed, angle), (radius, density, *rectangle) in zip(
+    for (x, y, speed, angle), (radius, density, left, top, width, height) in zip(
         numbers.tolist(), sizes.tolist(), strict=True
     ):
         particle = article.Particle(x, y, radius, density, speed, angle)
-        left, top, width, height = rectangle
         particle.rectangle = left, top, width, height
         particles.append(particle)
     return particles

@@ -44,8 +44,7 @@ def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bo
         return np.zeros(len(starts), np.bool_)
     sides = np.array([container.width, container.height])
     over = np.abs(ends - starts) > sides / 2
-    crossing: NDArray[np.bool_] = over[:, 0] | over[:, 1]
-    return crossing
+    return over[:, 0] | over[:, 1]
 
 
 def wall_images(
@@ -152,6 +151,5 @@ def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floa
         low = np.array([container.min_x, container.min_y]) + radii[:, None]
         high = np.array([container.max_x, container.max_y]) - radii[:, None]
         middle = (low + high) / 2
-        clipped: Floats = np.clip(positions, np.minimum(low, middle), np.maximum(high, middle))
-        return clipped
+        return np.clip(positions, np.minimum(low, middle), np.maximum(high, middle))
     return positions

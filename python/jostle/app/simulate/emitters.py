@@ -13,9 +13,8 @@ from jostle.app.simulate.validation import Rule, real
 
 Floats = NDArray[np.floating]
 
-GOLDEN = (
-    0.6180339887498949  # the fractional parts of its multiples are distributed evenly over 0..1
-)
+# The fractional parts of its multiples are distributed evenly over 0..1.
+GOLDEN = 0.6180339887498949
 STREAMS = 2 + 2 * TRIES  # random numbers per drop
 State = tuple[int, int, float]
 _PARTS = PARTICLES, COUNT, real(0, 1)

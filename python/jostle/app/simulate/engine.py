@@ -25,6 +25,7 @@ REFUSALS = (ValueError, OverflowError, MemoryError)
 
 Edit = Callable[[Simulation], object]
 Then = Callable[[], None]
+MakeSteps = Callable[[Callable[[], None]], object]  # calls its argument for each step
 
 
 class FixedTimestep:
@@ -94,33 +95,29 @@ class _Result:
     then: list[Then]
 
 
-@dataclass(frozen=True)
-class _Job:
-    """The waiting edits, the due or requested steps, and a frame.
+def _run(
+    simulation: Simulation,
+    request: FrameRequest,
+    hooks: Hooks,
+    edits: list[_Waiting],
+    make_steps: MakeSteps,
+) -> _Result:
+    """Do a job on the worker thread: edits, steps, and a frame.
 
-    It holds everything that it needs, so it has no effect on the engine if it is abandoned.
+    It is given everything that it needs, so it has no effect on the engine if it is abandoned.
     """
-
-    simulation: Simulation
-    request: FrameRequest
-    hooks: Hooks
-    edits: list[_Waiting]
-    make_steps: Callable[[Callable[[], None]], object]  # calls its argument for each step
-
-    def run(self) -> _Result:
-        """Run it, on the worker thread."""
-        for edit in self.edits:
-            if edit.changes:
-                self.hooks.touched(self.simulation)
-            edit.work(self.simulation)
-        seconds: list[tuple[float, float]] = []
-        error = ""
-        try:
-            self.make_steps(lambda: seconds.append(_step(self.simulation, self.hooks)))
-        except REFUSALS as refusal:
-            error = message_of(refusal)
-        then = [edit.then for edit in self.edits if edit.then is not None]
-        return _Result(self.simulation.frame(self.request), seconds, error, then)
+    for edit in edits:
+        if edit.changes:
+            hooks.touched(simulation)
+        edit.work(simulation)
+    seconds: list[tuple[float, float]] = []
+    error = ""
+    try:
+        make_steps(lambda: seconds.append(_step(simulation, hooks)))
+    except REFUSALS as refusal:
+        error = message_of(refusal)
+    then = [edit.then for edit in edits if edit.then is not None]
+    return _Result(simulation.frame(request), seconds, error, then)
 
 
 def _step(simulation: Simulation, hooks: Hooks) -> tuple[float, float]:
@@ -163,7 +160,7 @@ class Engine:
         self._elapsed = 0.0
         self.error = ""  # message of a failed step; no more steps are made until `take_error`
         self.simulation = simulation
-        self.scene, self.time_step = simulation.scene, simulation.time_step
+        self.scene, self.time_step = simulation.settings.scene, simulation.time_step
         self._note_settings()
         self._timestep = FixedTimestep(simulation.time_step)
         self.step_seconds = 0.0  # of a step alone, smoothed
@@ -184,14 +181,9 @@ class Engine:
     ) -> None:
         """Change the simulation after the current job; a later frame shows it.
 
-        Parameters
-        ----------
-        changes
-            False for an edit that only reads, or restores an earlier state.
-        then
-            Called on the UI thread, when the frame shows the edit.
-        key
-            An edit that still waits with the same key is replaced by this one.
+        `changes` is False for an edit that only reads, or restores an earlier state. `then` is
+        called on the UI thread, when the frame shows the edit. An edit that still waits with the
+        same `key` is replaced by this one.
         """
         if key is not None:
             self._edits = [edit for edit in self._edits if edit.key != key]
@@ -279,13 +271,13 @@ class Engine:
         self.settings, self.adjustable = simulation.settings, simulation.adjustable
         self.effective_settings, self.view = simulation.effective_settings, simulation.view
 
-    def _start(self, steps: Callable[[Callable[[], None]], object] | None = None) -> None:
+    def _start(self, steps: MakeSteps | None = None) -> None:
         """Start a job with the waiting edits, and the requested step unless others are given."""
         edits, self._edits = self._edits, []
         single, self._single, self._stale = self._single and not self.error, False, False
         make_steps = steps or (lambda step: step() if single else None)
-        job = _Job(self.simulation, self.request, self.hooks, edits, make_steps)
-        self._job = self._worker.submit(job.run)
+        job = partial(_run, self.simulation, self.request, self.hooks, edits, make_steps)
+        self._job = self._worker.submit(job)
         if self.synchronous:
             self._collect()
 

@@ -30,35 +30,34 @@ class Moment:
 class History:
     """Records every step, and restores moments. Only the thread that steps uses it.
 
-    Parameters
-    ----------
-    seconds
-        Its length, in simulated time.
-    budget
-        Bytes of snapshots. If it is exceeded, only every second, fourth … step has one; if that is
-        not enough, the history is shorter.
+    It begins with the present state, which may be saved already, and covers `seconds` of simulated
+    time. If the snapshots have more than `budget` bytes, only every second, fourth … step has one;
+    if that is not enough, the history is shorter.
     """
 
-    def __init__(self, seconds: float = SECONDS, budget: int = BUDGET) -> None:
+    def __init__(
+        self,
+        simulation: Simulation,
+        state: bytes | None = None,
+        *,
+        seconds: float = SECONDS,
+        budget: int = BUDGET,
+    ) -> None:
         self.seconds, self.budget = seconds, budget
         self.moments: list[Moment] = []  # from the oldest to the latest
-        self._changed = False
         self.at = 0  # index of the present one, unless the simulation has changed since
         self.bytes = 0  # of all snapshots
         self.span = 0.0  # seconds from the oldest to the latest moment
         self.back = 0.0  # seconds from the present to the latest one
         self.stride = 1  # steps between two snapshots
-
-    def restart(self, simulation: Simulation, state: bytes | None = None) -> None:
-        """Clear it, and begin with the present state, which may be saved already."""
-        self.moments, self.bytes, self.stride, self._time = [], 0, 1, 0.0
+        self._time = 0.0
+        self._since = 0  # steps since the last snapshot
         self._changed = False  # by the user, since the last step
         self._adrift = False  # whether moments were omitted since the last stored one
         self._keep(Moment(0.0, False, state or simulation.save()))
-        whole = self.bytes * self.seconds / simulation.time_step
-        while self.stride < MOST_STRIDE and whole > self.budget * self.stride:
+        whole = self.bytes * seconds / simulation.time_step
+        while self.stride < MOST_STRIDE and whole > budget * self.stride:
             self.stride *= 2
-        self._since = 0  # steps since the last snapshot
 
     @property
     def can_go_back(self) -> bool:
@@ -115,8 +114,8 @@ class History:
 
     def index_of(self, seconds_ago: float) -> int:
         """Return the last moment at least `seconds_ago` before the latest."""
-        times = [moment.time for moment in self.moments]
-        return max(bisect_right(times, times[-1] - seconds_ago + 1e-9) - 1, 0)
+        latest = self.moments[-1].time - seconds_ago + 1e-9
+        return max(bisect_right(self.moments, latest, key=lambda moment: moment.time) - 1, 0)
 
     # Memory
 
@@ -125,7 +124,6 @@ class History:
         if moment.state is not None:
             self.bytes += len(moment.state)
             self._since, self._adrift = 0, False
-        self._at_last()
         self._trim()
 
     def _trim(self) -> None:
@@ -137,7 +135,7 @@ class History:
         while self.bytes > self.budget and (end := self._first_part()):
             if self.stride >= MOST_STRIDE or not self._thin():
                 self._drop(0, end)
-        self._at_last()
+        self._go(len(self.moments) - 1)
 
     def _first_part(self) -> int:
         """Return the index of the second snapshot; 0 if there is none."""
@@ -167,9 +165,6 @@ class History:
     def _drop(self, begin: int, end: int) -> None:
         self.bytes -= sum(len(moment.state or b"") for moment in self.moments[begin:end])
         del self.moments[begin:end]
-
-    def _at_last(self) -> None:
-        self._go(len(self.moments) - 1)
 
     def _go(self, index: int) -> None:
         self.at = index

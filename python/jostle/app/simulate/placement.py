@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.simulate.containers import bounds, moved_inside, wall_images
-from jostle.app.simulate.simulation import Container, Rect
+from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.wall_segments import Ends, clear_of
 
 Floats = NDArray[np.floating]
@@ -24,24 +24,24 @@ def in_disc(tries: Floats) -> Floats:
     Of each row of `tries`, (n, `TRIES`, 2) from 0 to 1, the first that is in the disc is used.
     """
     points = 2 * tries - 1
-    inside: NDArray[np.bool_] = _squares(points) <= 1
+    inside: NDArray[np.bool_] = (points * points).sum(axis=2) <= 1
     first = points[np.arange(len(points)), inside.argmax(axis=1)]
     found = inside.any(axis=1)
     chosen: Floats = first * np.where(found, 1.0, 0.5)[:, None]
     return chosen
 
 
+def random_in_disc(rng: np.random.Generator, count: int) -> Floats:
+    """Return random points distributed evenly over the disc of radius 1."""
+    return in_disc(rng.random((count, TRIES, 2)))
+
+
 def directions(rng: np.random.Generator, count: int) -> Floats:
     """Return random vectors of length 1."""
-    points = in_disc(rng.random((count, TRIES, 2)))
-    lengths = np.sqrt(_squares(points))
+    points = random_in_disc(rng, count)
+    lengths: Floats = np.sqrt((points * points).sum(axis=1))
     points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
     return points / lengths[:, None]
-
-
-def _squares(points: Floats) -> Floats:
-    x, y = points[..., 0], points[..., 1]
-    return x * x + y * y
 
 
 def free_positions(
@@ -55,7 +55,7 @@ def free_positions(
 ) -> tuple[Floats, NDArray[np.intp]]:
     """Return random free positions for discs, and the rows of the discs that have one."""
     rng = np.random.default_rng([seed, len(taken), len(radii)])
-    rect = np.array(_common(bounds(container), view)).reshape(2, 2)
+    rect = np.array(common(bounds(container), view)).reshape(2, 2)
     places = np.zeros((len(radii), 2))
     found = np.zeros(len(radii), np.bool_)
     images, _ = wall_images(container, walls, float(np.max(radii, initial=0.0)))
@@ -80,19 +80,14 @@ def free_positions(
     return places[found], np.flatnonzero(found)
 
 
-def free_among(
-    places: Floats,
-    radius: float,
-    taken: Floats,
-    taken_radii: Floats,
-    container: Container,
-    walls: Ends,
-) -> NDArray[np.intp]:
+def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:
     """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
     radii = np.full(len(places), radius)
-    images, _ = wall_images(container, walls, radius)
-    free = (moved_inside(places, radii, container) == places).all(axis=1)
-    free &= _clear_of(places, radii, taken.astype(np.float64), taken_radii.astype(np.float64))
+    images, _ = wall_images(frame.container, frame.walls, radius)
+    free = (moved_inside(places, radii, frame.container) == places).all(axis=1)
+    free &= _clear_of(
+        places, radii, frame.positions.astype(np.float64), frame.radii.astype(np.float64)
+    )
     rows = np.flatnonzero(free & clear_of(places, radii, images))
     return rows[_apart(places[rows], radii[rows])]
 
@@ -113,7 +108,7 @@ def _apart(places: Floats, radii: Floats) -> NDArray[np.bool_]:
     return apart
 
 
-def _common(walls: Rect | None, view: Rect) -> Rect:
+def common(walls: Rect | None, view: Rect) -> Rect:
     """Return the intersection of both rectangles; the walls if it is empty."""
     if walls is None:
         return view

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from jostle.app.simulate.validation import (
     Refusals,
     Rule,
     each,
+    either,
     fields_of,
     limited,
     one_of,
@@ -26,7 +27,7 @@ from jostle.app.simulate.validation import (
     real,
     rect,
     refusals,
-    rules_of,
+    shorten,
     shown,
     unknown,
     whole,
@@ -40,8 +41,6 @@ METHODS = {
     "article-brute": "article's brute force",
 }
 RENDERERS = ("auto", "opengl", "software")
-CONTAINERS = ("box", "circle", "torus", "none")
-ON_TOUCH = ("bounce", "merge", "ignore")
 # Largest numbers of particles with which a running scene takes a slow method.
 MOST_RUNNING = {"brute": 30_000, "article-quadtree": 4_000, "article-brute": 4_000}
 MAX_PARTICLES = 100_000_000
@@ -51,6 +50,8 @@ EVERY_CATEGORY = 2**32 - 1  # a mask with all bits
 MOST_LINES = 10_000  # of walls that a file adds, and points of one of them
 
 OnTouch = Literal["bounce", "merge", "ignore"]
+ContainerKind = Literal["box", "circle", "torus", "none"]
+ON_TOUCH, CONTAINERS = get_args(OnTouch), get_args(ContainerKind)
 Range = tuple[float, float]
 Vector = tuple[float, float]
 Rect = tuple[float, float, float, float]
@@ -64,12 +65,7 @@ SEED = whole(0, 2**63 - 1)
 STEPS = whole(1, 2**31 - 1)
 THREADS = whole(1, 1_024)
 
-_SHARE, _SHARES = real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y")
-SIDES = Rule(
-    f"{_SHARE.words}, or {_SHARES.words}",
-    lambda value: _SHARE.fits(value) or _SHARES.fits(value),
-    lambda value: _SHARE.read(value) if _SHARE.fits(value) else _SHARES.read(value),
-)
+SIDES = either(real(0, 1), each(real(0, 1), "min x", "max x", "min y", "max y"))
 
 
 def _is_matrix(value: Any) -> bool:
@@ -78,23 +74,22 @@ def _is_matrix(value: Any) -> bool:
     return 1 <= len(rows) <= MOST_KINDS and all(map(line.fits, rows))
 
 
-MATRIX = Rule(
-    f"one of {', '.join(life.MATRICES)}, "
-    f"or up to {MOST_KINDS} rows of as many numbers from -1 to 1",
-    lambda value: _is_matrix(value) or (isinstance(value, str) and value in life.MATRICES),
-    lambda value: (
-        value if isinstance(value, str) else tuple(tuple(map(float, row)) for row in value)
-    ),
+_ROWS = Rule(
+    f"up to {MOST_KINDS} rows of as many numbers from -1 to 1",
+    _is_matrix,
+    lambda rows: tuple(tuple(map(float, row)) for row in rows),
 )
+MATRIX = either(one_of(*life.MATRICES), _ROWS)
 
 
 # Of a whole group, or of each particle; `_wrong_filters` checks the entries of a list.
 _BITS = whole(0, EVERY_CATEGORY)
-FILTER = Rule(
-    f"{_BITS.words}, or a list of such numbers, one for each particle",
-    lambda value: _BITS.fits(value) or isinstance(value, list | tuple),
-    lambda value: tuple(value) if isinstance(value, list | tuple) else value,
+_EACH_BITS = Rule(
+    "a list of such numbers, one for each particle",
+    lambda value: isinstance(value, list | tuple),
+    tuple,
 )
+FILTER = either(_BITS, _EACH_BITS)
 
 
 @dataclass(frozen=True)
@@ -182,9 +177,7 @@ class Settings:
     max_depth: int | None = limited(or_none(whole(0, 2**31 - 1)), None)
     # The container's sides, as a multiple of the scene's own.
     world_size: float = limited(real(0.01, 100), 1.0)
-    container: Literal["box", "circle", "torus", "none"] | None = limited(
-        or_none(one_of(*CONTAINERS)), None
-    )
+    container: ContainerKind | None = limited(or_none(one_of(*CONTAINERS)), None)
     gravity: Vector | None = limited(or_none(VECTOR), None)  # world units per second squared
     drag: float | None = limited(or_none(real(0)), None)  # 1/s
     restitution: float | None = limited(or_none(real(0, 1)), None)
@@ -210,7 +203,7 @@ class Settings:
 
 
 SETTINGS = fields_of(Settings, "a setting")
-RULES = rules_of(Settings)
+RULES = SETTINGS.rules
 
 # Settings that are fixed in the article's programs.
 FIXED_BY_ARTICLE = (
@@ -222,9 +215,9 @@ FIXED_BY_ARTICLE = (
 
 def other_method(method: str) -> str:
     """Return brute force for a quadtree and vice versa, by the same rules."""
-    prefix, _, search = method.rpartition("-")
-    other = "brute" if search == "quadtree" else "quadtree"
-    return f"{prefix}-{other}" if prefix else other
+    if method.endswith("quadtree"):
+        return method.replace("quadtree", "brute")
+    return method.replace("brute", "quadtree")
 
 
 def too_slow(method: str, n: int) -> str | None:
@@ -240,4 +233,4 @@ def too_slow(method: str, n: int) -> str | None:
 def unknown_scene(name: str) -> str | None:
     """Return why a scene is refused, or None."""
     names = jostle.scenes.names()
-    return None if name in names else unknown(name, "a scene", names)
+    return None if name in names else f"{shorten(name)} {unknown(name, 'a scene', names)}"

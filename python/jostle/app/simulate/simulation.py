@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,32 +38,7 @@ class FrameRequest:
     energies: bool = False
 
 
-class ReadOnly:
-    """The base of records whose arrays cannot be changed: threads share them."""
-
-    def __post_init__(self) -> None:
-        for value in vars(self).values():
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
-
-
-@dataclass(frozen=True)
-class TreeBoxes(ReadOnly):
-    """The boxes of the tree: (k, 4) as min_x, min_y, max_x, max_y; levels, counts, leaves."""
-
-    boxes: NDArray[np.float64]
-    levels: NDArray[np.intp]
-    counts: NDArray[np.intp]
-    is_leaf: NDArray[np.bool_]
-
-    @classmethod
-    def none(cls) -> TreeBoxes:
-        """Return no boxes at all."""
-        return cls(np.empty((0, 4)), np.empty(0, np.intp), np.empty(0, np.intp), np.empty(0, bool))
-
-
-@dataclass(frozen=True)
-class FrameContacts(ReadOnly):
+class FrameContacts(NamedTuple):
     """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
 
     Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
@@ -76,15 +51,6 @@ class FrameContacts(ReadOnly):
     at_walls: NDArray[np.int64]
     wall_normals: NDArray[np.float32]
     wall_impulses: NDArray[np.float32]
-
-    @classmethod
-    def of_pairs(cls, contacts: jostle.Contacts) -> FrameContacts:
-        """Return contacts without impulses and without walls."""
-        nothing = np.empty(0, np.float32)
-        return cls(
-            contacts.pairs, contacts.normals, contacts.depths, np.zeros_like(contacts.depths),
-            np.empty(0, np.int64), nothing.reshape(0, 2), nothing,
-        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -115,8 +81,8 @@ class StepStats:
 
 
 @dataclass(frozen=True)
-class Frame(ReadOnly):
-    """One state, as copies that cannot be changed.
+class Frame:
+    """One state, as copies that cannot be changed: threads share them.
 
     A particle's *tag* is its number in the order of adding over the whole run. Rows change when
     others are removed; tags do not.
@@ -132,7 +98,7 @@ class Frame(ReadOnly):
     container: Container = None
     stats: StepStats = field(default_factory=StepStats)
     energies: Energies | None = None
-    tree: TreeBoxes | None = None
+    tree: jostle.Nodes | None = None
     contacts: FrameContacts | None = None
     springs: NDArray[np.int64] | None = None  # (s, 2) rows
     attractors: tuple[Attractor, ...] = ()
@@ -148,6 +114,11 @@ class Frame(ReadOnly):
     # (n,), the collision filter; None under the article's rules
     categories: NDArray[np.uint32] | None = None
     masks: NDArray[np.uint32] | None = None
+
+    def __post_init__(self) -> None:
+        for value in (*vars(self).values(), *(self.tree or ()), *(self.contacts or ())):
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
     def __len__(self) -> int:
         return len(self.radii)
@@ -189,23 +160,15 @@ class Simulation(Protocol):
     """
 
     settings: Settings
-    scene: str
     time_step: float
     view: Rect
+    adjustable: frozenset[str]  # the fields of `Settings` that `adjust` can change while it runs
 
     @property
     def attractors(self) -> tuple[Attractor, ...]:
         """The attractors of the user."""
 
     def __len__(self) -> int: ...
-
-    @property
-    def method(self) -> str:
-        """One of `settings.METHODS`."""
-
-    @property
-    def adjustable(self) -> frozenset[str]:
-        """The fields of `Settings` that `adjust` can change while it runs."""
 
     @property
     def effective_settings(self) -> Settings:

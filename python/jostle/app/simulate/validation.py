@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 FARTHEST = 1e18  # the largest coordinate, velocity and force of the library
@@ -22,17 +22,13 @@ Key = tuple[str | int, ...]  # names of fields, and numbers within lists
 Refusals = Iterator[tuple[Key, str]]
 
 
-def unchanged(value: Any) -> Any:
-    return value
-
-
 @dataclass(frozen=True)
 class Rule:
     """A condition for a value, in words and as a test; `read` converts a value that fits."""
 
     words: str
     fits: Callable[[Any], bool]
-    read: Callable[[Any], Any] = unchanged
+    read: Callable[[Any], Any] = lambda value: value
 
 
 @dataclass(frozen=True)
@@ -86,15 +82,16 @@ def read(value: Any, rule: AnyRule) -> Any:
     """Return a value as the program uses it; raise a ValueError with the first wrong field."""
     for key, why in refusals(value, rule):
         raise ValueError(f"{dotted(key)} {why}".lstrip())
-    return _read(value, rule)
+    return converted(value, rule)
 
 
-def _read(value: Any, rule: AnyRule) -> Any:
+def converted(value: Any, rule: AnyRule) -> Any:
+    """Return a value that obeys its rule as the program uses it."""
     if isinstance(rule, Rule):
         return rule.read(value)
     if isinstance(rule, Many):
-        return tuple(_read(one, rule.rule) for one in value)
-    return rule.make(**{name: _read(one, rule.rules[name]) for name, one in value.items()})
+        return tuple(converted(one, rule.rule) for one in value)
+    return rule.make(**{name: converted(one, rule.rules[name]) for name, one in value.items()})
 
 
 def refusals(value: Any, rule: AnyRule, key: Key = ()) -> Refusals:
@@ -117,7 +114,7 @@ def _in_table(value: Mapping[str, Any], rule: Fields) -> Refusals:
         if name in rule.rules:
             yield from refusals(one, rule.rules[name], (name,))
         else:
-            yield (name,), _unknown(name, rule.what, rule.rules)
+            yield (name,), unknown(name, rule.what, rule.rules)
     for name in rule.rules if rule.required is None else rule.required:
         if name not in value:
             yield (name,), "is missing"
@@ -134,11 +131,7 @@ def _in_list(value: Any, rule: Many, key: Key) -> Refusals:
 
 
 def unknown(name: str, what: str, known: Iterable[str]) -> str:
-    """Return why a name is refused, with the most similar known name."""
-    return f"{shorten(name)} {_unknown(name, what, known)}"
-
-
-def _unknown(name: str, what: str, known: Iterable[str]) -> str:
+    """Return why a name is refused, with the most similar known name; the name comes before it."""
     known = list(known)
     alike = similar(name, known)
     hint = f"did you mean {alike}?" if alike else f"there are {', '.join(known)}"
@@ -215,6 +208,15 @@ def each(rule: Rule, *names: str) -> Rule:
     )
 
 
+def either(first: Rule, second: Rule) -> Rule:
+    """Return the rule of a value that obeys one of two rules."""
+    return Rule(
+        f"{first.words}, or {second.words}",
+        lambda value: first.fits(value) or second.fits(value),
+        lambda value: (first if first.fits(value) else second).read(value),
+    )
+
+
 def or_none(rule: Rule) -> Rule:
     """Return the rule of a value that may be None."""
     return Rule(
@@ -227,11 +229,13 @@ def or_none(rule: Rule) -> Rule:
 def range_of(low: float, high: float = FARTHEST) -> Rule:
     """Return the rule of one number, or of a pair of the smallest and the largest."""
     one, two = real(low, high), each(real(low, high), "smallest", "largest")
-    return Rule(
-        f"{one.words}, or two [smallest, largest] in this order",
-        lambda value: one.fits(value) or (two.fits(value) and value[0] <= value[1]),
-        lambda value: (float(value), float(value)) if one.fits(value) else two.read(value),
+    same = replace(one, read=lambda value: (float(value), float(value)))
+    ordered = Rule(
+        "two [smallest, largest] in this order",
+        lambda value: two.fits(value) and value[0] <= value[1],
+        two.read,
     )
+    return either(same, ordered)
 
 
 def rect(farthest: float = FARTHEST, *, least: float = SMALLEST) -> Rule:

@@ -17,7 +17,6 @@ from jostle.app.simulate.simulation import (
     FrameContacts,
     FrameRequest,
     StepStats,
-    TreeBoxes,
 )
 
 
@@ -40,7 +39,7 @@ def frame_of(
         energies=Energies(world.kinetic_energy, world.potential_energy, world.momentum)
         if request.energies
         else None,
-        tree=_tree_boxes(world) if request.tree else None,
+        tree=world.quadtree().nodes() if request.tree else None,
         contacts=_contacts(world, columns) if request.contacts else None,
         springs=_springs(forces, columns),
         angles=world.angles if columns.turns else None,
@@ -90,9 +89,3 @@ def _contacts(world: jostle.World, columns: ParticleTable) -> FrameContacts:
 def _springs(forces: Forces, columns: ParticleTable) -> NDArray[np.int64] | None:
     pairs = [force.pairs for force in forces if isinstance(force, jostle.Springs)]
     return columns.rows(np.concatenate(pairs)) if pairs else None
-
-
-def _tree_boxes(world: jostle.World) -> TreeBoxes:
-    nodes = world.quadtree().nodes()
-    levels, counts = nodes.depths.astype(np.intp), nodes.counts.astype(np.intp)
-    return TreeBoxes(nodes.boxes, levels, counts, nodes.is_leaf)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -57,10 +57,6 @@ WORLD_SETTINGS = (
     *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
     *("threads", "on_touch", "sleeping"),
 )
-ADJUSTABLE = frozenset(
-    {*WORLD_SETTINGS, "friction", "wall_friction", "time_scale", "n", "world_size", "container"}
-    | {"matrix"}
-)
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
 # The values of a saved state; its arrays are tags, times of birth and the world's snapshot.
@@ -81,29 +77,27 @@ STATE_FIELDS = Fields(
 class WorldSimulation:
     """A world as a simulation.
 
-    The settings override those of the world that `create` makes. `view` is the visible part of the
-    world: min_x, min_y, max_x, max_y.
+    The settings override those of the world. `view` is the visible part of it: min_x, min_y,
+    max_x, max_y.
     """
 
     time_step = TIME_STEP
+    adjustable = frozenset(WORLD_SETTINGS) | {
+        *("friction", "wall_friction", "time_scale", "n", "world_size", "container", "matrix")
+    }
 
-    def __init__(self, settings: Settings, view: Rect, create: Callable[[], jostle.World]) -> None:
-        self.settings, self.scene, self.view = settings, settings.scene, view
-        self.world = world = create()
+    def __init__(self, settings: Settings, view: Rect, world: jostle.World) -> None:
+        self.settings, self.view, self.world = settings, view, world
+        for name in (*WORLD_SETTINGS, "friction", "container_restitution"):
+            value = getattr(settings, name)
+            if value is not None:
+                setattr(world, name, value)
+        if settings.matrix is not None:
+            set_matrix(world, settings.matrix)
         self._columns = ParticleTable(world)
         self._segments = WallSegments(world, len(world.walls))
         self._attractions = AttractorForces(world, self._columns, len(world.forces))
         self.emitters: Emitters | None = None
-        for name in WORLD_SETTINGS:
-            value = getattr(settings, name)
-            if value is not None:
-                setattr(world, name, value)
-        if settings.friction is not None:
-            self._set_friction(settings.friction)
-        if settings.container_restitution is not None:
-            world.container_restitution = settings.container_restitution
-        if settings.matrix is not None:
-            set_matrix(world, settings.matrix)
         self._initial = InitialRegion.of(world.container, view, settings.n)
         if settings.world_size != 1.0 or settings.container is not None:
             self._fit_container()
@@ -111,8 +105,8 @@ class WorldSimulation:
     @classmethod
     def of_scene(cls, settings: Settings) -> WorldSimulation:
         scene, n, seed = settings.scene, settings.n, settings.seed
-        view = jostle.scenes.view(scene, n)
-        simulation = cls(settings, view, lambda: jostle.scenes.create(scene, n=n, seed=seed))
+        world = jostle.scenes.create(scene, n=n, seed=seed)
+        simulation = cls(settings, jostle.scenes.view(scene, n), world)
         if scene == "emitters":
             simulation.emitters = Emitters(n, seed)
         return simulation
@@ -121,16 +115,8 @@ class WorldSimulation:
         return len(self.world)
 
     @property
-    def method(self) -> str:
-        return self.world.method
-
-    @property
     def attractors(self) -> tuple[Attractor, ...]:
         return self._attractions.attractors
-
-    @property
-    def adjustable(self) -> frozenset[str]:
-        return ADJUSTABLE
 
     @property
     def effective_settings(self) -> Settings:
@@ -141,8 +127,8 @@ class WorldSimulation:
 
     def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
         return frame_of(
-            self.world, self._columns, request, scene=self.scene, attractors=self.attractors,
-            own_walls=self._segments.own, begun_with=self._initial.n,
+            self.world, self._columns, request, scene=self.settings.scene,
+            attractors=self.attractors, own_walls=self._segments.own, begun_with=self._initial.n,
         )  # fmt: skip
 
     # Changing
@@ -171,22 +157,19 @@ class WorldSimulation:
                 self._fit_container()
             elif name == "method" and (reason := too_slow(value, len(self))):
                 raise ValueError(reason)
-            elif name == "friction":
-                self._set_friction(value)
             elif name == "matrix":
                 set_matrix(self.world, value)
             elif name == "wall_friction":
                 self._segments.set_friction(value)
+            elif name == "friction":
+                self.world.friction = value
+                self._columns.update(self.world)
             elif name in WORLD_SETTINGS:
                 setattr(self.world, name, value)
         except (ValueError, TypeError, OverflowError) as error:
             self.settings = before
             return str(error)
         return None
-
-    def _set_friction(self, friction: float) -> None:
-        self.world.friction = friction
-        self._columns.update(self.world)
 
     def _center(self) -> NDArray[np.float64]:
         return np.array(center_of(bounds(self.world.container) or self._initial.rect))
@@ -214,7 +197,7 @@ class WorldSimulation:
         if more <= 0:
             self.remove(self._columns.tags[moving[n:]])
             return
-        if reason := too_slow(self.method, len(self) + more):
+        if reason := too_slow(self.settings.method, len(self) + more):
             raise ValueError(reason)
         if more > MOST_AT_ONCE or not len(moving) or not self._add_copies(moving, more):
             raise ValueError(f"There is no room for {more:,} more particles.")

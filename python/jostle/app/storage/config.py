@@ -29,10 +29,10 @@ from jostle.app.simulate.validation import (
     Fields,
     Key,
     Rule,
+    converted,
     dotted,
     each,
     one_of,
-    read,
     refusals,
     shorten,
     whole,
@@ -77,7 +77,7 @@ def read_config(path: Path) -> Config:
     entries = _parsed(path.name, text)
     for key, refusal in _refusals(entries):
         raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
-    values = read(entries, ENTRIES)
+    values = converted(entries, ENTRIES)
     window, shown = values.pop("window", {}), values.pop("shown", {})
     return Config(
         name=path.name,
@@ -185,14 +185,11 @@ def line_of(text: str, key: Key) -> int:
 
 def _contains(entries: Any, key: Key) -> bool:
     """Return whether nested tables and lists have an entry with a key."""
-    for part in key:
-        if isinstance(entries, list):
-            known: Any = range(len(entries))
-        else:
-            known = entries if isinstance(entries, dict) else ()
-        if part not in known:
-            return False
-        entries = entries[part]
+    try:
+        for part in key:
+            entries = entries[part]
+    except (KeyError, IndexError, TypeError):
+        return False
     return True
 
 

@@ -14,6 +14,7 @@ import imageio_ffmpeg
 import numpy as np
 import pygame
 
+from jostle.app.draw.camera import Size
 from jostle.app.draw.palette import (
     DISCS,
     GROUND,
@@ -25,8 +26,6 @@ from jostle.app.draw.palette import (
     level_colour,
 )
 from jostle.app.draw.stamps import RIM_SHADE
-
-Size = tuple[int, int]
 
 PATIENCE = 10.0  # seconds to write the end of a file
 FORMATS = (".mp4", ".gif")

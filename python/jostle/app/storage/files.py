@@ -96,10 +96,8 @@ class Files:
         camera, options = copy.copy(self._camera), copy.copy(self._view_options)
 
         def save(simulation: Simulation) -> None:
-            def write(new: Path) -> None:
-                write_atomic(new, scene_bytes(simulation, camera, options))
-
-            self._write(SUFFIX, write, path)
+            contents = partial(scene_bytes, simulation, camera, options)
+            self._write(SUFFIX, lambda new: write_atomic(new, contents()), path)
 
         def forget_list() -> None:
             self._listed = None

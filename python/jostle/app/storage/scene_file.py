@@ -55,13 +55,11 @@ def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) ->
     """Return the contents of a scene file."""
     facts = {
         "settings": asdict(simulation.settings),
-        "camera": {
-            "center": camera.center,
-            "scale": camera.scale,
-            "size": camera.size,
-            "at_home": camera.at_home,
+        "camera": {name: getattr(camera, name) for name in CAMERA.rules},
+        "shown": {
+            name: value.value if isinstance(value, Enum) else value
+            for name, value in asdict(options).items()
         },
-        "shown": {name: _plain(value) for name, value in asdict(options).items()},
     }
     return seal(pack(KIND, facts, {"state": blob(simulation.save())}))
 
@@ -84,7 +82,3 @@ def read_scene(path: Path) -> SavedScene:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
     shown = {name: value for name, value in facts["shown"].items() if name not in NOT_RESTORED}
     return SavedScene(simulation, facts["camera"], shown)
-
-
-def _plain(value: object) -> object:
-    return value.value if isinstance(value, Enum) else value
