@@ -241,10 +241,6 @@ class SoftwareGui:
             key: self._sheets.get(key) or self._paint(commands, data, screen)
             for key, commands in keys.items()
         }
-        self.again()
-
-    def again(self) -> None:
-        """Draw the last frame again."""
         self._painter.canvas().fblits(list(self._sheets.values()), pygame.BLEND_PREMULTIPLIED)
 
     def close(self) -> None:
