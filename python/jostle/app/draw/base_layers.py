@@ -16,7 +16,6 @@ from jostle.app.draw.palette import (
     STAGE,
     TOUCHED_SENSOR,
     WALL,
-    repeated,
 )
 from jostle.app.simulate.containers import bounds, wall_images
 from jostle.app.simulate.simulation import Container, Frame, Rect
@@ -75,7 +74,7 @@ def draw_walls(
     rect = bounds(container)
     if rect is not None and isinstance(container, jostle.Torus):
         ends = _clipped(ends, camera.rect_to_screen(rect))
-    painter.lines(ends.reshape(-1, 4), repeated(FIXED, len(ends)), SEGMENT_WIDTH)
+    painter.lines(ends.reshape(-1, 4), FIXED, SEGMENT_WIDTH)
 
 
 def _clipped(ends: NDArray[np.float64], rect: Rect) -> NDArray[np.float64]:
@@ -119,7 +118,7 @@ class WallDiscs:
         seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
         for width in np.unique(widths[seen]).tolist():
             mine = ends[seen & (widths == width)]
-            painter.lines(mine, repeated(FIXED, len(mine)), width)
+            painter.lines(mine, FIXED, width)
 
 
 def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:

@@ -21,7 +21,6 @@ from jostle.app.draw.palette import (
     TEXT,
     blend,
     interpolated,
-    repeated,
 )
 from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
@@ -70,7 +69,7 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
     whole = ~crosses(frame.container, first, second)
     ends = camera.lines_to_screen(first[whole], second[whole])
     ends = ends[camera.sees(ends)]
-    painter.lines(ends, repeated(SPRING, len(ends)), 1.0)
+    painter.lines(ends, SPRING, 1.0)
 
 
 def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
@@ -85,7 +84,7 @@ def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
     ends = np.column_stack([x, y, x + radii * np.cos(angles), y + radii * np.sin(angles)])
-    painter.lines(ends, repeated(STAGE, len(ends)), 1.0)
+    painter.lines(ends, STAGE, 1.0)
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
@@ -123,7 +122,7 @@ def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | Non
     long_enough = lengths >= 2.0
     tails = np.column_stack([x, y])[long_enough]
     ends = _with_heads(tails, arrows[long_enough])
-    painter.lines(ends, repeated(ARROW, len(ends)), 1.0)
+    painter.lines(ends, ARROW, 1.0)
     return _left_out(len(drawn), len(seen), "velocities")
 
 

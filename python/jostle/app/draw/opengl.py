@@ -126,13 +126,13 @@ class OpenGLPainter:
         rows["tint"] = colours[:, None, :3]
         self._draw(self._box, rows.ravel())
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
         rows["ends"] = ends + 0.5  # from pixel centre to pixel centre
         rows["tint"] = 255
-        rows["tint"][:, : colours.shape[1]] = colours
+        rows["tint"][:, : np.shape(colours)[-1]] = colours
         _set(self._line, width=width)
         self._draw(self._line, rows)
 

@@ -45,8 +45,8 @@ class Painter(Protocol):
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         """Draw rectangles: (k, 4) as min_x, min_y, max_x, max_y and (k, 3) colours."""
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha.
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
+        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha, or one.
 
         Whole numbers are pixel centres.
         """

@@ -105,8 +105,9 @@ class SoftwarePainter:
             else:
                 pygame.draw.rect(self._canvas, colour, (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
         """Draw lines; those along the axes are blended, others mixed with the background."""
+        colours = np.broadcast_to(colours, (len(ends), np.shape(colours)[-1]))
         if colours.shape[1] == 4:
             along = (ends[:, :2] == ends[:, 2:]).any(axis=1) & (width <= 1)
             if along.any():
