@@ -24,6 +24,11 @@ LONGEST = 8192  # pixels
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
 
 
+def empty_canvas(size: Size) -> pygame.Surface:
+    """Return a canvas with the same byte order, and so the same videos, on every machine."""
+    return pygame.Surface(size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+
+
 @lru_cache(maxsize=256)
 def _strip(colour: tuple[int, int, int, int], upright: bool) -> pygame.Surface:
     strip = pygame.Surface((1, LONGEST) if upright else (LONGEST, 1), pygame.SRCALPHA, 32)
@@ -60,8 +65,7 @@ class SoftwarePainter:
 
     def resize(self, size: Size) -> None:
         self.size = max(size[0], 1), max(size[1], 1)
-        # The same byte order, and so the same bytes, on every machine; fast for blits.
-        self._canvas = pygame.Surface(self.size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+        self._canvas = empty_canvas(self.size)
 
     def canvas(self) -> pygame.Surface:
         return self._canvas
@@ -107,17 +111,16 @@ class SoftwarePainter:
 
     def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
         """Draw lines; those along the axes are blended, others mixed with the background."""
-        colours = np.broadcast_to(colours, (len(ends), np.shape(colours)[-1]))
-        if colours.shape[1] == 4:
+        tints = np.broadcast_to(colours, (len(ends), np.shape(colours)[-1]))
+        if tints.shape[1] == 4:
             along = (ends[:, :2] == ends[:, 2:]).any(axis=1) & (width <= 1)
             if along.any():
-                draw_axis_lines(self._canvas, ends[along], colours[along])
-                ends, colours = ends[~along], colours[~along]
-            share = colours[:, 3:] / 255
-            colours = np.rint(STAGE + (colours[:, :3] - np.array(STAGE, float)) * share)
-            colours = colours.astype(np.uint8)
+                draw_axis_lines(self._canvas, ends[along], tints[along])
+                ends, tints = ends[~along], tints[~along]
+            mixed = STAGE + (tints[:, :3] - np.array(STAGE, float)) * (tints[:, 3:] / 255)
+            tints = np.rint(mixed).astype(np.uint8)
         thick = max(round(width), 1)
-        for (x0, y0, x1, y1), colour in zip(ends.tolist(), colours.tolist(), strict=True):
+        for (x0, y0, x1, y1), colour in zip(ends.tolist(), tints.tolist(), strict=True):
             pygame.draw.aaline(self._canvas, colour, (x0, y0), (x1, y1), thick)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
