@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.painter import Painter
+from jostle.app.draw.painter import Painter, on_canvas
 from jostle.app.draw.palette import (
     FIXED,
     GROUND,
@@ -55,9 +55,8 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
         return
     solid = frame.sensors == 0
     painter.discs(x[solid], y[solid], radii[solid], shades[solid])
-    inside = (x + radii > 0) & (x - radii < camera.size[0])
-    inside &= (y + radii > 0) & (y - radii < camera.size[1])
-    for row in np.flatnonzero(~solid & inside)[:MOST_SENSORS]:
+    seen = ~solid & on_canvas(painter.size, x, y, radii)
+    for row in np.flatnonzero(seen)[:MOST_SENSORS]:
         colour = SENSOR if frame.sensors[row] == 1 else TOUCHED_SENSOR
         painter.circle((float(x[row]), float(y[row])), float(radii[row]), colour, 1.5)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from jostle.app.draw import points, shaders
 from jostle.app.draw.camera import Size
-from jostle.app.draw.painter import Colours, Floats, Shades
+from jostle.app.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle.app.draw.palette import DISCS, Colour
 from jostle.app.draw.software import empty_canvas
 
@@ -83,8 +83,7 @@ class OpenGLPainter:
             self.target.clear(red, green, blue, 1.0, viewport=part)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        (width, height), reach = self.size, radii + 1
-        seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
+        seen = on_canvas(self.size, x, y, radii)
         rows = np.empty(int(np.count_nonzero(seen)), _DISC)
         if len(rows) == 0:
             return
@@ -110,9 +109,7 @@ class OpenGLPainter:
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         if len(corners) == 0:
             return
-        width, height = self.size
-        whole = np.floor(np.clip(corners, -2.0, [width + 2.0, height + 2.0] * 2))
-        x0, y0, x1, y1 = whole.T
+        x0, y0, x1, y1 = whole_pixels(self.size, corners).T
         if filled:
             boxes = [(x0, y0, np.maximum(x1 - 1, x0 + 1), np.maximum(y1 - 1, y0 + 1))]
         else:  # four sides, each one pixel wide
