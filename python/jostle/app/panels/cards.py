@@ -30,8 +30,7 @@ HELP_SIZE = 58.0, 40.0  # of the help with its margins, in sizes of the font
 def build(session: Session, gui: Gui) -> None:
     """Build the cards that are to be shown, inside the part that the panels leave free."""
     sides = layout(session, *imgui.get_io().display_size)
-    statistics = sides.statistics if session.view_options.statistics else 0.0
-    left, right = sides.column, sides.width - statistics
+    left, right = sides.column, sides.width - sides.covered
     middle, bottom, widest = (left + right) / 2, sides.height - EDGE, right - left - 2 * EDGE
     explanation = session.explanation
     if explanation is not None:

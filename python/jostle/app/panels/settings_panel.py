@@ -13,6 +13,7 @@ import numpy as np
 from jostle.app.act.interaction import Tool
 from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.gui.host import Gui
+from jostle.app.gui.keymap import SWITCHES
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import choice, combo, in_rows, label, select, signed
 from jostle.app.session import Session
@@ -23,7 +24,6 @@ METHODS_BY_RULES = {
     "exact physics": {"quadtree": "quadtree", "brute": "brute force"},
     "2015 program": {"article-quadtree": "quadtree", "article-brute": "brute force"},
 }
-SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
 SLEEPING = {"on": "on", "off": "off"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import zip_longest
 
 import numpy as np
@@ -20,7 +21,6 @@ from jostle.app.panels.widgets import (
     buttons,
     colours,
     hint,
-    part,
     row,
     section,
     side_panel,
@@ -139,9 +139,7 @@ def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
     session.traces.refresh(session.frame, session.messages.now)
     height = min(max(height, LEAST_PLOT), MOST_PLOT)
     for title, contents in SECTIONS.items():
-        if section(gui, title):
-            with part(title):
-                contents(session, gui, height)
+        section(gui, title, partial(contents, session, gui, height))
 
 
 def _head(session: Session, gui: Gui) -> None:

@@ -20,7 +20,6 @@ ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 T = TypeVar("T")
-Col = imgui.Col_
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
@@ -29,11 +28,14 @@ FIXED = (
 STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
-def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
-    """Build the heading of a foldable section; return whether it is open."""
+def section(gui: Gui, title: str, build: Callable[[], None]) -> None:
+    """Build a foldable section: its heading, and its contents in a child window.
+
+    ImGui's output for a child window is a draw list of its own, which is redrawn separately.
+    """
     imgui.dummy((0.0, ABOVE))
     storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
-    is_open = storage.get_bool(kept, open_at_first)
+    is_open = storage.get_bool(kept, True)
     if imgui.invisible_button(f"##{title}", (max(width(), 1.0), HEAD)):
         storage.set_bool(kept, not is_open)
     gui.mark(f"section {title}")
@@ -43,7 +45,10 @@ def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
     after = low.x + imgui.calc_text_size(title).x + 10
     draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), rgba(RAISED))
     _chevron(high.x - 5, down=is_open)
-    return is_open
+    if is_open:
+        imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
+        build()
+        imgui.end_child()
 
 
 def _chevron(x: float, *, down: bool) -> None:
@@ -71,17 +76,9 @@ def side_panel(name: str, place: tuple[float, float], size: tuple[float, float])
 
 
 @contextmanager
-def part(title: str) -> Iterator[None]:
-    """Build the contents in a child window, which is redrawn separately."""
-    imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
-    yield
-    imgui.end_child()
-
-
-@contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
     for name, colour in by_name.items():
-        imgui.push_style_color(getattr(Col, name), colour)
+        imgui.push_style_color(getattr(imgui.Col_, name), colour)
     yield
     imgui.pop_style_color(len(by_name))
 
