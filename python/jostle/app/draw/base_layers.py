@@ -41,9 +41,8 @@ def draw_container(painter: Painter, container: Container, camera: Camera) -> No
         painter.circle((x, y), radius, STAGE)
     else:
         inside = rect_on_screen(walls, camera)
-        both = np.array(
-            [_corners(inside.inflate(2 * CONTAINER_WIDTH, 2 * CONTAINER_WIDTH)), _corners(inside)]
-        )
+        outside = inside.inflate(2 * CONTAINER_WIDTH, 2 * CONTAINER_WIDTH)
+        both = np.array([_corners(outside), _corners(inside)])
         painter.rects(both, np.array([WALL, STAGE], np.uint8), filled=True)
 
 

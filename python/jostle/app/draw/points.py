@@ -90,10 +90,8 @@ def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[n
 
 def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
     step: Indices = np.rint((radii - POINT_RADIUS) * _STEPS).astype(np.intp)
-    place: Indices = (dy * _SUBPIXELS).astype(np.intp) * _SUBPIXELS + (dx * _SUBPIXELS).astype(
-        np.intp
-    )
-    return step * _SUBPIXELS**2 + place
+    across, down = (dx * _SUBPIXELS).astype(np.intp), (dy * _SUBPIXELS).astype(np.intp)
+    return (step * _SUBPIXELS + down) * _SUBPIXELS + across
 
 
 def _make_kernels() -> tuple[Indices, Floats]:

@@ -113,10 +113,8 @@ def build_display(session: Session, gui: Gui) -> None:
     """Build what is drawn beside the particles."""
     options = session.view_options
     options.tree = select(gui, "tree", {view.value: view for view in TreeView}, options.tree)
-    quantities = {by.value: by.label for by in ColourBy}
-    colour = combo(gui, "colour by", quantities, options.colour_by.value)
-    if colour is not None:
-        options.colour_by = ColourBy(colour)
+    quantities = {by.label: by for by in ColourBy}
+    options.colour_by = select(gui, "colour by", quantities, options.colour_by)
     for name, across in in_rows(SWITCHES, 3):
         if choice(gui, name, name, across, chosen=getattr(options, name)):
             session.toggle(name)
