@@ -25,7 +25,7 @@ from jostle.app.draw.palette import (
 from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.containers import crosses
-from jostle.app.simulate.simulation import Frame, Point
+from jostle.app.simulate.simulation import Frame, FrameContacts, Point
 
 MOST_CONTACTS = 1_600  # drawn; a line takes about 2 µs
 MOST_ARROWS = 500  # of three lines
@@ -76,10 +76,9 @@ def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
     """Draw a radius line on each large disc, which shows its rotation."""
     if frame.angles is None:
         return
-    seen = in_view(frame.positions, camera)
-    radii = frame.radii[seen].astype(np.float64) * camera.scale
-    large = (radii >= LEAST_SPIN) & frame.movable[seen]
-    drawn = seen[large][subset(frame.tags[seen[large]], MOST_SPINS)]
+    seen = _movable_in_view(frame, camera)
+    large = seen[frame.radii[seen] * camera.scale >= LEAST_SPIN]
+    drawn = large[subset(frame.tags[large], MOST_SPINS)]
     x, y = camera.to_screen(frame.positions[drawn])
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
@@ -111,8 +110,7 @@ def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
 
 def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw velocities as arrows; return a note if some are omitted."""
-    seen = in_view(frame.positions, camera)
-    seen = seen[frame.movable[seen]]
+    seen = _movable_in_view(frame, camera)
     drawn = seen[subset(frame.tags[seen], MOST_ARROWS)]
     x, y = camera.to_screen(frame.positions[drawn])
     velocities = frame.velocities[drawn].astype(np.float64)
@@ -172,16 +170,20 @@ def _with_heads(tails: Floats, arrows: Floats) -> Floats:
     return np.concatenate([np.concatenate(ends, axis=1) for ends in strokes])
 
 
+def _movable_in_view(frame: Frame, camera: Camera) -> NDArray[np.intp]:
+    seen = in_view(frame.positions, camera)
+    return seen[frame.movable[seen]]
+
+
 def _left_out(drawn: int, there: int, name: str) -> str | None:
     return f"{name}: {drawn:,} of {there:,} shown" if drawn < there else None
 
 
 def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw contacts by the normal impulses of the last step; return a note if some are omitted."""
-    touching = frame.contacts
-    if touching is None:
+    if frame.contacts is None:
         return None
-    ends, impulses = _chains(frame)
+    ends, impulses = _chains(frame, frame.contacts)
     if len(impulses) == 0 or impulses.max() <= 0:
         return None
     share = np.clip(impulses / np.percentile(impulses[impulses > 0], STRONG), 0, 1)
@@ -201,10 +203,8 @@ def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | N
     return f"forces: the {len(drawn):,} largest of {len(rows):,} shown" if left else None
 
 
-def _chains(frame: Frame) -> tuple[Floats, Floats]:
+def _chains(frame: Frame, touching: FrameContacts) -> tuple[Floats, Floats]:
     """Return lines from centre to centre or to a wall, (m, 4) in world units, and impulses."""
-    touching = frame.contacts
-    assert touching is not None
     radii = frame.radii.astype(np.float64)
     i, j = touching.pairs[:, 0], touching.pairs[:, 1]
     starts = frame.positions[i].astype(np.float64)
@@ -219,10 +219,8 @@ def _chains(frame: Frame) -> tuple[Floats, Floats]:
 
 def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw tag and speed at large discs; return a note if some are omitted."""
-    seen = in_view(frame.positions, camera)
-    seen = seen[frame.movable[seen]]
-    sizes = frame.radii[seen].astype(np.float64) * camera.scale
-    places = seen[sizes >= SMALLEST_LABELLED]
+    seen = _movable_in_view(frame, camera)
+    places = seen[frame.radii[seen] * camera.scale >= SMALLEST_LABELLED]
     if len(seen) and not len(places):
         return "labels: zoom in to see them"
     drawn = places[subset(frame.tags[places], MOST_LABELS)]
