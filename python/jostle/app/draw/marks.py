@@ -9,19 +9,9 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
+from jostle.app.draw import palette
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import (
-    ARROW,
-    ATTRACTOR,
-    CHAIN_STOPS,
-    CONTACT_STOPS,
-    SPRING,
-    STAGE,
-    TEXT,
-    blend,
-    interpolated,
-)
 from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.containers import crosses
@@ -69,7 +59,7 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
     whole = ~crosses(frame.container, first, second)
     ends = camera.lines_to_screen(first[whole], second[whole])
     ends = ends[camera.sees(ends)]
-    painter.lines(ends, SPRING, 1.0)
+    painter.lines(ends, palette.SPRING, 1.0)
 
 
 def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
@@ -83,7 +73,7 @@ def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
     ends = np.column_stack([x, y, x + radii * np.cos(angles), y + radii * np.sin(angles)])
-    painter.lines(ends, STAGE, 1.0)
+    painter.lines(ends, palette.STAGE, 1.0)
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
@@ -104,7 +94,7 @@ def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     depth = touching.depths[drawn] / np.maximum(DEEP * smaller, 1e-12)
     thick = 2.0 if len(drawn) and float(half.mean()) >= 3.0 else 1.0
     ends = np.column_stack([middle - along, middle + along])
-    painter.lines(ends, interpolated(CONTACT_STOPS, depth), thick)
+    painter.lines(ends, palette.interpolated(palette.CONTACT_STOPS, depth), thick)
     return _left_out(len(drawn), len(seen), "contacts")
 
 
@@ -120,7 +110,7 @@ def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | Non
     long_enough = lengths >= 2.0
     tails = np.column_stack([x, y])[long_enough]
     ends = _with_heads(tails, arrows[long_enough])
-    painter.lines(ends, ARROW, 1.0)
+    painter.lines(ends, palette.ARROW, 1.0)
     return _left_out(len(drawn), len(seen), "velocities")
 
 
@@ -154,10 +144,10 @@ def draw_attractors(painter: Painter, frame: Frame, camera: Camera) -> None:
         (at_x,), (at_y,) = camera.to_screen(np.array([place], np.float64))
         center = float(at_x), float(at_y)
         for k, radius in enumerate(RINGS):
-            colour = blend(STAGE, ATTRACTOR, 0.9 - 0.28 * k)
+            colour = palette.blend(palette.STAGE, palette.ATTRACTOR, 0.9 - 0.28 * k)
             painter.circle(center, inner + radius, colour, 1.5)
         if inner == 0.0:
-            painter.circle(center, 2.0, ATTRACTOR)
+            painter.circle(center, 2.0, palette.ATTRACTOR)
 
 
 def _with_heads(tails: Floats, arrows: Floats) -> Floats:
@@ -198,7 +188,7 @@ def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | N
     for k in range(CHAIN_WIDTHS):
         some = step == k
         thick = 1.0 + max(widest - 1.0, 0.0) * k / (CHAIN_WIDTHS - 1)
-        painter.lines(lines[some], interpolated(CHAIN_STOPS, share[some]), thick)
+        painter.lines(lines[some], palette.interpolated(palette.CHAIN_STOPS, share[some]), thick)
     left = len(rows) - len(drawn)
     return f"forces: the {len(drawn):,} largest of {len(rows):,} shown" if left else None
 
@@ -243,7 +233,7 @@ def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
 @lru_cache(maxsize=4_000)
 def _shaded(text: str) -> pygame.Surface:
     """Return a text with a dark outline."""
-    light, dark = word(text, TEXT, SMALL), word(text, OUTLINE, SMALL)
+    light, dark = word(text, palette.TEXT, SMALL), word(text, OUTLINE, SMALL)
     sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
     for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
         sheet.blit(dark, shift)

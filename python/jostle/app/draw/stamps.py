@@ -12,6 +12,7 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
+from jostle.app.draw.painter import Floats, Shades
 from jostle.app.draw.palette import DISCS
 
 MAX_RADIUS = 48.0  # pixels; larger discs are drawn as circles
@@ -44,12 +45,7 @@ class Stamps:
         self.bytes = 0  # memory of all stamps
 
     def blit(
-        self,
-        target: pygame.Surface,
-        x: NDArray[np.floating],
-        y: NDArray[np.floating],
-        radii: NDArray[np.floating],
-        shades: NDArray[np.uint8],
+        self, target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: Shades
     ) -> None:
         """Draw discs with radii up to MAX_RADIUS, in pixels."""
         if self.bytes > MEMORY_LIMIT:
