@@ -114,12 +114,9 @@ class BackgroundRenderer:
             return
         # Only the visible part is scaled.
         shown = pygame.Rect(x0, y0, x1 - x0, y1 - y0).clip(pygame.Rect((0, 0), painter.size))
-        part = pygame.Rect(
-            (shown.x - x0) / zoom,
-            (shown.y - y0) / zoom,
-            shown.width / zoom,
-            shown.height / zoom,
-        ).clip(canvas.get_rect())
+        corner = (shown.x - x0) / zoom, (shown.y - y0) / zoom
+        size = shown.width / zoom, shown.height / zoom
+        part = pygame.Rect(corner, size).clip(canvas.get_rect())
         if 0 not in (*part.size, *shown.size):
             picture = pygame.transform.scale(canvas.subsurface(part), shown.size)
             painter.sheet(picture, shown.topleft)

@@ -157,20 +157,16 @@ class Camera:
     def pan(self, pixels: Point) -> None:
         """Move the camera by screen pixels."""
         self.at_home = False
-        self.center = (
-            self.center[0] + pixels[0] / self.scale,
-            self.center[1] + pixels[1] / self.scale,
-        )
+        x, y = self.center
+        self.center = x + pixels[0] / self.scale, y + pixels[1] / self.scale
 
     def zoom_at(self, pixel: Point, factor: float) -> None:
         """Multiply the scale by `factor`; the world point under `pixel` stays there."""
         before = self.to_world(pixel)
         self.aim(self.center, self.scale * factor)
         after = self.to_world(pixel)
-        self.center = (
-            self.center[0] + before[0] - after[0],
-            self.center[1] + before[1] - after[1],
-        )
+        x, y = self.center
+        self.center = x + before[0] - after[0], y + before[1] - after[1]
 
     def rect_to_screen(self, rect: Rect) -> Rect:
         (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))

@@ -140,10 +140,7 @@ def _draw_large(
 
 
 def _draw_circle(
-    target: pygame.Surface,
-    center: tuple[float, float],
-    radius: float,
-    colour: tuple[int, int, int],
+    target: pygame.Surface, center: tuple[float, float], radius: float, colour: Colour
 ) -> None:
     """Draw a filled circle of any size."""
     if radius <= CIRCLE_LIMIT:

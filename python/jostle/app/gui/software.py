@@ -3,7 +3,8 @@
 Each of ImGui's draw lists, about one per panel, becomes a surface, which is cached while the list
 does not change. An unchanged panel takes one blit per frame. ImGui's own backend on OpenGL in
 software takes two to three times the processor time for a changed panel, and ten times for an
-unchanged one. Its triangles are merged into glyphs, boxes and polygons, which are antialiased here.
+unchanged one. SDL's software renderer rounds corners to whole pixels, so that glyphs lose rows.
+ImGui's triangles are merged into glyphs, boxes and polygons, which are antialiased here.
 """
 
 from __future__ import annotations
@@ -271,13 +272,13 @@ class SoftwareGui:
         vertex_bytes, index_bytes = _bytes(commands)
         vertices = np.frombuffer(vertex_bytes, VERTEX).copy()
         indices = np.frombuffer(index_bytes, INDEX).astype(np.intp)
-        scale = np.array([data.framebuffer_scale.x, data.framebuffer_scale.y], np.float32)
-        vertices["at"] = at = vertices["at"] * scale
-        area = pygame.Rect(0, 0, 0, 0)
-        if len(at):
-            low, high = np.floor(at.min(axis=0)) - 1, np.ceil(at.max(axis=0)) + 1
-            low, high = np.maximum(low, -1e4), np.minimum(high, 1e4)
-            area = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(screen)
+        if len(vertices) == 0:
+            return pygame.Surface((0, 0)), (0, 0)
+        scale = data.framebuffer_scale.x  # pixels per point
+        vertices["at"] *= scale
+        low, high = vertices["at"].min(axis=0), vertices["at"].max(axis=0)
+        low, high = np.maximum(np.floor(low) - 1, -1e4), np.minimum(np.ceil(high) + 1, 1e4)
+        area = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(screen)
         surface = pygame.Surface(area.size, pygame.SRCALPHA, 32)
         vertices["at"] -= np.array(area.topleft, np.float32)
         for command in commands.cmd_buffer:

@@ -7,15 +7,7 @@ from functools import lru_cache
 
 from imgui_bundle import imgui, implot
 
-from jostle.app.draw.palette import (
-    ACCENT,
-    PANEL,
-    PANEL_EDGE,
-    TEXT,
-    TEXT_SOFT,
-    Colour,
-    blend,
-)
+from jostle.app.draw.palette import ACCENT, PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour, blend
 from jostle.app.draw.text import FONTS, ICONS, font_file
 from jostle.app.session import Session
 

@@ -58,9 +58,8 @@ def lines_of(session: Session, menu: Menu) -> list[Line]:
 
 def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     interaction, frame = session.interaction, session.frame
-    commands, attractors, selection = (
-        interaction.commands, interaction.attractors, interaction.selection
-    )  # fmt: skip
+    commands, attractors = interaction.commands, interaction.attractors
+    selection = interaction.selection
     movable, attracts = bool(frame.movable[frame.rows(tag)].all()), attractors.attracts(tag)
     attract = "Stop attracting" if attracts else "Attract"
     fix, can_fix = "Make immovable" if movable else "Make movable", not session.settings.by_article
@@ -80,10 +79,8 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
 
 
 def _of_background(session: Session, point: Point) -> list[Line]:
-    interaction = session.interaction
-    commands, attractors, gravity = (
-        interaction.commands, interaction.attractors, interaction.gravity
-    )  # fmt: skip
+    interaction, gravity = session.interaction, session.interaction.gravity
+    commands, attractors = interaction.commands, interaction.attractors
     can_fall = "gravity" in session.engine.adjustable
     placed, drawn = bool(attractors.placed), len(commands.drawn_walls) > 0
     invert, off = "invert gravity", "zero gravity"
