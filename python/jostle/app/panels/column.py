@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -58,9 +58,8 @@ def build(session: Session, gui: Gui) -> None:
 
 
 def _title(session: Session) -> None:
-    imgui.push_font(None, TITLE)
-    imgui.text_unformatted(session.engine.scene)
-    imgui.pop_font()
+    with imgui_ctx.push_font(None, TITLE):
+        imgui.text_unformatted(session.engine.scene)
     if session.runner.paused:
         with colours(text=vec(ACCENT)):
             at_right("paused")

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.act.interaction import Menu
 from jostle.app.gui.host import Gui
@@ -140,15 +140,14 @@ def build(session: Session, gui: Gui) -> None:
     if not menu.shown:
         imgui.open_popup(POPUP)
         menu.shown = True
-    if not imgui.begin_popup(POPUP):
-        session.interaction.menu = None  # a click elsewhere, or Esc
-        return
-    if is_over(menu, session.frame):
-        session.interaction.menu = None
-        imgui.close_current_popup()
-    else:
-        _fill(session, gui, menu)
-    imgui.end_popup()
+    with imgui_ctx.begin_popup(POPUP) as popup:
+        if not popup:
+            session.interaction.menu = None  # a click elsewhere, or Esc
+        elif is_over(menu, session.frame):
+            session.interaction.menu = None
+            imgui.close_current_popup()
+        else:
+            _fill(session, gui, menu)
 
 
 def _fill(session: Session, gui: Gui, menu: Menu) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -105,11 +105,9 @@ def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float
     storage, kept = imgui.get_state_storage(), imgui.get_id("position")
     position = span.position(value)
     imgui.set_next_item_width(width() - NUMBER - GAP)
-    imgui.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB)
-    with colours(**HIDDEN):
+    with imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB), colours(**HIDDEN):
         flags = imgui.SliderFlags_.no_input
         changed, new = imgui.slider_float("##track", position, 0.0, 1.0, "", flags)
-    imgui.pop_style_var()
     gui.mark(name)
     moved, active = Moved.NOT, imgui.is_item_active()
     if imgui.is_item_deactivated_after_edit():

@@ -8,7 +8,7 @@ from functools import partial
 from itertools import zip_longest
 
 import numpy as np
-from imgui_bundle import imgui, implot
+from imgui_bundle import imgui, imgui_ctx, implot
 
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
 from jostle.app.draw.text import pairs_of, plural, scientific, share
@@ -92,12 +92,11 @@ def plot(
     if seen:
         low, size = implot.get_plot_pos(), implot.get_plot_size()
         implot.end_plot()
-        imgui.push_font(None, SMALL)
         draw, y = imgui.get_window_draw_list(), low.y + 3.0
-        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
-        draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
-        draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
-        imgui.pop_font()
+        with imgui_ctx.push_font(None, SMALL):
+            right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+            draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
+            draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
     implot.pop_style_var()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -46,9 +46,9 @@ def section(gui: Gui, title: str, build: Callable[[], None]) -> None:
     draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), rgba(RAISED))
     _chevron(high.x - 5, down=is_open)
     if is_open:
-        imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
-        build()
-        imgui.end_child()
+        flags = imgui.ChildFlags_.auto_resize_y
+        with imgui_ctx.begin_child(title, child_flags=flags, window_flags=STILL):
+            build()
 
 
 def _chevron(x: float, *, down: bool) -> None:
@@ -69,9 +69,8 @@ def side_panel(name: str, place: tuple[float, float], size: tuple[float, float])
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
     imgui.begin(name, None, FIXED)
     imgui.pop_style_var(2)
-    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
-    yield
-    imgui.pop_style_var()
+    with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0)):
+        yield
     imgui.end()
 
 
@@ -100,9 +99,8 @@ def soft(text: str) -> None:
 
 def wrapped(text: str) -> None:
     """Draw wrapped text in the softer colour."""
-    imgui.push_text_wrap_pos(0.0)
-    soft(text)
-    imgui.pop_text_wrap_pos()
+    with imgui_ctx.push_text_wrap_pos():
+        soft(text)
 
 
 def at_right(text: str, *, quiet: bool = False) -> None:
@@ -134,11 +132,8 @@ def hint(text: str) -> None:
     flags = imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled
     if text and imgui.is_item_hovered(flags):
         imgui.set_next_window_size_constraints((0, 0), (320, 400))
-        if imgui.begin_tooltip():
-            imgui.push_text_wrap_pos(290.0)
+        with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(290.0):
             imgui.text_unformatted(text)
-            imgui.pop_text_wrap_pos()
-            imgui.end_tooltip()
 
 
 def choice(
