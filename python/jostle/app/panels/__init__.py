@@ -37,9 +37,11 @@ def build(session: Session, gui: Gui) -> None:
     io = imgui.get_io()
     size, scale = io.display_size, io.display_framebuffer_scale.x
     arrange(session, size.x, size.y, scale)
-    if session.view_options.panels and not session.view_options.help:
+    options = session.view_options
+    if options.panels and not options.help:
         column.build(session, gui)
         statistics_panel.build(session, gui)
     cards.build(session, gui)
-    cards.build_help(session, gui)
+    if options.help:
+        cards.build_help(gui)
     menus.build(session, gui)

@@ -90,17 +90,14 @@ def _recording(seconds: float) -> None:
     imgui.same_line(0.0, 2 * EDGE)
 
 
-def build_help(session: Session, gui: Gui) -> None:
-    """Build the list, if it is wanted; smaller in a small window."""
-    if not session.view_options.help:
-        return
+def build_help(gui: Gui) -> None:
+    """Build the list, smaller in a small window."""
     width, height = imgui.get_io().display_size
     size = min(FONT_SIZE, width / HELP_SIZE[0], height / HELP_SIZE[1])
-    spacing = imgui.StyleVar_.item_spacing, (0.5 * size, 0.3 * size)
     with (
         card(gui, "help", (width / 2, height / 2), (0.5, 0.5), 2 * width),
         imgui_ctx.push_font(None, max(size, 1.0)),
-        imgui_ctx.push_style_var(*spacing),
+        imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.5 * size, 0.3 * size)),
     ):
         names = list(GROUPS)
         for k, column in enumerate((names[:LEFT_GROUPS], names[LEFT_GROUPS:])):
