@@ -47,9 +47,7 @@ class Window:
     ) -> None:
         self.screen = Screen(size, renderer)
         self.session = Session(simulation, self.painter.size, synchronous=synchronous)
-        self.builders: list[panels.Builder] = [
-            panels.build
-        ]  # they build panels and menus, in order
+        self.builders: list[panels.Builder] = [panels.build]  # of panels and menus, in order
         arrange(self.session, *self.screen.size, self.screen.scale)
         self.gui = Gui(self.painter)
         self.background = BackgroundRenderer()  # draws the scene, slow frames on a worker thread
@@ -201,9 +199,5 @@ def _in_pixels(event: pygame.event.Event, scale: float) -> pygame.event.Event:
     """Return a mouse event in pixels of the canvas."""
     if scale == 1.0 or not hasattr(event, "pos"):
         return event
-    moved = {
-        name: tuple(part * scale for part in getattr(event, name))
-        for name in ("pos", "rel")
-        if hasattr(event, name)
-    }
-    return pygame.event.Event(event.type, {**event.dict, **moved})
+    x, y = event.pos
+    return pygame.event.Event(event.type, {**event.dict, "pos": (x * scale, y * scale)})

@@ -12,7 +12,7 @@ from jostle.app.act.selection import Selection
 from jostle.app.draw.base_layers import draw_walls
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, KINDS, TEXT, Colour, repeated
+from jostle.app.draw.palette import ACCENT, KINDS, TEXT, Colour
 from jostle.app.simulate.simulation import Frame, Rect
 
 RING_GAP = 3.0  # pixels from a particle to its ring
@@ -39,7 +39,7 @@ def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera:
     xs = x[:, None] + radii[:, None] * np.cos(angle)
     ys = y[:, None] + radii[:, None] * np.sin(angle)
     ends = np.stack([xs[:, :-1], ys[:, :-1], xs[:, 1:], ys[:, 1:]], axis=-1).reshape(-1, 4)
-    painter.lines(ends, repeated(ACCENT, len(ends)), WIDE)
+    painter.lines(ends, ACCENT, WIDE)
 
 
 def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
@@ -59,7 +59,7 @@ def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
         reach = math.dist((x0, y0), (x1, y1))
         if reach > TARGET:
             painter.circle((x0, y0), reach, ACCENT, 1.0)
-            painter.lines(np.array([[x0, y0, x1, y1]]), repeated(ACCENT, 1), 1.0)
+            painter.lines(np.array([[x0, y0, x1, y1]]), ACCENT, 1.0)
 
 
 def draw_explanation(painter: Painter, explanation: Explanation, camera: Camera) -> None:
@@ -67,12 +67,12 @@ def draw_explanation(painter: Painter, explanation: Explanation, camera: Camera)
     for leaf in explanation.leaves[:LEAVES]:
         x0, y0, x1, y1 = camera.rect_to_screen(leaf.box)
         sides = [[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]]
-        painter.lines(np.array(sides), repeated(ACCENT, 4), WIDE)
+        painter.lines(np.array(sides), ACCENT, WIDE)
     for box in explanation.boxes:
         _box(painter, camera.rect_to_screen(box), TEXT)
     (x0, x1), (y0, y1) = camera.to_screen(np.array(explanation.centres))
-    painter.lines(np.array([[x0, y0, x1, y1]]), repeated(ACCENT, 1), WIDE)
+    painter.lines(np.array([[x0, y0, x1, y1]]), ACCENT, WIDE)
 
 
 def _box(painter: Painter, rect: Rect, colour: Colour) -> None:
-    painter.rects(np.array([rect]), repeated(colour, 1), filled=False)
+    painter.rects(np.array([rect]), np.array([colour], np.uint8), filled=False)

@@ -103,8 +103,8 @@ class BackgroundRenderer:
         if then is None:
             painter.fill(GROUND)
             return
-        x0, y0 = _moved((0.0, 0.0), then, camera)
-        x1, y1 = _moved(then.size, then, camera)
+        before = (*then.to_world((0.0, 0.0)), *then.to_world(then.size))
+        x0, y0, x1, y1 = (round(edge, 6) for edge in camera.rect_to_screen(before))
         if (x0, y0) == (0.0, 0.0) and then.size == painter.size and x1 == then.size[0]:
             painter.sheet(canvas, (0, 0))
             return
@@ -114,21 +114,9 @@ class BackgroundRenderer:
             return
         # Only the visible part is scaled.
         shown = pygame.Rect(x0, y0, x1 - x0, y1 - y0).clip(pygame.Rect((0, 0), painter.size))
-        part = pygame.Rect(
-            (shown.x - x0) / zoom,
-            (shown.y - y0) / zoom,
-            shown.width / zoom,
-            shown.height / zoom,
-        ).clip(canvas.get_rect())
+        corner = (shown.x - x0) / zoom, (shown.y - y0) / zoom
+        size = shown.width / zoom, shown.height / zoom
+        part = pygame.Rect(corner, size).clip(canvas.get_rect())
         if 0 not in (*part.size, *shown.size):
             picture = pygame.transform.scale(canvas.subsurface(part), shown.size)
             painter.sheet(picture, shown.topleft)
-
-
-def _moved(pixel: tuple[float, float], before: Camera, now: Camera) -> tuple[float, float]:
-    """Return the present pixel of the world point that was at a pixel."""
-    x, y = before.to_world(pixel)
-    return (
-        round((x - now.center[0]) * now.scale + now.size[0] / 2, 6),
-        round((y - now.center[1]) * now.scale + now.size[1] / 2, 6),
-    )

@@ -7,17 +7,9 @@ import pygame
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.draw import palette
 from jostle.app.draw.camera import Camera
-from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import (
-    FIXED,
-    GROUND,
-    SENSOR,
-    STAGE,
-    TOUCHED_SENSOR,
-    WALL,
-    repeated,
-)
+from jostle.app.draw.painter import Painter, on_canvas
 from jostle.app.simulate.containers import bounds, wall_images
 from jostle.app.simulate.simulation import Container, Frame, Rect
 
@@ -31,21 +23,20 @@ FAR = 30_000  # pixels; larger coordinates are clipped before they are rounded
 
 def draw_container(painter: Painter, container: Container, camera: Camera) -> None:
     """Clear the canvas and draw the container."""
-    painter.fill(GROUND)
+    painter.fill(palette.GROUND)
     walls = bounds(container)
     if walls is None:
-        painter.fill(STAGE)
+        painter.fill(palette.STAGE)
     elif isinstance(container, jostle.Circle):
         (x,), (y,) = camera.to_screen(np.array([container.center], np.float64))
         radius = container.radius * camera.scale
-        painter.circle((x, y), radius + CONTAINER_WIDTH, WALL)
-        painter.circle((x, y), radius, STAGE)
+        painter.circle((x, y), radius + CONTAINER_WIDTH, palette.WALL)
+        painter.circle((x, y), radius, palette.STAGE)
     else:
         inside = rect_on_screen(walls, camera)
-        both = np.array(
-            [_corners(inside.inflate(2 * CONTAINER_WIDTH, 2 * CONTAINER_WIDTH)), _corners(inside)]
-        )
-        painter.rects(both, np.array([WALL, STAGE], np.uint8), filled=True)
+        outside = inside.inflate(2 * CONTAINER_WIDTH, 2 * CONTAINER_WIDTH)
+        both = np.array([_corners(outside), _corners(inside)])
+        painter.rects(both, np.array([palette.WALL, palette.STAGE], np.uint8), filled=True)
 
 
 def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera) -> None:
@@ -56,10 +47,9 @@ def draw_discs(painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera
         return
     solid = frame.sensors == 0
     painter.discs(x[solid], y[solid], radii[solid], shades[solid])
-    inside = (x + radii > 0) & (x - radii < camera.size[0])
-    inside &= (y + radii > 0) & (y - radii < camera.size[1])
-    for row in np.flatnonzero(~solid & inside)[:MOST_SENSORS]:
-        colour = SENSOR if frame.sensors[row] == 1 else TOUCHED_SENSOR
+    seen = ~solid & on_canvas(painter.size, x, y, radii)
+    for row in np.flatnonzero(seen)[:MOST_SENSORS]:
+        colour = palette.SENSOR if frame.sensors[row] == 1 else palette.TOUCHED_SENSOR
         painter.circle((float(x[row]), float(y[row])), float(radii[row]), colour, 1.5)
 
 
@@ -75,7 +65,7 @@ def draw_walls(
     rect = bounds(container)
     if rect is not None and isinstance(container, jostle.Torus):
         ends = _clipped(ends, camera.rect_to_screen(rect))
-    painter.lines(ends.reshape(-1, 4), repeated(FIXED, len(ends)), SEGMENT_WIDTH)
+    painter.lines(ends.reshape(-1, 4), palette.FIXED, SEGMENT_WIDTH)
 
 
 def _clipped(ends: NDArray[np.float64], rect: Rect) -> NDArray[np.float64]:
@@ -119,7 +109,7 @@ class WallDiscs:
         seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
         for width in np.unique(widths[seen]).tolist():
             mine = ends[seen & (widths == width)]
-            painter.lines(mine, repeated(FIXED, len(mine)), width)
+            painter.lines(mine, palette.FIXED, width)
 
 
 def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:

@@ -30,6 +30,7 @@ class Camera:
         self.size = size
         self.left, self.right = left, right
         self.columns = 1  # equal ones between the panels; the first shows the view
+        self.at_home = True  # whether it shows the whole view, and follows its changes
         self._view = view
         self.home()
 
@@ -41,7 +42,7 @@ class Camera:
         """Update the size of the view; a camera at home shows all of it."""
         if view != self._view:
             self._view = view
-            if self._at_home:
+            if self.at_home:
                 self.home()
 
     def home(self) -> None:
@@ -60,13 +61,13 @@ class Camera:
             (min_x + max_x) / 2 - aside / self.scale,
             (min_y + max_y) / 2 - (top + MARGIN - foot) / 2 / self.scale,
         )
-        self._at_home = True
+        self.at_home = True
 
     def set_margins(self, left: int, right: int) -> None:
         """Set the margins; a camera at home stays at home."""
         if (left, right) != (self.left, self.right):
             self.left, self.right = left, right
-            if self._at_home:
+            if self.at_home:
                 self.home()
 
     @property
@@ -97,19 +98,16 @@ class Camera:
         other.center = self.center[0] + shift[0] - aside, self.center[1] + shift[1]
         return other
 
-    @property
-    def at_home(self) -> bool:
-        return self._at_home
-
     def aim(self, center: Point, scale: float) -> None:
         """Centre a world point, at a scale within the limits of the zoom."""
-        self._at_home = False
-        self.center, self.scale = center, self._limited(scale)
+        self.at_home = False
+        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
+        self.center, self.scale = center, min(max(scale, low), high)
 
     def on(self, size: Size) -> Camera:
         """Return a camera that shows the same on a screen of another size, without margins."""
         other = Camera(size, self._view)
-        if not self._at_home:
+        if not self.at_home:
             zoom = min(size[0] / self.size[0], size[1] / self.size[1])
             other.aim(self.center, self.scale * zoom)
         return other
@@ -117,7 +115,7 @@ class Camera:
     def resize(self, size: Size) -> None:
         """Set the size of the screen; a camera at home stays at home."""
         self.size = size
-        if self._at_home:
+        if self.at_home:
             self.home()
 
     def to_screen(
@@ -158,26 +156,17 @@ class Camera:
 
     def pan(self, pixels: Point) -> None:
         """Move the camera by screen pixels."""
-        self._at_home = False
-        self.center = (
-            self.center[0] + pixels[0] / self.scale,
-            self.center[1] + pixels[1] / self.scale,
-        )
+        self.at_home = False
+        x, y = self.center
+        self.center = x + pixels[0] / self.scale, y + pixels[1] / self.scale
 
     def zoom_at(self, pixel: Point, factor: float) -> None:
         """Multiply the scale by `factor`; the world point under `pixel` stays there."""
-        self._at_home = False
         before = self.to_world(pixel)
-        self.scale = self._limited(self.scale * factor)
+        self.aim(self.center, self.scale * factor)
         after = self.to_world(pixel)
-        self.center = (
-            self.center[0] + before[0] - after[0],
-            self.center[1] + before[1] - after[1],
-        )
-
-    def _limited(self, scale: float) -> float:
-        low, high = self._fit_scale * ZOOM_OUT_LIMIT, self._fit_scale * ZOOM_IN_LIMIT
-        return min(max(scale, low), high)
+        x, y = self.center
+        self.center = x + before[0] - after[0], y + before[1] - after[1]
 
     def rect_to_screen(self, rect: Rect) -> Rect:
         (x0, x1), (y0, y1) = self.to_screen(np.array([rect[:2], rect[2:]], np.float64))

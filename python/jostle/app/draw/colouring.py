@@ -24,8 +24,11 @@ VARIES = 1.05  # largest over smallest, above which a column varies
 DECADES = 30.0  # largest over smallest, above which a ramp is logarithmic
 YOUNG = 1.0  # seconds: the least span of the ramp of ages
 
+COLUMNS = {"density": "densities", "radius": "radii", "mass": "masses"}  # of a frame
+
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
+Known = tuple[Values, Values, str]  # densities and radii, and the quantity shown or chosen
 
 
 class Statistics:
@@ -49,8 +52,8 @@ class Colouring:
         # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
         self._reference = 0.0
-        self._columns: tuple[Values, Values, str] | None = None  # from which `_kept` was made
-        self._automatic: tuple[Values, Values, str] | None = None  # columns, and the choice
+        self._columns: Known | None = None  # from which `_kept` was made
+        self._automatic: Known | None = None
         self._kept: Shades = np.zeros(0, np.uint8)
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
@@ -58,7 +61,7 @@ class Colouring:
         shows = self._choose(frame) if by is ColourBy.AUTO else by.label
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
-        if shows in ("density", "radius", "mass"):
+        if shows in COLUMNS:
             shades = self._by_column(frame)
         elif shows in ("kind", "random"):
             self._columns = self.range = None
@@ -72,7 +75,7 @@ class Colouring:
         if frame.kinds is not None:
             return "kind"
         known = self._automatic
-        if known and known[0] is frame.densities and known[1] is frame.radii:
+        if known and _is_of(frame, known):
             return known[2]
         chosen = "speed"
         for name, values in (("radius", frame.radii), ("density", frame.densities)):
@@ -94,17 +97,10 @@ class Colouring:
 
     def _by_column(self, frame: Frame) -> Shades:
         """Shade by a column that only edits change; frames share it in between."""
-        same = self._columns is not None and (
-            self._columns[0] is frame.densities
-            and self._columns[1] is frame.radii
-            and self._columns[2] == self.shows
-            and len(self._kept) == len(frame)
-        )
-        if not same:
+        known = self._columns
+        if not known or known[2] != self.shows or not _is_of(frame, known):
             self._columns = frame.densities, frame.radii, self.shows
-            values = {
-                "density": frame.densities, "radius": frame.radii, "mass": frame.masses
-            }[self.shows]  # fmt: skip
+            values = getattr(frame, COLUMNS[self.shows])
             self._kept = _buckets(self._unit(values, frame.movable))
         return self._kept
 
@@ -140,6 +136,11 @@ class Colouring:
         self._reference = max(top, self._reference * DECAY, 1e-9)
         self.range = 0.0, self._reference
         return _buckets(values / np.float32(self._reference))
+
+
+def _is_of(frame: Frame, known: Known) -> bool:
+    """Return whether densities and radii are those of the frame; only edits change them."""
+    return known[0] is frame.densities and known[1] is frame.radii
 
 
 def _spread(extremes: tuple[float, float] | None) -> float:

@@ -9,24 +9,13 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
+from jostle.app.draw import palette
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import (
-    ARROW,
-    ATTRACTOR,
-    CHAIN_STOPS,
-    CONTACT_STOPS,
-    SPRING,
-    STAGE,
-    TEXT,
-    blend,
-    interpolated,
-    repeated,
-)
 from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.containers import crosses
-from jostle.app.simulate.simulation import Frame, Point
+from jostle.app.simulate.simulation import Frame, FrameContacts, Point
 
 MOST_CONTACTS = 1_600  # drawn; a line takes about 2 µs
 MOST_ARROWS = 500  # of three lines
@@ -70,22 +59,21 @@ def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:
     whole = ~crosses(frame.container, first, second)
     ends = camera.lines_to_screen(first[whole], second[whole])
     ends = ends[camera.sees(ends)]
-    painter.lines(ends, repeated(SPRING, len(ends)), 1.0)
+    painter.lines(ends, palette.SPRING, 1.0)
 
 
 def draw_spins(painter: Painter, frame: Frame, camera: Camera) -> None:
     """Draw a radius line on each large disc, which shows its rotation."""
     if frame.angles is None:
         return
-    seen = in_view(frame.positions, camera)
-    radii = frame.radii[seen].astype(np.float64) * camera.scale
-    large = (radii >= LEAST_SPIN) & frame.movable[seen]
-    drawn = seen[large][subset(frame.tags[seen[large]], MOST_SPINS)]
+    seen = _movable_in_view(frame, camera)
+    large = seen[frame.radii[seen] * camera.scale >= LEAST_SPIN]
+    drawn = large[subset(frame.tags[large], MOST_SPINS)]
     x, y = camera.to_screen(frame.positions[drawn])
     angles = frame.angles[drawn].astype(np.float64)
     radii = frame.radii[drawn].astype(np.float64) * camera.scale
     ends = np.column_stack([x, y, x + radii * np.cos(angles), y + radii * np.sin(angles)])
-    painter.lines(ends, repeated(STAGE, len(ends)), 1.0)
+    painter.lines(ends, palette.STAGE, 1.0)
 
 
 def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
@@ -106,14 +94,13 @@ def draw_contacts(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     depth = touching.depths[drawn] / np.maximum(DEEP * smaller, 1e-12)
     thick = 2.0 if len(drawn) and float(half.mean()) >= 3.0 else 1.0
     ends = np.column_stack([middle - along, middle + along])
-    painter.lines(ends, interpolated(CONTACT_STOPS, depth), thick)
+    painter.lines(ends, palette.interpolated(palette.CONTACT_STOPS, depth), thick)
     return _left_out(len(drawn), len(seen), "contacts")
 
 
 def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw velocities as arrows; return a note if some are omitted."""
-    seen = in_view(frame.positions, camera)
-    seen = seen[frame.movable[seen]]
+    seen = _movable_in_view(frame, camera)
     drawn = seen[subset(frame.tags[seen], MOST_ARROWS)]
     x, y = camera.to_screen(frame.positions[drawn])
     velocities = frame.velocities[drawn].astype(np.float64)
@@ -123,7 +110,7 @@ def draw_velocities(painter: Painter, frame: Frame, camera: Camera) -> str | Non
     long_enough = lengths >= 2.0
     tails = np.column_stack([x, y])[long_enough]
     ends = _with_heads(tails, arrows[long_enough])
-    painter.lines(ends, repeated(ARROW, len(ends)), 1.0)
+    painter.lines(ends, palette.ARROW, 1.0)
     return _left_out(len(drawn), len(seen), "velocities")
 
 
@@ -157,10 +144,10 @@ def draw_attractors(painter: Painter, frame: Frame, camera: Camera) -> None:
         (at_x,), (at_y,) = camera.to_screen(np.array([place], np.float64))
         center = float(at_x), float(at_y)
         for k, radius in enumerate(RINGS):
-            colour = blend(STAGE, ATTRACTOR, 0.9 - 0.28 * k)
+            colour = palette.blend(palette.STAGE, palette.ATTRACTOR, 0.9 - 0.28 * k)
             painter.circle(center, inner + radius, colour, 1.5)
         if inner == 0.0:
-            painter.circle(center, 2.0, ATTRACTOR)
+            painter.circle(center, 2.0, palette.ATTRACTOR)
 
 
 def _with_heads(tails: Floats, arrows: Floats) -> Floats:
@@ -173,16 +160,20 @@ def _with_heads(tails: Floats, arrows: Floats) -> Floats:
     return np.concatenate([np.concatenate(ends, axis=1) for ends in strokes])
 
 
+def _movable_in_view(frame: Frame, camera: Camera) -> NDArray[np.intp]:
+    seen = in_view(frame.positions, camera)
+    return seen[frame.movable[seen]]
+
+
 def _left_out(drawn: int, there: int, name: str) -> str | None:
     return f"{name}: {drawn:,} of {there:,} shown" if drawn < there else None
 
 
 def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw contacts by the normal impulses of the last step; return a note if some are omitted."""
-    touching = frame.contacts
-    if touching is None:
+    if frame.contacts is None:
         return None
-    ends, impulses = _chains(frame)
+    ends, impulses = _chains(frame, frame.contacts)
     if len(impulses) == 0 or impulses.max() <= 0:
         return None
     share = np.clip(impulses / np.percentile(impulses[impulses > 0], STRONG), 0, 1)
@@ -197,15 +188,13 @@ def draw_force_chains(painter: Painter, frame: Frame, camera: Camera) -> str | N
     for k in range(CHAIN_WIDTHS):
         some = step == k
         thick = 1.0 + max(widest - 1.0, 0.0) * k / (CHAIN_WIDTHS - 1)
-        painter.lines(lines[some], interpolated(CHAIN_STOPS, share[some]), thick)
+        painter.lines(lines[some], palette.interpolated(palette.CHAIN_STOPS, share[some]), thick)
     left = len(rows) - len(drawn)
     return f"forces: the {len(drawn):,} largest of {len(rows):,} shown" if left else None
 
 
-def _chains(frame: Frame) -> tuple[Floats, Floats]:
+def _chains(frame: Frame, touching: FrameContacts) -> tuple[Floats, Floats]:
     """Return lines from centre to centre or to a wall, (m, 4) in world units, and impulses."""
-    touching = frame.contacts
-    assert touching is not None
     radii = frame.radii.astype(np.float64)
     i, j = touching.pairs[:, 0], touching.pairs[:, 1]
     starts = frame.positions[i].astype(np.float64)
@@ -220,10 +209,8 @@ def _chains(frame: Frame) -> tuple[Floats, Floats]:
 
 def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
     """Draw tag and speed at large discs; return a note if some are omitted."""
-    seen = in_view(frame.positions, camera)
-    seen = seen[frame.movable[seen]]
-    sizes = frame.radii[seen].astype(np.float64) * camera.scale
-    places = seen[sizes >= SMALLEST_LABELLED]
+    seen = _movable_in_view(frame, camera)
+    places = seen[frame.radii[seen] * camera.scale >= SMALLEST_LABELLED]
     if len(seen) and not len(places):
         return "labels: zoom in to see them"
     drawn = places[subset(frame.tags[places], MOST_LABELS)]
@@ -246,7 +233,7 @@ def draw_labels(painter: Painter, frame: Frame, camera: Camera) -> str | None:
 @lru_cache(maxsize=4_000)
 def _shaded(text: str) -> pygame.Surface:
     """Return a text with a dark outline."""
-    light, dark = word(text, TEXT, SMALL), word(text, OUTLINE, SMALL)
+    light, dark = word(text, palette.TEXT, SMALL), word(text, OUTLINE, SMALL)
     sheet = pygame.Surface((light.get_width() + 2, light.get_height() + 2), pygame.SRCALPHA, 32)
     for shift in ((0, 1), (2, 1), (1, 0), (1, 2)):
         sheet.blit(dark, shift)

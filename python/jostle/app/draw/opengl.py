@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from jostle.app.draw import points, shaders
 from jostle.app.draw.camera import Size
-from jostle.app.draw.painter import Colours, Floats, Shades
+from jostle.app.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle.app.draw.palette import DISCS, Colour
+from jostle.app.draw.software import empty_canvas
 
-_MASKS = 0xFF0000, 0xFF00, 0xFF, 0  # as in `software`: the same bytes in a video
 _DISC = np.dtype([("x", "f4"), ("y", "f4"), ("radius", "f4"), ("shade", "u1"), ("", "V3")])
 _BOX = np.dtype([("box", "f4", 4), ("tint", "u1", 3), ("", "V1")])
 _LINE = np.dtype([("ends", "f4", 4), ("tint", "u1", 4)])
@@ -42,10 +42,10 @@ class OpenGLPainter:
         self._corners = context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], "f4"))
         self._buffer = context.buffer(reserve=2**16, dynamic=True)
         self._textures: dict[Size, moderngl.Texture] = {}
-        self._disc = self._instanced(shaders.DISC, "3f4 u1 3x1", "disc", "shade")
-        self._box = self._instanced(shaders.BOX, "4f4 3f1 1x1", "box", "tint")
-        self._line = self._instanced(shaders.LINE, "4f4 4f1", "ends", "tint")
-        self._circle, self._sheet = self._single(shaders.CIRCLE), self._single(shaders.SHEET)
+        self._disc = self._form(shaders.DISC, "3f4 u1 3x1", "disc", "shade")
+        self._box = self._form(shaders.BOX, "4f4 3f1 1x1", "box", "tint")
+        self._line = self._form(shaders.LINE, "4f4 4f1", "ends", "tint")
+        self._circle, self._sheet = self._form(shaders.CIRCLE), self._form(shaders.SHEET)
         _set(self._disc, ramp=[tuple(c / 255 for c in colour) for colour in DISCS])
         self._picture = context.texture((1, 1), 4)
         self.target = context.framebuffer([self._picture])  # the framebuffer of the canvas
@@ -64,12 +64,9 @@ class OpenGLPainter:
 
     def canvas(self) -> pygame.Surface:
         """Return a copy of the picture."""
-        width, height = self.size
-        pixels = np.frombuffer(self.target.read(components=4), np.uint8).reshape(height, width, 4)
-        wide = pixels[::-1].astype(np.uint32)
-        surface = pygame.Surface(self.size, 0, 32, _MASKS)
-        packed = wide[:, :, 0] << 16 | wide[:, :, 1] << 8 | wide[:, :, 2]
-        pygame.surfarray.pixels2d(surface)[:] = packed.T
+        pixels = self.target.read(components=4)
+        surface = empty_canvas(self.size)
+        surface.blit(pygame.image.frombytes(pixels, self.size, "RGBX", True), (0, 0))
         return surface
 
     def clip(self, rect: pygame.Rect | None) -> None:
@@ -86,8 +83,7 @@ class OpenGLPainter:
             self.target.clear(red, green, blue, 1.0, viewport=part)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        (width, height), reach = self.size, radii + 1
-        seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
+        seen = on_canvas(self.size, x, y, radii)
         rows = np.empty(int(np.count_nonzero(seen)), _DISC)
         if len(rows) == 0:
             return
@@ -113,9 +109,7 @@ class OpenGLPainter:
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         if len(corners) == 0:
             return
-        width, height = self.size
-        whole = np.floor(np.clip(corners, -2.0, [width + 2.0, height + 2.0] * 2))
-        x0, y0, x1, y1 = whole.T
+        x0, y0, x1, y1 = whole_pixels(self.size, corners).T
         if filled:
             boxes = [(x0, y0, np.maximum(x1 - 1, x0 + 1), np.maximum(y1 - 1, y0 + 1))]
         else:  # four sides, each one pixel wide
@@ -126,13 +120,13 @@ class OpenGLPainter:
         rows["tint"] = colours[:, None, :3]
         self._draw(self._box, rows.ravel())
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
         if len(ends) == 0:
             return
         rows = np.empty(len(ends), _LINE)
         rows["ends"] = ends + 0.5  # from pixel centre to pixel centre
         rows["tint"] = 255
-        rows["tint"][:, : colours.shape[1]] = colours
+        rows["tint"][:, : np.shape(colours)[-1]] = colours
         _set(self._line, width=width)
         self._draw(self._line, rows)
 
@@ -167,16 +161,14 @@ class OpenGLPainter:
     def release(self) -> None:
         self.context.release()
 
-    def _instanced(
-        self, sources: tuple[str, str], layout: str, *names: str
+    def _form(
+        self, sources: tuple[str, str], layout: str = "", *names: str
     ) -> moderngl.VertexArray:
-        program = self.context.program(*sources)
-        content = [(self._corners, "2f4", "corner"), (self._buffer, f"{layout}/i", *names)]
-        return self.context.vertex_array(program, content)
-
-    def _single(self, sources: tuple[str, str]) -> moderngl.VertexArray:
-        program = self.context.program(*sources)
-        return self.context.vertex_array(program, [(self._corners, "2f4", "corner")])
+        """Return a program and its input: corners of a quad and, with a layout, an instance."""
+        content: list[tuple[Any, ...]] = [(self._corners, "2f4", "corner")]
+        if layout:
+            content.append((self._buffer, f"{layout}/i", *names))
+        return self.context.vertex_array(self.context.program(*sources), content)
 
     def _draw(self, form: moderngl.VertexArray, rows: NDArray[np.void] | None = None) -> None:
         """Draw one instance, or one for each row."""

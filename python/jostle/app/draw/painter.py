@@ -19,6 +19,19 @@ Shades = NDArray[np.uint8]
 Colours = NDArray[np.uint8]
 
 
+def on_canvas(size: Size, x: Floats, y: Floats, radii: Floats) -> NDArray[np.bool_]:
+    """Return which discs touch the canvas, with a pixel around each for its smooth edge."""
+    (width, height), reach = size, radii + 1
+    touching: NDArray[np.bool_] = (x > -reach) & (x < width + reach)
+    return touching & (y > -reach) & (y < height + reach)
+
+
+def whole_pixels(size: Size, corners: Floats) -> NDArray[np.intp]:
+    """Return rectangles, (k, 4), in whole pixels; edges far outside the canvas are moved nearer."""
+    near = np.clip(corners, -2.0, [size[0] + 2.0, size[1] + 2.0] * 2)
+    return np.floor(near).astype(np.intp)
+
+
 class Painter(Protocol):
     """A canvas; later operations draw over earlier ones."""
 
@@ -45,8 +58,8 @@ class Painter(Protocol):
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         """Draw rectangles: (k, 4) as min_x, min_y, max_x, max_y and (k, 3) colours."""
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
-        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha.
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
+        """Draw lines: (k, 4) as x0, y0, x1, y1; (k, 3) colours, or (k, 4) with alpha, or one.
 
         Whole numbers are pixel centres.
         """

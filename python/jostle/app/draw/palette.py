@@ -53,11 +53,6 @@ def interpolated(stops: Sequence[Colour], share: NDArray[np.floating]) -> NDArra
     return colours
 
 
-def repeated(colour: Colour, count: int) -> NDArray[np.uint8]:
-    """Return one colour for each of a number of lines, (count, 3)."""
-    return np.tile(np.array(colour, np.uint8), (count, 1))
-
-
 def _ramp(stops: tuple[str, ...], count: int) -> list[Colour]:
     rgb = [(int(stop[1:3], 16), int(stop[3:5], 16), int(stop[5:7], 16)) for stop in stops]
     return [(r, g, b) for r, g, b in interpolated(rgb, np.linspace(0, 1, count)).tolist()]

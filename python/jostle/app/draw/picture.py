@@ -8,25 +8,9 @@ from collections.abc import Callable
 import pygame
 
 import jostle
-from jostle.app.draw import tree_overlay
-from jostle.app.draw.base_layers import (
-    WallDiscs,
-    draw_container,
-    draw_discs,
-    draw_walls,
-    rect_on_screen,
-)
+from jostle.app.draw import base_layers, marks, tree_overlay
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
-from jostle.app.draw.marks import (
-    draw_attractors,
-    draw_contacts,
-    draw_force_chains,
-    draw_labels,
-    draw_spins,
-    draw_springs,
-    draw_velocities,
-)
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.scene_overlays import SceneOverlays
 from jostle.app.draw.text import EDGE, Card, Legend, draw_cards
@@ -48,7 +32,7 @@ class Picture:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()  # the colour of each particle
         self.trails = Trails()  # the past positions of particles
-        self._wall_discs = WallDiscs()
+        self._wall_discs = base_layers.WallDiscs()
         self._extras = SceneOverlays()
 
     @staticmethod
@@ -73,7 +57,7 @@ class Picture:
             shades = self.colouring.shades(frame, options.colour_by)
             if options.colour_by is not ColourBy.AUTO:
                 cards.append(self.colouring.legend)
-            draw_container(painter, frame.container, camera)
+            base_layers.draw_container(painter, frame.container, camera)
             if options.tree is TreeView.FILLED:
                 _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
             elif options.tree is TreeView.HEAT:
@@ -81,22 +65,22 @@ class Picture:
             if options.trails:
                 cards.append(self.trails.draw(painter, frame, shades, camera))
             self._extras.draw_below(painter, frame, camera)
-            draw_springs(painter, frame, camera)
-            draw_discs(painter, frame, shades, camera)
-            draw_spins(painter, frame, camera)
+            marks.draw_springs(painter, frame, camera)
+            base_layers.draw_discs(painter, frame, shades, camera)
+            marks.draw_spins(painter, frame, camera)
             self._wall_discs.draw(painter, frame, camera)
-            draw_walls(painter, frame.walls, frame.container, camera)
+            base_layers.draw_walls(painter, frame.walls, frame.container, camera)
             if options.tree is TreeView.OUTLINE:
                 _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
-            draw_attractors(painter, frame, camera)
+            marks.draw_attractors(painter, frame, camera)
             if options.forces:
-                cards.append(draw_force_chains(painter, frame, camera))
+                cards.append(marks.draw_force_chains(painter, frame, camera))
             if options.contacts:
-                cards.append(draw_contacts(painter, frame, camera))
+                cards.append(marks.draw_contacts(painter, frame, camera))
             if options.velocities:
-                cards.append(draw_velocities(painter, frame, camera))
+                cards.append(marks.draw_velocities(painter, frame, camera))
             if options.labels:
-                cards.append(draw_labels(painter, frame, camera))
+                cards.append(marks.draw_labels(painter, frame, camera))
             cards += self._extras.draw_above(painter, frame, camera)
             painter.clip(None)
             left, right = camera.left_margin + EDGE, camera.column_edge(camera.columns)
@@ -113,7 +97,7 @@ def _draw_tree(
         return None
     walls = bounds(frame.container)
     if walls is not None:
-        inside = rect_on_screen(walls, camera)
+        inside = base_layers.rect_on_screen(walls, camera)
         painter.clip(inside if part is None else inside.clip(part))
     legend = draw(painter, frame.tree, camera)
     painter.clip(part)

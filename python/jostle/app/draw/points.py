@@ -13,6 +13,7 @@ import pygame
 from numpy.typing import NDArray
 
 from jostle.app.draw.camera import Size
+from jostle.app.draw.painter import Floats, Shades
 from jostle.app.draw.palette import DISCS
 
 MAX_RADIUS = 1.125  # pixels; larger discs do not fit into the kernels
@@ -23,13 +24,10 @@ _LEAST_RADIUS, _LEAST_SHARE = 0.6, 0.12
 _STEPS = 16  # radii per pixel
 _SUBPIXELS = 4  # sub-pixel positions per axis
 
-Floats = NDArray[np.floating]
 Indices = NDArray[np.intp]
 
 
-def scatter(
-    target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: NDArray[np.uint8]
-) -> None:
+def scatter(target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
     """Draw discs with `radii` up to MAX_RADIUS; all measures in pixels.
 
     `target` has 32 bits per pixel, 0xRRGGBB. Discs in the same pixel add up to full coverage, and
@@ -76,7 +74,7 @@ def least_radius(count: int, size: Size) -> float:
     return min(even, _LEAST_RADIUS)
 
 
-def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[np.uint8]) -> None:
+def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: Shades) -> None:
     """Blend colours into pixels; red and blue are computed together."""
     pixels = pygame.surfarray.pixels2d(target).T.reshape(-1)  # rows one after another
     weight = (share * 256).astype(np.uint32)
@@ -90,10 +88,8 @@ def _blend(target: pygame.Surface, at: Indices, share: Floats, colour: NDArray[n
 
 def _kernel_keys(dx: Floats, dy: Floats, radii: Floats) -> Indices:
     step: Indices = np.rint((radii - POINT_RADIUS) * _STEPS).astype(np.intp)
-    place: Indices = (dy * _SUBPIXELS).astype(np.intp) * _SUBPIXELS + (dx * _SUBPIXELS).astype(
-        np.intp
-    )
-    return step * _SUBPIXELS**2 + place
+    across, down = (dx * _SUBPIXELS).astype(np.intp), (dy * _SUBPIXELS).astype(np.intp)
+    return (step * _SUBPIXELS + down) * _SUBPIXELS + across
 
 
 def _make_kernels() -> tuple[Indices, Floats]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import jostle
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
-from jostle.app.draw.palette import ACCENT, TEXT_SOFT, repeated
+from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.draw.text import SMALL, Card, scientific, share, word
 from jostle.app.simulate.simulation import Frame
 
@@ -77,8 +77,8 @@ def _draw_path(painter: Painter, path: NDArray[np.float64], camera: Camera) -> N
         return
     ends = camera.lines_to_screen(path[:-1], path[1:])
     near = camera.sees(ends)
-    alpha = np.linspace(70, 255, len(ends)).astype(np.uint8)
-    colours = np.column_stack([repeated(PATH_COLOUR, len(ends)), alpha])
+    colours = np.full((len(ends), 4), (*PATH_COLOUR, 255), np.uint8)
+    colours[:, 3] = np.linspace(70, 255, len(ends))
     painter.lines(ends[near], colours[near], 2.0)
 
 
@@ -95,7 +95,7 @@ def _draw_galton(painter: Painter, frame: Frame, camera: Camera) -> Card:
     curve = np.column_stack([x, board.floor - height])
     ends = camera.lines_to_screen(curve[:-1], curve[1:])
     ends = ends[camera.sees(ends)]
-    painter.lines(ends, repeated(ACCENT, len(ends)), 2.0)
+    painter.lines(ends, ACCENT, 2.0)
     if pitch * camera.scale >= SMALLEST_BIN:
         middles = np.column_stack([(edges[:-1] + edges[1:]) / 2, np.full(len(counts), board.floor)])
         bin_x, bin_y = camera.to_screen(middles)

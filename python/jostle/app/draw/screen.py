@@ -120,13 +120,11 @@ def _open_opengl(size: Size) -> OpenGLPainter:
             screen = pygame.display.set_mode(size, flags)
         moderngl.init_context()  # of the new window; earlier contexts are lost
         context = moderngl.get_context()
-        if context.version_code < 330:
-            raise NoRendererError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed")
-        return OpenGLPainter(screen.get_size(), context)
-    except NoRendererError:
-        raise
+        if context.version_code >= 330:
+            return OpenGLPainter(screen.get_size(), context)
     except Exception as error:  # exceptions depend on the driver
         raise NoRendererError(f"there is no OpenGL 3.3 here: {error}") from error
+    raise NoRendererError(f"OpenGL is {context.version_code / 100:.1f}, and 3.3 is needed")
 
 
 def icon() -> pygame.Surface:

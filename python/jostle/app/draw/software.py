@@ -15,13 +15,18 @@ from numpy.typing import NDArray
 
 from jostle.app.draw import points
 from jostle.app.draw.camera import Size
-from jostle.app.draw.painter import Colours, Floats, Shades
+from jostle.app.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle.app.draw.palette import DISCS, STAGE, Colour, blend
 from jostle.app.draw.stamps import MAX_RADIUS as MAX_STAMP
 from jostle.app.draw.stamps import RIM_SHADE, RIM_WIDTH, Stamps
 
 LONGEST = 8192  # pixels
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
+
+
+def empty_canvas(size: Size) -> pygame.Surface:
+    """Return a canvas with the same byte order, and so the same videos, on every machine."""
+    return pygame.Surface(size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
 
 
 @lru_cache(maxsize=256)
@@ -35,17 +40,14 @@ def draw_axis_lines(
     target: pygame.Surface, ends: NDArray[np.floating], colours: NDArray[np.uint8]
 ) -> None:
     """Draw lines of one pixel along the axes: (k, 4) as x0, y0, x1, y1, and (k, 4) colours."""
-    width, height = target.get_size()
-    first, last = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
-    low = np.floor(np.clip(first, -2, [width + 2, height + 2])).astype(np.intp)
-    high = np.floor(np.clip(last, -2, [width + 2, height + 2])).astype(np.intp)
-    upright = ends[:, 0] == ends[:, 2]
-    columns = low.tolist(), high.tolist(), upright.tolist(), colours.tolist()
+    low, high = np.minimum(ends[:, :2], ends[:, 2:]), np.maximum(ends[:, :2], ends[:, 2:])
+    whole = whole_pixels(target.get_size(), np.column_stack([low, high]))
+    columns = whole.tolist(), (ends[:, 0] == ends[:, 2]).tolist(), colours.tolist()
     pieces = []
-    for (x0, y0), (x1, y1), stands, (red, green, blue, alpha) in zip(*columns, strict=True):
+    for (x0, y0, x1, y1), upright, (red, green, blue, alpha) in zip(*columns, strict=True):
         length = min(max(x1 - x0, y1 - y0) + 1, LONGEST)
-        piece = (0, 0, 1, length) if stands else (0, 0, length, 1)
-        pieces.append((_strip((red, green, blue, alpha), stands), (x0, y0), piece))
+        piece = (0, 0, 1, length) if upright else (0, 0, length, 1)
+        pieces.append((_strip((red, green, blue, alpha), upright), (x0, y0), piece))
     target.blits(pieces, doreturn=False)
 
 
@@ -60,8 +62,7 @@ class SoftwarePainter:
 
     def resize(self, size: Size) -> None:
         self.size = max(size[0], 1), max(size[1], 1)
-        # The same byte order, and so the same bytes, on every machine; fast for blits.
-        self._canvas = pygame.Surface(self.size, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+        self._canvas = empty_canvas(self.size)
 
     def canvas(self) -> pygame.Surface:
         return self._canvas
@@ -73,8 +74,7 @@ class SoftwarePainter:
         self._canvas.fill(colour)
 
     def discs(self, x: Floats, y: Floats, radii: Floats, shades: Shades) -> None:
-        (width, height), reach = self.size, radii + 1
-        seen = (x > -reach) & (x < width + reach) & (y > -reach) & (y < height + reach)
+        seen = on_canvas(self.size, x, y, radii)
         if not seen.all():
             x, y, radii, shades = x[seen], y[seen], radii[seen], shades[seen]
         kind = np.digitize(radii, (points.MAX_RADIUS, MAX_STAMP), right=True)
@@ -96,27 +96,25 @@ class SoftwarePainter:
     def rects(self, corners: Floats, colours: Colours, *, filled: bool) -> None:
         if len(corners) == 0:
             return
-        width, height = self.size
-        near = np.clip(corners, -2.0, [width + 2.0, height + 2.0] * 2)
-        whole = np.floor(near).astype(np.intp).tolist()
+        whole = whole_pixels(self.size, corners).tolist()
         for (x0, y0, x1, y1), colour in zip(whole, colours.tolist(), strict=True):
             if filled:
                 self._canvas.fill(colour, (x0, y0, max(x1 - x0 - 1, 1), max(y1 - y0 - 1, 1)))
             else:
                 pygame.draw.rect(self._canvas, colour, (x0, y0, x1 - x0 + 1, y1 - y0 + 1), 1)
 
-    def lines(self, ends: Floats, colours: Colours, width: float = 1.0) -> None:
+    def lines(self, ends: Floats, colours: Colours | Colour, width: float = 1.0) -> None:
         """Draw lines; those along the axes are blended, others mixed with the background."""
-        if colours.shape[1] == 4:
+        tints = np.broadcast_to(colours, (len(ends), np.shape(colours)[-1]))
+        if tints.shape[1] == 4:
             along = (ends[:, :2] == ends[:, 2:]).any(axis=1) & (width <= 1)
             if along.any():
-                draw_axis_lines(self._canvas, ends[along], colours[along])
-                ends, colours = ends[~along], colours[~along]
-            share = colours[:, 3:] / 255
-            colours = np.rint(STAGE + (colours[:, :3] - np.array(STAGE, float)) * share)
-            colours = colours.astype(np.uint8)
+                draw_axis_lines(self._canvas, ends[along], tints[along])
+                ends, tints = ends[~along], tints[~along]
+            mixed = STAGE + (tints[:, :3] - np.array(STAGE, float)) * (tints[:, 3:] / 255)
+            tints = np.rint(mixed).astype(np.uint8)
         thick = max(round(width), 1)
-        for (x0, y0, x1, y1), colour in zip(ends.tolist(), colours.tolist(), strict=True):
+        for (x0, y0, x1, y1), colour in zip(ends.tolist(), tints.tolist(), strict=True):
             pygame.draw.aaline(self._canvas, colour, (x0, y0), (x1, y1), thick)
 
     def sheet(self, surface: pygame.Surface, place: tuple[float, float]) -> None:
@@ -142,10 +140,7 @@ def _draw_large(
 
 
 def _draw_circle(
-    target: pygame.Surface,
-    center: tuple[float, float],
-    radius: float,
-    colour: tuple[int, int, int],
+    target: pygame.Surface, center: tuple[float, float], radius: float, colour: Colour
 ) -> None:
     """Draw a filled circle of any size."""
     if radius <= CIRCLE_LIMIT:

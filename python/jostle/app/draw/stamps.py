@@ -6,10 +6,13 @@ discs move smoothly.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pygame
 from numpy.typing import NDArray
 
+from jostle.app.draw.painter import Floats, Shades
 from jostle.app.draw.palette import DISCS
 
 MAX_RADIUS = 48.0  # pixels; larger discs are drawn as circles
@@ -39,16 +42,10 @@ class Stamps:
         not_yet = pygame.Surface((1, 1), pygame.SRCALPHA, 32)
         self._table = np.full(_BUCKETS * _SHADES * _CELLS, not_yet, object)
         self._have = np.zeros(len(self._table), np.bool_)
-        self._masks: dict[tuple[int, int], pygame.Surface] = {}
         self.bytes = 0  # memory of all stamps
 
     def blit(
-        self,
-        target: pygame.Surface,
-        x: NDArray[np.floating],
-        y: NDArray[np.floating],
-        radii: NDArray[np.floating],
-        shades: NDArray[np.uint8],
+        self, target: pygame.Surface, x: Floats, y: Floats, radii: Floats, shades: Shades
     ) -> None:
         """Draw discs with radii up to MAX_RADIUS, in pixels."""
         if self.bytes > MEMORY_LIMIT:
@@ -74,24 +71,17 @@ class Stamps:
         for key in np.unique(missing).tolist():
             rest, cell = divmod(key, _CELLS)
             bucket, shade = divmod(rest, _SHADES)
-            stamp = self._mask(bucket, cell).copy()
+            places = int(self._places[bucket])
+            offset = (cell % places + 0.5) / places, (cell // places + 0.5) / places
+            stamp = _white_disc(bucket / STEPS, int(self._half[bucket]), offset).copy()
             stamp.fill(DISCS[shade], special_flags=pygame.BLEND_RGB_MULT)
             self._table[key] = stamp
             self.bytes += stamp.get_pitch() * stamp.get_height()
         self._have[missing] = True
 
-    def _mask(self, bucket: int, cell: int) -> pygame.Surface:
-        """Return the white disc of a radius and position, made once for all colours."""
-        mask = self._masks.get((bucket, cell))
-        if mask is None:
-            places = int(self._places[bucket])
-            offset = (np.array([cell % places, cell // places]) + 0.5) / places
-            mask = _white_disc(bucket / STEPS, int(self._half[bucket]), offset)
-            self._masks[bucket, cell] = mask
-        return mask
 
-
-def _white_disc(radius: float, half: int, offset: NDArray[np.float64]) -> pygame.Surface:
+@lru_cache(maxsize=1024)
+def _white_disc(radius: float, half: int, offset: tuple[float, float]) -> pygame.Surface:
     """Return an antialiased white disc, premultiplied; its centre is `half + offset`."""
     pixels = np.arange(2 * half) + 0.5 - half
     distance = np.hypot((pixels - offset[0])[:, None], (pixels - offset[1])[None, :])

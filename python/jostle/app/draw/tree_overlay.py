@@ -82,15 +82,10 @@ def _edges(corners: Boxes, levels: NDArray[np.intp]) -> tuple[Boxes, NDArray[np.
     An edge that two neighbours share is returned once.
     """
     x0, y0, x1, y1 = np.clip(np.floor(corners), -4, 16_000).T
-    edges = np.concatenate(
-        [np.column_stack(ends) for ends in (
-            (x0, y0, x1, y0), (x0, y1, x1, y1), (x0, y0, x0, y1), (x1, y0, x1, y1)
-        )]
-    )  # fmt: skip
+    sides = (x0, y0, x1, y0), (x0, y1, x1, y1), (x0, y0, x0, y1), (x1, y0, x1, y1)
+    edges = np.concatenate([np.column_stack(ends) for ends in sides])
     owner = np.tile(np.arange(len(corners)), 4)
-    order = np.argsort(
-        levels[owner], kind="stable"
-    )  # of equal edges the one of the largest box is kept
+    order = np.argsort(levels[owner], kind="stable")  # of equal edges, that of the largest box
     numbers = (edges[order] + 4).astype(np.int64)
     keys = numbers @ np.array([1 << 48, 1 << 32, 1 << 16, 1])
     once = order[np.unique(keys, return_index=True)[1]]

@@ -58,9 +58,6 @@ class OpenGLGui:
         self._painter.target.use()
         imgui.backends.opengl3_render_draw_data(data)
 
-    def again(self) -> None:
-        self.draw(imgui.get_draw_data())
-
     def close(self) -> None:
         imgui.backends.opengl3_shutdown()
 
@@ -118,8 +115,9 @@ class Gui:
         self.drawing.draw(imgui.get_draw_data())
 
     def again(self) -> None:
+        """Draw the last frame again."""
         self._activate()
-        self.drawing.again()
+        self.drawing.draw(imgui.get_draw_data())
 
     def mark(self, name: str) -> None:
         """Record the rectangle of the last widget."""

@@ -6,7 +6,7 @@ import math
 
 import pygame
 
-from jostle.app.gui.keymap import HANDLERS, HELD, PANNING, command_of
+from jostle.app.gui.keymap import COMMANDS, HANDLERS, HELD, PANNING
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Point
 
@@ -30,7 +30,7 @@ class Input:
         if event.type == pygame.KEYDOWN:
             self._press_key(event)
         elif event.type == pygame.KEYUP:
-            self._release_key(command_of(event.key))
+            self._release_key(COMMANDS.get(event.key))
         elif event.type == pygame.WINDOWFOCUSLOST:
             self.release_keys()
         elif event.type == pygame.MOUSEMOTION:
@@ -62,7 +62,7 @@ class Input:
     # Keys
 
     def _press_key(self, event: pygame.event.Event) -> None:
-        command = command_of(event.key)
+        command = COMMANDS.get(event.key)
         if command in HELD:
             self._down.add(command)
         elif command is not None:

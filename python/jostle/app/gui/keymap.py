@@ -94,7 +94,7 @@ GROUPS = {
 }
 KEYMAP = tuple(control for group in GROUPS.values() for control in group)
 
-_COMMANDS = {
+COMMANDS: dict[int, str] = {  # by pygame's numbers of keys
     getattr(pygame, f"K_{key}"): command
     for control in KEYMAP
     for command, keys in control.keys.items()
@@ -158,26 +158,8 @@ HANDLERS: dict[str, Command] = {
 }
 
 
-def command_of(key: int) -> str | None:
-    return _COMMANDS.get(key)
-
-
 def key_of(command: str) -> str:
     """Return the label of the key of a command."""
     control = next(control for control in KEYMAP if command in control.keys)
     names, commands = control.label.split("  "), list(control.keys)
     return names[commands.index(command)] if len(names) == len(commands) else control.label
-
-
-def as_markdown() -> str:
-    """Return the table as docs/controls.md."""
-    lines = [
-        "# Mouse and keys of the simulator",
-        "",
-        "The simulator shows the same list: press H. This page is written by",
-        "`docs/controls.py`.",
-    ]
-    for group, controls in GROUPS.items():
-        lines += ["", f"## {group}", "", "| | |", "|---|---|"]
-        lines += [f"| **{control.label}** | {control.meaning} |" for control in controls]
-    return "\n".join(lines) + "\n"

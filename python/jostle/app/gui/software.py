@@ -3,7 +3,8 @@
 Each of ImGui's draw lists, about one per panel, becomes a surface, which is cached while the list
 does not change. An unchanged panel takes one blit per frame. ImGui's own backend on OpenGL in
 software takes two to three times the processor time for a changed panel, and ten times for an
-unchanged one. Its triangles are merged into glyphs, boxes and polygons, which are antialiased here.
+unchanged one. SDL's software renderer rounds corners to whole pixels, so that glyphs lose rows.
+ImGui's triangles are merged into glyphs, boxes and polygons, which are antialiased here.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ GLYPH, BOX, POLYGON = range(3)
 Floats = NDArray[np.floating]
 Indices = NDArray[np.intp]
 Vertices = NDArray[np.void]  # rows of `VERTEX`
+Sheet = tuple[pygame.Surface, tuple[int, int]]  # the picture of a draw list, and its corner
 
 
 @dataclass(frozen=True)
@@ -104,18 +106,14 @@ class Shapes:
 
     def _write(self, target: pygame.Surface, texture: int, quads: Vertices) -> None:
         """Draw glyphs: boxes with a part of the font atlas."""
-        low, high = quads["at"].min(axis=1), quads["at"].max(axis=1)
-        sizes = np.maximum(np.rint(high - low), 1).astype(np.int32)
-        parts = quads["uv"][:, :3].reshape(len(quads), -1), sizes, quads["colour"][:, 0]
-        keys = np.concatenate(
-            [np.ascontiguousarray(part).view(np.uint8).reshape(len(quads), -1) for part in parts],
-            axis=1,
-        )
+        corners = quads["at"].min(axis=1)
+        quads["at"] = np.rint(quads["at"] - corners[:, None])
         blits = []
-        for row, key, place in zip(quads, keys, np.rint(low).astype(np.intp).tolist(), strict=True):
-            glyph = self._glyphs.get(key.tobytes())
+        for quad, place in zip(quads, np.rint(corners).astype(np.intp).tolist(), strict=True):
+            key = quad.tobytes()
+            glyph = self._glyphs.get(key)
             if glyph is None:
-                glyph = _remember(self._glyphs, key.tobytes(), self._glyph(texture, row))
+                glyph = _remember(self._glyphs, key, self._glyph(texture, quad))
             blits.append((glyph, place))
         target.fblits(blits, pygame.BLEND_PREMULTIPLIED)
 
@@ -125,7 +123,7 @@ class Shapes:
         whole = np.rint(quad["uv"] * atlas.shape[::-1]).astype(int)
         (left, top), (right, bottom) = whole.min(axis=0), whole.max(axis=0)
         picture = _tinted(atlas[top:bottom, left:right].T, quad["colour"][0])
-        size = np.maximum(np.rint(np.ptp(quad["at"], axis=0)), 1).tolist()
+        size = np.maximum(np.ptp(quad["at"], axis=0), 1).tolist()
         if picture.get_size() != tuple(size) and min(picture.get_size()) > 0:
             picture = pygame.transform.smoothscale(picture, size)
         return picture
@@ -220,12 +218,6 @@ def _premultiplied(colour: list[int]) -> tuple[int, int, int, int]:
     return red * alpha // 255, green * alpha // 255, blue * alpha // 255, alpha
 
 
-@dataclass
-class _Sheet:
-    surface: pygame.Surface
-    place: tuple[int, int]
-
-
 class SoftwareGui:
     """Draws on the canvas of a painter; caches glyphs, shapes and surfaces."""
 
@@ -236,7 +228,7 @@ class SoftwareGui:
         style = imgui.get_style()  # antialiasing is done here
         style.anti_aliased_fill = style.anti_aliased_lines = False
         self._shapes = Shapes()
-        self._sheets: dict[bytes, _Sheet] = {}
+        self._sheets: dict[bytes, Sheet] = {}
 
     def begin(self) -> None:
         """Prepare a frame; there is nothing to do."""
@@ -250,13 +242,7 @@ class SoftwareGui:
             key: self._sheets.get(key) or self._paint(commands, data, screen)
             for key, commands in keys.items()
         }
-        self.again()
-
-    def again(self) -> None:
-        """Draw the last frame again."""
-        canvas = self._painter.canvas()
-        for sheet in self._sheets.values():
-            canvas.blit(sheet.surface, sheet.place, special_flags=pygame.BLEND_PREMULTIPLIED)
+        self._painter.canvas().fblits(list(self._sheets.values()), pygame.BLEND_PREMULTIPLIED)
 
     def close(self) -> None:
         for texture in imgui.get_platform_io().textures:
@@ -281,33 +267,32 @@ class SoftwareGui:
 
     def _paint(
         self, commands: imgui.ImDrawList, data: imgui.ImDrawData, screen: pygame.Rect
-    ) -> _Sheet:
+    ) -> Sheet:
         """Draw a list on a surface of the size of its contents."""
         vertex_bytes, index_bytes = _bytes(commands)
         vertices = np.frombuffer(vertex_bytes, VERTEX).copy()
         indices = np.frombuffer(index_bytes, INDEX).astype(np.intp)
-        origin = np.array([data.display_pos.x, data.display_pos.y], np.float32)
-        scale = np.array([data.framebuffer_scale.x, data.framebuffer_scale.y], np.float32)
-        vertices["at"] = at = (vertices["at"] - origin) * scale
-        area = pygame.Rect(0, 0, 0, 0)
-        if len(at):
-            low, high = np.floor(at.min(axis=0)) - 1, np.ceil(at.max(axis=0)) + 1
-            low, high = np.maximum(low, -1e4), np.minimum(high, 1e4)
-            area = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(screen)
+        if len(vertices) == 0:
+            return pygame.Surface((0, 0)), (0, 0)
+        scale = data.framebuffer_scale.x  # pixels per point
+        vertices["at"] *= scale
+        low, high = vertices["at"].min(axis=0), vertices["at"].max(axis=0)
+        low, high = np.maximum(np.floor(low) - 1, -1e4), np.minimum(np.ceil(high) + 1, 1e4)
+        area = pygame.Rect(*low.tolist(), *(high - low).tolist()).clip(screen)
         surface = pygame.Surface(area.size, pygame.SRCALPHA, 32)
         vertices["at"] -= np.array(area.topleft, np.float32)
         for command in commands.cmd_buffer:
             if command.elem_count == 0:
                 continue
             clip = command.clip_rect
-            corners = np.array([[clip.x, clip.y], [clip.z, clip.w]]) - origin
+            corners = np.array([[clip.x, clip.y], [clip.z, clip.w]])
             low, high = corners * scale - np.array(area.topleft)
             surface.set_clip(pygame.Rect(*low.tolist(), *np.maximum(high - low, 0).tolist()))
             mine = indices[command.idx_offset : command.idx_offset + command.elem_count]
             outlines = outlines_of(mine.reshape(-1, 3) + command.vtx_offset)
             self._shapes.draw(surface, command.get_tex_id(), vertices, outlines)
         surface.set_clip(None)
-        return _Sheet(surface, area.topleft)
+        return surface, area.topleft
 
 
 def _bytes(commands: imgui.ImDrawList) -> tuple[bytes, bytes]:

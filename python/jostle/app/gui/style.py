@@ -7,15 +7,7 @@ from functools import lru_cache
 
 from imgui_bundle import imgui, implot
 
-from jostle.app.draw.palette import (
-    ACCENT,
-    PANEL,
-    PANEL_EDGE,
-    TEXT,
-    TEXT_SOFT,
-    Colour,
-    blend,
-)
+from jostle.app.draw.palette import ACCENT, PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour, blend
 from jostle.app.draw.text import FONTS, ICONS, font_file
 from jostle.app.session import Session
 
@@ -37,6 +29,7 @@ class Layout:
 
     column: float
     statistics: float
+    covered: float  # at the right: nothing if the statistics are folded
     width: float
     height: float
 
@@ -45,16 +38,16 @@ def layout(session: Session, width: float, height: float) -> Layout:
     """Return the layout of a window of a size in points."""
     column = min(COLUMN, NARROW * width)
     if column < LEAST_COLUMN or not session.view_options.panels:
-        return Layout(0.0, 0.0, width, height)
-    return Layout(column, STATISTICS if width >= STATISTICS_FROM else 0.0, width, height)
+        return Layout(0.0, 0.0, 0.0, width, height)
+    statistics = STATISTICS if width >= STATISTICS_FROM else 0.0
+    covered = statistics if session.view_options.statistics else 0.0
+    return Layout(column, statistics, covered, width, height)
 
 
-def arrange(session: Session, width: float, height: float, scale: float) -> Layout:
+def arrange(session: Session, width: float, height: float, scale: float) -> None:
     """Set the camera's margins to the panels; `scale` is pixels per point."""
     widths = layout(session, width, height)
-    statistics = widths.statistics if session.view_options.statistics else 0.0
-    session.camera.set_margins(round(widths.column * scale), round(statistics * scale))
-    return widths
+    session.camera.set_margins(round(widths.column * scale), round(widths.covered * scale))
 
 
 def apply() -> None:

@@ -31,15 +31,17 @@ from jostle.app.session import Session
 
 Builder = Callable[[Session, Gui], None]
 
-PANELS: list[Builder] = [column.build, statistics_panel.build]
-OVERLAYS: list[Builder] = [cards.build, cards.build_help, menus.build]
-
 
 def build(session: Session, gui: Gui) -> None:
     """Build everything that covers the scene; the help takes the place of the panels."""
     io = imgui.get_io()
     size, scale = io.display_size, io.display_framebuffer_scale.x
     arrange(session, size.x, size.y, scale)
-    panels = session.view_options.panels and not session.view_options.help
-    for builder in (*(PANELS if panels else ()), *OVERLAYS):
-        builder(session, gui)
+    options = session.view_options
+    if options.panels and not options.help:
+        column.build(session, gui)
+        statistics_panel.build(session, gui)
+    cards.build(session, gui)
+    if options.help:
+        cards.build_help(gui)
+    menus.build(session, gui)

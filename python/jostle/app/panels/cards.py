@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, RECORDING
 from jostle.app.gui.host import Gui
@@ -30,8 +30,7 @@ HELP_SIZE = 58.0, 40.0  # of the help with its margins, in sizes of the font
 def build(session: Session, gui: Gui) -> None:
     """Build the cards that are to be shown, inside the part that the panels leave free."""
     sides = layout(session, *imgui.get_io().display_size)
-    statistics = sides.statistics if session.view_options.statistics else 0.0
-    left, right = sides.column, sides.width - statistics
+    left, right = sides.column, sides.width - sides.covered
     middle, bottom, widest = (left + right) / 2, sides.height - EDGE, right - left - 2 * EDGE
     explanation = session.explanation
     if explanation is not None:
@@ -72,12 +71,11 @@ def card(
     """
     imgui.set_next_window_pos(place, imgui.Cond_.always, pivot)
     imgui.set_next_window_bg_alpha(0.0 if bare else 1.0)
-    imgui.begin(name, None, FLAGS | (imgui.WindowFlags_.no_background if bare else 0))
-    imgui.push_text_wrap_pos(max(widest - FRAME, FRAME))
-    yield
-    imgui.pop_text_wrap_pos()
-    gui.mark_window(name)
-    imgui.end()
+    flags = FLAGS | (imgui.WindowFlags_.no_background if bare else 0)
+    with imgui_ctx.begin(name, None, flags):
+        with imgui_ctx.push_text_wrap_pos(max(widest - FRAME, FRAME)):
+            yield
+        gui.mark_window(name)
 
 
 def _recording(seconds: float) -> None:
@@ -92,27 +90,24 @@ def _recording(seconds: float) -> None:
     imgui.same_line(0.0, 2 * EDGE)
 
 
-def build_help(session: Session, gui: Gui) -> None:
-    """Build the list, if it is wanted; smaller in a small window."""
-    if not session.view_options.help:
-        return
+def build_help(gui: Gui) -> None:
+    """Build the list, smaller in a small window."""
     width, height = imgui.get_io().display_size
     size = min(FONT_SIZE, width / HELP_SIZE[0], height / HELP_SIZE[1])
-    with card(gui, "help", (width / 2, height / 2), (0.5, 0.5), 2 * width):
-        imgui.push_font(None, max(size, 1.0))
-        imgui.push_style_var(imgui.StyleVar_.item_spacing, (0.5 * size, 0.3 * size))
+    with (
+        card(gui, "help", (width / 2, height / 2), (0.5, 0.5), 2 * width),
+        imgui_ctx.push_font(None, max(size, 1.0)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (0.5 * size, 0.3 * size)),
+    ):
         names = list(GROUPS)
         for k, column in enumerate((names[:LEFT_GROUPS], names[LEFT_GROUPS:])):
             if k:
                 imgui.same_line(0.0, 2.5 * size)
-            imgui.begin_group()
             labels = [control.label for name in column for control in GROUPS[name]]
             keys = max(imgui.calc_text_size(label).x for label in labels) + 1.2 * size
-            for name in column:
-                _group(name, keys)
-            imgui.end_group()
-        imgui.pop_style_var()
-        imgui.pop_font()
+            with imgui_ctx.begin_group():
+                for name in column:
+                    _group(name, keys)
 
 
 def _group(name: str, keys: float) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -17,7 +18,7 @@ from jostle.app.panels import (
     settings_panel,
     statistics_panel,
 )
-from jostle.app.panels.widgets import at_right, colours, part, section, side_panel
+from jostle.app.panels.widgets import at_right, colours, section, side_panel
 from jostle.app.session import Session
 from jostle.app.simulate.settings import METHODS
 
@@ -50,17 +51,15 @@ def build(session: Session, gui: Gui) -> None:
         needed = {LIFE: session.frame.matrix, FILTER: session.frame.categories}
         absent = [title for title, column in needed.items() if column is None]
         for title, contents in SECTIONS:
-            if title not in absent and section(gui, title):
-                with part(title):
-                    contents(session, gui)
+            if title not in absent:
+                section(gui, title, partial(contents, session, gui))
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)
 
 
 def _title(session: Session) -> None:
-    imgui.push_font(None, TITLE)
-    imgui.text_unformatted(session.engine.scene)
-    imgui.pop_font()
+    with imgui_ctx.push_font(None, TITLE):
+        imgui.text_unformatted(session.engine.scene)
     if session.runner.paused:
         with colours(text=vec(ACCENT)):
             at_right("paused")

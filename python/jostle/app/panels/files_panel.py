@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 import jostle
 from jostle.app.draw.camera import Size
@@ -47,19 +47,17 @@ LENGTHS: dict[str, float | None] = {"until stopped": None, "5 s": 5.0, "10 s": 1
 def build_scenes(session: Session, gui: Gui) -> None:
     """Build the list and the description."""
     names, present = jostle.scenes.names(), session.engine.scene
-    with colours(child_bg=vec((255, 255, 255), 0.025)):
-        imgui.push_style_var(imgui.StyleVar_.window_padding, (8.0, PADDING))
-        imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0))
-        imgui.begin_child(
-            "scenes", (0.0, LINE * min(ROWS, len(names)) + PADDING),
-            imgui.ChildFlags_.always_use_window_padding,
-        )  # fmt: skip
+    size = imgui.ImVec2(0.0, LINE * min(ROWS, len(names)) + PADDING)
+    with (
+        colours(child_bg=vec((255, 255, 255), 0.025)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (8.0, PADDING)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0)),
+        imgui_ctx.begin_child("scenes", size, imgui.ChildFlags_.always_use_window_padding),
+    ):
         if imgui.is_window_appearing() and present in names:
             imgui.set_scroll_y(LINE * (names.index(present) - ROWS // 2))  # whole rows
         for name in names:
             _scene(session, gui, name, present=name == present)
-        imgui.end_child()
-        imgui.pop_style_var(2)
     if session.settings.by_article:
         wrapped(BY_ARTICLE)
     elif present in names:

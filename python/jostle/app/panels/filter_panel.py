@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.gui.host import Gui
 from jostle.app.panels.widgets import choice, hint, in_rows, label, soft
@@ -25,15 +25,14 @@ def build(session: Session, gui: Gui) -> None:
     soft(f"of {len(tags):,} selected" if len(tags) else "of new particles")
     # Without padding, so that a digit is centred on a narrow button.
     padding = 0.0, imgui.get_style().frame_padding.y
-    imgui.push_style_var(imgui.StyleVar_.frame_padding, padding)
-    for column, (words, about) in COLUMNS.items():
-        rows = session.frame.rows(tags[:1])
-        new = commands.new_filter[column]
-        bits = int(getattr(session.frame, column)[rows[0]]) if len(rows) else new
-        label(words)
-        for bit, across in in_rows(range(SHOWN), SHOWN):
-            on = bool(bits >> bit & 1)
-            if choice(gui, f"{words} {bit}", str(bit), across, chosen=on):
-                commands.set_bit(tags, column, bit, on=not on)
-            hint(about.format(bit, 1 << bit))
-    imgui.pop_style_var()
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, padding):
+        for column, (words, about) in COLUMNS.items():
+            rows = session.frame.rows(tags[:1])
+            new = commands.new_filter[column]
+            bits = int(getattr(session.frame, column)[rows[0]]) if len(rows) else new
+            label(words)
+            for bit, across in in_rows(range(SHOWN), SHOWN):
+                on = bool(bits >> bit & 1)
+                if choice(gui, f"{words} {bit}", str(bit), across, chosen=on):
+                    commands.set_bit(tags, column, bit, on=not on)
+                hint(about.format(bit, 1 << bit))

@@ -56,7 +56,7 @@ def build(session: Session, gui: Gui) -> None:
 
 
 def _apply(session: Session, matrix: NDArray[np.float64]) -> None:
-    session.runner.adjust("matrix", tuple(tuple(map(float, row)) for row in matrix))
+    session.runner.adjust("matrix", tuple(map(tuple, matrix.tolist())))
 
 
 def _grid(session: Session, gui: Gui, matrix: NDArray[np.float64]) -> None:

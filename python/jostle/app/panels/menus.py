@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.act.interaction import Menu
 from jostle.app.gui.host import Gui
@@ -58,9 +58,8 @@ def lines_of(session: Session, menu: Menu) -> list[Line]:
 
 def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     interaction, frame = session.interaction, session.frame
-    commands, attractors, selection = (
-        interaction.commands, interaction.attractors, interaction.selection
-    )  # fmt: skip
+    commands, attractors = interaction.commands, interaction.attractors
+    selection = interaction.selection
     movable, attracts = bool(frame.movable[frame.rows(tag)].all()), attractors.attracts(tag)
     attract = "Stop attracting" if attracts else "Attract"
     fix, can_fix = "Make immovable" if movable else "Make movable", not session.settings.by_article
@@ -80,10 +79,8 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
 
 
 def _of_background(session: Session, point: Point) -> list[Line]:
-    interaction = session.interaction
-    commands, attractors, gravity = (
-        interaction.commands, interaction.attractors, interaction.gravity
-    )  # fmt: skip
+    interaction, gravity = session.interaction, session.interaction.gravity
+    commands, attractors = interaction.commands, interaction.attractors
     can_fall = "gravity" in session.engine.adjustable
     placed, drawn = bool(attractors.placed), len(commands.drawn_walls) > 0
     invert, off = "invert gravity", "zero gravity"
@@ -143,15 +140,14 @@ def build(session: Session, gui: Gui) -> None:
     if not menu.shown:
         imgui.open_popup(POPUP)
         menu.shown = True
-    if not imgui.begin_popup(POPUP):
-        session.interaction.menu = None  # a click elsewhere, or Esc
-        return
-    if is_over(menu, session.frame):
-        session.interaction.menu = None
-        imgui.close_current_popup()
-    else:
-        _fill(session, gui, menu)
-    imgui.end_popup()
+    with imgui_ctx.begin_popup(POPUP) as popup:
+        if not popup:
+            session.interaction.menu = None  # a click elsewhere, or Esc
+        elif is_over(menu, session.frame):
+            session.interaction.menu = None
+            imgui.close_current_popup()
+        else:
+            _fill(session, gui, menu)
 
 
 def _fill(session: Session, gui: Gui, menu: Menu) -> None:

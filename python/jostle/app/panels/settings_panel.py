@@ -13,6 +13,7 @@ import numpy as np
 from jostle.app.act.interaction import Tool
 from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.gui.host import Gui
+from jostle.app.gui.keymap import SWITCHES
 from jostle.app.panels.sliders import Moved, Range, slider
 from jostle.app.panels.widgets import choice, combo, in_rows, label, select, signed
 from jostle.app.session import Session
@@ -23,7 +24,6 @@ METHODS_BY_RULES = {
     "exact physics": {"quadtree": "quadtree", "brute": "brute force"},
     "2015 program": {"article-quadtree": "quadtree", "article-brute": "brute force"},
 }
-SWITCHES = ("contacts", "forces", "velocities", "trails", "labels")
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
 SLEEPING = {"on": "on", "off": "off"}
@@ -113,10 +113,8 @@ def build_display(session: Session, gui: Gui) -> None:
     """Build what is drawn beside the particles."""
     options = session.view_options
     options.tree = select(gui, "tree", {view.value: view for view in TreeView}, options.tree)
-    quantities = {by.value: by.label for by in ColourBy}
-    colour = combo(gui, "colour by", quantities, options.colour_by.value)
-    if colour is not None:
-        options.colour_by = ColourBy(colour)
+    quantities = {by.label: by for by in ColourBy}
+    options.colour_by = select(gui, "colour by", quantities, options.colour_by)
     for name, across in in_rows(SWITCHES, 3):
         if choice(gui, name, name, across, chosen=getattr(options, name)):
             session.toggle(name)

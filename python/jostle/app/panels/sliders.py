@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -16,9 +16,8 @@ from jostle.app.panels.widgets import CLEAR, GAP, NUMBER, colours, hint, label, 
 
 KNOB = 6.0  # radius
 PADDING = 2.0  # of ImGui, between the edge of a slider and its knob
-HIDDEN = (
-    *(imgui.Col_.frame_bg, imgui.Col_.frame_bg_hovered, imgui.Col_.frame_bg_active),
-    *(imgui.Col_.slider_grab, imgui.Col_.slider_grab_active),
+HIDDEN = dict.fromkeys(
+    ("frame_bg", "frame_bg_hovered", "frame_bg_active", "slider_grab", "slider_grab_active"), CLEAR
 )
 DIGITS = 2  # significant digits of a logarithmic slider
 
@@ -106,14 +105,9 @@ def _track(gui: Gui, name: str, span: Range, value: float) -> tuple[Moved, float
     storage, kept = imgui.get_state_storage(), imgui.get_id("position")
     position = span.position(value)
     imgui.set_next_item_width(width() - NUMBER - GAP)
-    imgui.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB)
-    for hidden in HIDDEN:
-        imgui.push_style_color(hidden, CLEAR)
-    changed, new = imgui.slider_float(
-        "##track", position, 0.0, 1.0, "", imgui.SliderFlags_.no_input
-    )
-    imgui.pop_style_color(len(HIDDEN))
-    imgui.pop_style_var()
+    with imgui_ctx.push_style_var(imgui.StyleVar_.grab_min_size, 2 * KNOB), colours(**HIDDEN):
+        flags = imgui.SliderFlags_.no_input
+        changed, new = imgui.slider_float("##track", position, 0.0, 1.0, "", flags)
     gui.mark(name)
     moved, active = Moved.NOT, imgui.is_item_active()
     if imgui.is_item_deactivated_after_edit():

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import zip_longest
 
 import numpy as np
-from imgui_bundle import imgui, implot
+from imgui_bundle import imgui, imgui_ctx, implot
 
 from jostle.app.draw.palette import TEXT, TEXT_SOFT, Colour
 from jostle.app.draw.text import pairs_of, plural, scientific, share
@@ -20,7 +21,6 @@ from jostle.app.panels.widgets import (
     buttons,
     colours,
     hint,
-    part,
     row,
     section,
     side_panel,
@@ -92,12 +92,11 @@ def plot(
     if seen:
         low, size = implot.get_plot_pos(), implot.get_plot_size()
         implot.end_plot()
-        imgui.push_font(None, SMALL)
         draw, y = imgui.get_window_draw_list(), low.y + 3.0
-        right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
-        draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
-        draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
-        imgui.pop_font()
+        with imgui_ctx.push_font(None, SMALL):
+            right = low.x + size.x - 6.0 - imgui.calc_text_size(corners[1]).x
+            draw.add_text((low.x + 6.0, y), rgba(TEXT_SOFT), corners[0])
+            draw.add_text((right, y), rgba(TEXT_SOFT), corners[1])
     implot.pop_style_var()
 
 
@@ -139,9 +138,7 @@ def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
     session.traces.refresh(session.frame, session.messages.now)
     height = min(max(height, LEAST_PLOT), MOST_PLOT)
     for title, contents in SECTIONS.items():
-        if section(gui, title):
-            with part(title):
-                contents(session, gui, height)
+        section(gui, title, partial(contents, session, gui, height))
 
 
 def _head(session: Session, gui: Gui) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, TEXT, TEXT_SOFT
 from jostle.app.gui.host import Gui
@@ -20,7 +20,6 @@ ABOVE, HEAD = 4.0, 21.0  # of a heading
 CLEAR = imgui.ImVec4(0.0, 0.0, 0.0, 0.0)
 
 T = TypeVar("T")
-Col = imgui.Col_
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
@@ -29,11 +28,14 @@ FIXED = (
 STILL = imgui.WindowFlags_.no_scrollbar | imgui.WindowFlags_.no_scroll_with_mouse
 
 
-def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
-    """Build the heading of a foldable section; return whether it is open."""
+def section(gui: Gui, title: str, build: Callable[[], None]) -> None:
+    """Build a foldable section: its heading, and its contents in a child window.
+
+    ImGui's output for a child window is a draw list of its own, which is redrawn separately.
+    """
     imgui.dummy((0.0, ABOVE))
     storage, kept = imgui.get_state_storage(), imgui.get_id(f"{title} is open")
-    is_open = storage.get_bool(kept, open_at_first)
+    is_open = storage.get_bool(kept, True)
     if imgui.invisible_button(f"##{title}", (max(width(), 1.0), HEAD)):
         storage.set_bool(kept, not is_open)
     gui.mark(f"section {title}")
@@ -43,7 +45,10 @@ def section(gui: Gui, title: str, *, open_at_first: bool = True) -> bool:
     after = low.x + imgui.calc_text_size(title).x + 10
     draw.add_line((after, middle + 0.5), (high.x - 16, middle + 0.5), rgba(RAISED))
     _chevron(high.x - 5, down=is_open)
-    return is_open
+    if is_open:
+        flags = imgui.ChildFlags_.auto_resize_y
+        with imgui_ctx.begin_child(title, child_flags=flags, window_flags=STILL):
+            build()
 
 
 def _chevron(x: float, *, down: bool) -> None:
@@ -64,24 +69,15 @@ def side_panel(name: str, place: tuple[float, float], size: tuple[float, float])
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 0.0)
     imgui.begin(name, None, FIXED)
     imgui.pop_style_var(2)
-    imgui.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0))
-    yield
-    imgui.pop_style_var()
+    with imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 4.0)):
+        yield
     imgui.end()
-
-
-@contextmanager
-def part(title: str) -> Iterator[None]:
-    """Build the contents in a child window, which is redrawn separately."""
-    imgui.begin_child(title, (0.0, 0.0), imgui.ChildFlags_.auto_resize_y, STILL)
-    yield
-    imgui.end_child()
 
 
 @contextmanager
 def colours(**by_name: imgui.ImVec4) -> Iterator[None]:
     for name, colour in by_name.items():
-        imgui.push_style_color(getattr(Col, name), colour)
+        imgui.push_style_color(getattr(imgui.Col_, name), colour)
     yield
     imgui.pop_style_color(len(by_name))
 
@@ -103,9 +99,8 @@ def soft(text: str) -> None:
 
 def wrapped(text: str) -> None:
     """Draw wrapped text in the softer colour."""
-    imgui.push_text_wrap_pos(0.0)
-    soft(text)
-    imgui.pop_text_wrap_pos()
+    with imgui_ctx.push_text_wrap_pos():
+        soft(text)
 
 
 def at_right(text: str, *, quiet: bool = False) -> None:
@@ -137,11 +132,8 @@ def hint(text: str) -> None:
     flags = imgui.HoveredFlags_.for_tooltip | imgui.HoveredFlags_.allow_when_disabled
     if text and imgui.is_item_hovered(flags):
         imgui.set_next_window_size_constraints((0, 0), (320, 400))
-        if imgui.begin_tooltip():
-            imgui.push_text_wrap_pos(290.0)
+        with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(290.0):
             imgui.text_unformatted(text)
-            imgui.pop_text_wrap_pos()
-            imgui.end_tooltip()
 
 
 def choice(

@@ -96,8 +96,7 @@ class ScriptedUser:
 
     def mark(self, name: str) -> Pixel | None:
         """Return the centre of a widget; None if it does not exist."""
-        gui = self.window.gui
-        rect = gui.marks.get(name) if gui else None
+        rect = self.window.gui.marks.get(name)
         return rect and (float(rect.centerx), float(rect.centery))
 
     def move(self, to: Pixel, seconds: float = 0.5) -> None:

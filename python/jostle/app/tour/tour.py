@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,26 +40,6 @@ def names() -> list[str]:
     return [stop.name for stop in STOPS]
 
 
-def tour(
-    out: Path,
-    chosen: Sequence[str] = (),
-    *,
-    films: bool = True,
-    size: Size = SIZE,
-    coming: Callable[[Stop], object] = lambda stop: None,
-) -> Iterator[Visit]:
-    """Run the chosen stops, or all; `coming` is called with each before it is run.
-
-    The files in `out`, an existing folder, are named after the stops, and replace those of an
-    earlier tour.
-    """
-    with _no_display():
-        for stop in STOPS:
-            if not chosen or stop.name in chosen:
-                coming(stop)
-                yield visit(stop, out, size, film=films and stop.filmed)
-
-
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
     began = time.perf_counter()
@@ -78,7 +58,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
 
 
 @contextlib.contextmanager
-def _no_display() -> Iterator[None]:
+def no_display() -> Iterator[None]:
     """Open windows without a display."""
     before = os.environ.get("SDL_VIDEODRIVER")
     try:
@@ -96,23 +76,23 @@ def _no_display() -> Iterator[None]:
             os.environ["SDL_VIDEODRIVER"] = before
 
 
-LONGEST_NAME = max(map(len, names()))
-
-
 def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
-    """Run the tour, and print the results."""
+    """Run the chosen stops, or all, and print the results.
+
+    The files in `out`, an existing folder, are named after the stops, and replace those of an
+    earlier tour.
+    """
+    stops = [stop for stop in STOPS if not chosen or stop.name in chosen]
+    longest = max(map(len, names()))
     visits: list[Visit] = []
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    with Progress(*columns, TimeElapsedColumn(), console=console) as progress:
-        task = progress.add_task("", total=len(set(chosen) or names()))
-
-        def say(name: str) -> None:
-            progress.update(task, description=name.ljust(LONGEST_NAME))
-
-        for visit in tour(out, chosen, films=films, coming=lambda stop: say(stop.name)):
-            visits.append(visit)
+    with no_display(), Progress(*columns, TimeElapsedColumn(), console=console) as progress:
+        task = progress.add_task("", total=len(stops))
+        for stop in stops:
+            progress.update(task, description=stop.name.ljust(longest))
+            visits.append(visit(stop, out, film=films and stop.filmed))
             progress.advance(task)
-        say("")
+        progress.update(task, description=" " * longest)
     console.print(_table(visits))
     console.print(f"in {out}", highlight=False, soft_wrap=True)
 
