@@ -87,16 +87,19 @@ def test_a_heap_rests_in_a_hopper_and_falls_when_it_opens() -> None:
         restitution=0.3,
         friction=0.3,
         walls=hopper,
+        sleeping=False,
     )
     world.step(STEP, steps=600)
     assert (world.positions[:, 1] > 0.45).all()
     weight = 9.8 * world.masses.sum() * STEP
-    if not world.asleep.any():
-        touches = world.wall_contacts
-        tangents = np.stack([-touches.normals[:, 1], touches.normals[:, 0]], 1)
-        forces = touches.normal_impulses[:, None] * touches.normals
-        forces += touches.friction_impulses[:, None] * tangents
-        assert forces.sum(0)[1] == pytest.approx(weight, rel=0.05)
+    touches = world.wall_contacts
+    tangents = np.stack([-touches.normals[:, 1], touches.normals[:, 0]], 1)
+    forces = touches.normal_impulses[:, None] * touches.normals
+    forces += touches.friction_impulses[:, None] * tangents
+    assert forces.sum(0)[1] == pytest.approx(weight, rel=0.05)
+    world.sleeping = True
+    world.step(STEP, steps=120)
+    assert world.asleep.all()
     world.walls = hopper[:1]
     assert not world.asleep.any()
     world.step(STEP, steps=600)
