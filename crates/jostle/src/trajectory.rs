@@ -141,11 +141,14 @@ pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     [approach, restitution * approach]
 }
 
-/// The coefficient of restitution by which it is decided whether a contact rests, in worlds that lose energy.
+/// Contacts with a larger coefficient of restitution rest as with this one, in worlds that lose energy.
 /// Friction makes discs come to rest also if they collide elastically, and without this limit their
 /// collisions would become ever more frequent.
+const MAX_RESTITUTION_AT_REST: f64 = 0.999;
+
+/// The coefficient of restitution that decides whether a contact rests.
 pub fn restitution_at_rest(restitution: f64) -> f64 {
-    restitution.min(0.999)
+    restitution.min(MAX_RESTITUTION_AT_REST)
 }
 
 /// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.

@@ -156,8 +156,6 @@ pub struct ContactShape {
     pub has_uneven: bool,
     /// Whether any particle has more contacts than there are colours.
     pub is_serial: bool,
-    /// How many times the usual number of sub-steps the contacts need.
-    pub refinement: usize,
 }
 
 /// All contacts of a step.
@@ -310,7 +308,6 @@ impl Contacts {
             colours: self.blocks.colours.len(),
             has_uneven: self.has_uneven(),
             is_serial: self.blocks.colours.iter().any(|colour| colour.is_serial),
-            refinement: 1,
         }
     }
 

@@ -3,7 +3,6 @@
 
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
-use crate::contacts::ContactShape;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -30,16 +29,15 @@ impl World {
         }
         let lists = if may_rest { pairs } else { &scratch.overlaps };
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
-        let shape = ContactShape { refinement: self.refinement(), ..self.contacts.shape() };
+        let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
-        scratch.contact_shape = shape;
+        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
         if let Some(domain) = domain {
             let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            scratch.contact_shape = domain.shape_of_all(shape)?;
+            (scratch.contact_shape, scratch.refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
         }
-        scratch.substeps *= scratch.contact_shape.refinement;
         Ok(())
     }
 

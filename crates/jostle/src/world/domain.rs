@@ -335,17 +335,22 @@ impl Domain {
         }
     }
 
-    /// What the order of solving contacts depends on, on all ranks.
-    pub(super) fn shape_of_all(&self, own: ContactShape) -> Result<ContactShape> {
+    /// What the order of solving contacts depends on, and the refinement of the sub-steps, on all ranks.
+    pub(super) fn shape_of_all(
+        &self,
+        own: ContactShape,
+        refinement: usize,
+    ) -> Result<(ContactShape, usize)> {
         let flags = [own.has_uneven, own.is_serial].map(f64::from);
-        let numbers = [own.colours as f64, flags[0], flags[1], own.refinement as f64];
+        let numbers = [own.colours as f64, flags[0], flags[1], refinement as f64];
         let [colours, has_uneven, is_serial, refinement] = locked(&self.group).largest(numbers)?;
         if is_serial > 0.0 {
             let rule = "one of a distributed world may have contacts with 64 others at most";
             return Err(Error::of("radii", "those of a particle with many contacts", rule));
         }
         let [colours, refinement] = [colours, refinement].map(|number| number as usize);
-        Ok(ContactShape { colours, has_uneven: has_uneven > 0.0, is_serial: false, refinement })
+        let has_uneven = has_uneven > 0.0;
+        Ok((ContactShape { colours, has_uneven, is_serial: false }, refinement))
     }
 
     /// Writes how far own particles may get from where they are before they leave the circles that other

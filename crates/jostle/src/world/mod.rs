@@ -230,6 +230,8 @@ struct StepScratch {
     correction: Correction,
     listing: search::ListScratch,
     contact_shape: ContactShape,
+    /// How many times the usual number of sub-steps the contacts need, on all ranks.
+    refinement: usize,
     /// The candidate pairs.
     pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.

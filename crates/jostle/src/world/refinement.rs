@@ -23,7 +23,7 @@ impl World {
     /// How many times the usual number of sub-steps the contacts of this part of the step need. It
     /// follows from the particles that touch as the part begins. Two ghosts do not count: their states
     /// may be wrong in later parts of a step, and the rank of one of them has the pair too.
-    pub(super) fn refinement(&self) -> usize {
+    pub(super) fn own_refinement(&self) -> usize {
         let is_free = self.settings.substeps.is_none() && self.may_rest();
         if !is_free || !self.contacts.has_uneven() {
             return 1;

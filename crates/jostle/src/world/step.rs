@@ -242,6 +242,7 @@ impl World {
         self.keep_starts();
         self.find_shared();
         self.make_contacts()?;
+        self.scratch.substeps *= self.scratch.refinement;
         self.find_near_walls(dt)?;
         watch(Stage::Contacts);
         self.load_motions();

@@ -152,7 +152,7 @@ impl World {
             has_accelerations,
             has_kicks: may_rest || is_pulled,
             is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
-            is_refined: scratch.contact_shape.refinement > 1,
+            is_refined: scratch.refinement > 1,
             threads,
         }
     }
