@@ -735,6 +735,16 @@ def test_discs_with_too_many_collisions_stand_still_and_are_counted() -> None:
     assert one.stats.unresolved == 0
 
 
+def test_a_disc_that_stands_still_has_no_velocity_where_collisions_lose_energy() -> None:
+    """Velocity and motion agree."""
+    state = discs([(0, 1 + 1e-9)], [(0, 1e7)], [1])
+    one = world(state, container=jostle.Box(-1, 0, 1, 2 + 1e-6), restitution=0.999999)
+    one.step(1.0)
+    assert one.stats.unresolved == 1
+    assert one.stats.collapsed == 1
+    assert one.velocities.tolist() == [[0, 0]]
+
+
 # ---- inelastic collapse --------------------------------------------------------------------------
 
 

@@ -273,13 +273,21 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
         substeps=1,
         container=jostle.Box(0, 0, 100, 1000),
     )
-    world.step(1 / 60, steps=240)
+    unresolved = 0
+    for _ in range(240):
+        world.step(1 / 60)
+        unresolved += world.stats.unresolved
+    # With restitution 0 some discs collide very often when they land.
+    assert unresolved < 240 * len(world) / 1000
     assert world.stats.unresolved == 0
-    before = world.positions
-    world.step(1 / 60)
-    moved = np.hypot(*(world.positions - before - world.velocities / 60).T)
+    # Some discs still bounce, so one step says little. A disc that hangs for a second would be hundreds
+    # of radii behind its velocity.
+    before, expected = world.positions, np.zeros_like(world.positions)
+    for _ in range(60):
+        world.step(1 / 60)
+        expected += world.velocities / 60
     # Overlap is corrected without velocity.
-    assert moved.max() < 0.1 * 2
+    assert np.hypot(*(world.positions - before - expected).T).max() < 2 * 2
     assert np.hypot(*world.velocities.T).max() < 3 * 980 / 60
 
 

@@ -67,7 +67,7 @@ def test_statistics_are_those_of_steps_after_the_snapshot() -> None:
     world = pile()
     assert world.stats.tests > 0
     again = jostle.World.restore(world.snapshot())
-    assert again.stats == (0, 0, 0, 0, 0, 0)
+    assert again.stats == (0,) * 7
 
 
 def test_a_snapshot_of_format_2_can_be_loaded() -> None:
@@ -142,7 +142,7 @@ def test_a_snapshot_of_format_7_can_be_loaded() -> None:
     assert world.categories.tolist() == [1, 1, 2, 1, 4]
     assert world.wall_velocities.tolist() == [[0.25, 0]]
     assert world.events.entered.tolist() == [[0, 1]]
-    assert world.stats == (0, 0, 0, 0, 0, 0)
+    assert world.stats == (0,) * 7
     again = jostle.World.restore(world.snapshot())
     for of in (world, again):
         of.step(STEP, steps=60)

@@ -83,7 +83,7 @@ def test_many_steps_are_as_many_single_ones() -> None:
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
 def test_what_a_step_leaves_behind(method: Any) -> None:
     world = gas(method=method)
-    assert world.stats == (0, 0, 0, 0, 0, 0)
+    assert world.stats == (0,) * 7
     assert len(world.contacts.pairs) == 0
     assert world.profile == dict.fromkeys(STAGES, 0.0)
     world.step(1 / 60, steps=2)

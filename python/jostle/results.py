@@ -598,6 +598,9 @@ class WorldStats(NamedTuple):
         the rest of the step.
     substeps : int
         Sub-steps of the step; 0 before the first step and where all particles sleep.
+    collapsed : int
+        Times that the collisions of a particle became elastic for the rest of a part of the step, because
+        it had 64 collisions in it (inelastic collapse).
     """
 
     nodes: int
@@ -606,6 +609,7 @@ class WorldStats(NamedTuple):
     tests: int
     unresolved: int
     substeps: int
+    collapsed: int
 
 
 class GaltonBoard(NamedTuple):

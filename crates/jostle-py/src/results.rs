@@ -161,7 +161,8 @@ pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
 /// `jostle.WorldStats`.
 pub fn world_stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let fields = (all.nodes, all.leaves, all.depth, all.tests, all.unresolved, all.substeps);
+    let jostle::Stats { nodes, leaves, depth, tests, unresolved, substeps, collapsed } = all;
+    let fields = (nodes, leaves, depth, tests, unresolved, substeps, collapsed);
     STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 

@@ -21,7 +21,7 @@ pub(super) const AGAIN: u32 = 1 << 31;
 
 /// Repetitions in which only discs with conflicts are simulated again. After that, all discs with
 /// events are, so that the repetitions end.
-const MOST_ROUNDS: usize = 64;
+const MAX_ROUNDS: usize = 64;
 
 /// Approximate number of values read to test two trajectories.
 const MEETING_WORK: usize = 64;
@@ -45,7 +45,7 @@ impl Events {
         let mut rounds = 0;
         while !self.conflicts.is_empty() {
             rounds += 1;
-            self.simulate_again(window, rounds > MOST_ROUNDS, bounds)?;
+            self.simulate_again(window, rounds > MAX_ROUNDS, bounds)?;
             interrupt::check()?;
         }
         Ok(())
@@ -175,15 +175,22 @@ impl Events {
         self.discs.clear();
         self.reopen_islands(conflicts.iter().flatten().copied());
         self.conflicts = conflicts;
+        self.sort_discs(window);
         if all || self.discs.len() > with_events / 2 {
-            let others = (0..).zip(&self.course_of).filter(|(_, course)| **course != NONE);
-            let others: Vec<u32> = others.map(|(index, _)| index).collect();
-            self.reopen_islands(others.into_iter());
+            for index in 0..self.course_of.len() as u32 {
+                if self.course_of[index as usize] != NONE {
+                    self.reopen_islands([index].into_iter());
+                }
+            }
+            self.sort_discs(window);
         }
-        let discs = &mut self.discs;
-        discs.retain(|&index| window.starts[index as usize].is_movable);
-        discs.sort_unstable();
-        discs.dedup();
+    }
+
+    /// Lists each movable disc that is simulated again once, in ascending order.
+    fn sort_discs(&mut self, window: &Window<'_>) {
+        self.discs.retain(|&index| window.starts[index as usize].is_movable);
+        self.discs.sort_unstable();
+        self.discs.dedup();
     }
 
     /// Removes the courses of some discs and of all that depend on theirs, and appends these discs to

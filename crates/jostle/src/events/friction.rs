@@ -6,7 +6,7 @@
 //! restitution of 0). The moment of inertia of a disc is m r²/2.
 
 use super::flight::Window;
-use super::impulses::{MOST_ITERATIONS, TOLERANCE, Touch};
+use super::impulses::{MAX_ITERATIONS, TOLERANCE, Touch};
 use super::simulation::Simulation;
 use crate::trajectory::{Segment, Vector, dot, vector};
 
@@ -121,7 +121,7 @@ impl Rubbing {
         bounced.extend(impulses.iter().map(|[normal, _]| *normal));
         impulses.iter_mut().for_each(|[_, friction]| *friction = 0.0);
         let mut fastest = 0.0f64;
-        for iteration in 0..MOST_ITERATIONS {
+        for iteration in 0..MAX_ITERATIONS {
             let mut largest = 0.0f64;
             for (at, (touch, impulses)) in touches.iter().zip(impulses.iter_mut()).enumerate() {
                 largest = largest.max(touch.rub(velocities, rotors, impulses));

@@ -89,6 +89,8 @@ pub struct History {
     pub outside: Vec<Outside>,
     /// The courses of discs that had too many events.
     pub stopped: Vec<u32>,
+    /// The courses of discs whose collisions became elastic, because they had many.
+    pub collapsed: Vec<u32>,
     /// Whether courses were removed from `course_of`, because their discs are simulated again.
     pub has_removed: bool,
     /// Discs that had too many events.
@@ -104,11 +106,12 @@ impl History {
         self.bounces.clear();
         self.outside.clear();
         self.stopped.clear();
+        self.collapsed.clear();
         self.has_removed = false;
         self.exhausted.clear();
     }
 
-    /// Keeps the bounces of courses that are still valid, and lists the exhausted discs.
+    /// Keeps what belongs to courses that are still valid, and lists the exhausted discs.
     /// `mark` is added to the numbers of these courses in `course_of`.
     pub fn retain(&mut self, mark: u32, course_of: &[u32]) {
         let courses = &self.courses;
@@ -121,6 +124,7 @@ impl History {
                 pair.iter().any(|&disc| course_of.get(disc as usize) == Some(&(mark | course)))
             });
         }
+        self.collapsed.retain(|&number| is_valid(number));
         let exhausted = self.stopped.iter().filter(|&&number| is_valid(number));
         self.exhausted.extend(exhausted.map(|&number| courses[number as usize].index));
     }

@@ -33,7 +33,7 @@ pub struct Touch {
 }
 
 /// Iterations for each contact, at most.
-pub const MOST_ITERATIONS: usize = 60;
+pub const MAX_ITERATIONS: usize = 60;
 
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
@@ -53,7 +53,7 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
         fastest = fastest.max(-approach);
         impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
     }
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let mut largest = 0.0f64;
         for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
             let missing = *wanted - touch.separation_speed(velocities);

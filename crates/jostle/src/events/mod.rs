@@ -47,7 +47,7 @@ use simulation::Scratch;
 use window::{end_for_the_fast, most_impacts};
 
 /// Windows of a sub-step at most, apart from the last of all.
-const MOST_WINDOWS: f64 = 1024.0;
+const MAX_WINDOWS: f64 = 1024.0;
 
 /// Scratch, and the results of a sub-step.
 #[derive(Debug, Default)]
@@ -61,6 +61,8 @@ pub struct Events {
     pub sensed: Vec<[u32; 2]>,
     /// Discs that had too many events in a window and stand still for the rest of the step.
     pub exhausted: Vec<u32>,
+    /// Discs whose collisions became elastic in a window, because they had many, once for each window.
+    pub collapsed: Vec<u32>,
     /// Discs that got further than their limits, and how far, once for each window. Unlike the
     /// growth of bounds they follow from the trajectories alone.
     pub outside_limits: Vec<(u32, f64)>,
@@ -101,7 +103,7 @@ impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
     pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
         // Windows are not shorter than this, so that there are not too many.
-        let shortest = flight.end / MOST_WINDOWS;
+        let shortest = flight.end / MAX_WINDOWS;
         let mut rest = *flight;
         let mut starts = std::mem::take(&mut self.starts);
         loop {
@@ -180,6 +182,7 @@ impl Events {
         self.sensed.clear();
         self.sensed_near.clear();
         self.exhausted.clear();
+        self.collapsed.clear();
         self.outside_limits.clear();
         self.may_be_outside_limits.clear();
         self.digests.clear();
@@ -285,6 +288,8 @@ impl Events {
         self.again.retain(AGAIN, &self.course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);
+            let index = |&number: &u32| history.courses[number as usize].index;
+            self.collapsed.extend(history.collapsed.iter().map(index));
         }
         // Those of one window are sorted, for the most part.
         self.blocks.iter().for_each(|block| self.bounced.extend(&block.history.bounces));

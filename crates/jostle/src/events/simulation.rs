@@ -18,19 +18,18 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of one disc in a window at most: if its collisions are elastic, and if not. A disc that
-/// has had them stands still for the rest of the step.
-const MOST_EVENTS: [u32; 2] = [1024, 128];
+/// Events of one disc in a window at most. A disc that has had them stands still for the rest of the
+/// step.
+pub(super) const MAX_EVENTS: u32 = 1024;
 
 /// After so many events in a window an inelastic disc collides elastically with other discs until its
-/// end, because
-/// inelastic discs can have infinitely many collisions in finite time (inelastic collapse; S. Luding
-/// and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas with the
-/// TC model*, 1998).
-const COLLAPSE: u32 = 32;
+/// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
+/// S. Luding and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas
+/// with the TC model*, 1998).
+const COLLAPSE: u32 = 64;
 
 /// Events of a disc at one moment after which it stands still if it touches a wall.
-const MOST_AT_ONCE: usize = 8;
+const MAX_AT_ONCE: usize = 8;
 
 /// Impacts between two polls.
 const POLL_EVERY: usize = 256;
@@ -327,7 +326,7 @@ impl Simulation<'_> {
         self.add(touch);
         if wall >= FIRST && !has_room {
             // It stands still from its next event on, which is this one.
-            self.history.courses[number as usize].count = self.most_events() - 1;
+            self.history.courses[number as usize].count = MAX_EVENTS - 1;
         }
     }
 
@@ -357,7 +356,7 @@ impl Simulation<'_> {
     /// would bounce between them forever.
     fn has_no_room(&self, course: &Course, time: f64) -> bool {
         let mut segments = Trajectory::of(self.history, course, time);
-        segments.by_ref().take_while(|part| part.segment.time == time).count() > MOST_AT_ONCE
+        segments.by_ref().take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
     }
 
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
@@ -524,16 +523,21 @@ impl Simulation<'_> {
 
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
-        let (window, most) = (self.window, self.most_events());
-        let History { courses, ended, outside, stopped, .. } = &mut *self.history;
+        let window = self.window;
+        let is_lossless = window.flight.is_lossless;
+        let History { courses, ended, outside, stopped, collapsed, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
-        if course.count >= most {
-            // Gravity would accelerate it without end if it stood still in each step.
-            course.stopped = Some(new.velocity);
+        if course.count == COLLAPSE && !is_lossless {
+            collapsed.push(number);
+        }
+        if course.count >= MAX_EVENTS {
+            // It keeps its energy where energy is conserved. Elsewhere its velocity is that of its
+            // motion. Gravity would accelerate it without end if it stood still in each step.
+            course.stopped = Some(if is_lossless { new.velocity } else { [0.0; 2] });
             stopped.push(number);
             course.segment.velocity = [0.0; 2];
             course.segment.falls = false;
@@ -544,11 +548,6 @@ impl Simulation<'_> {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
         }
-    }
-
-    /// Events of a disc after which it stands still.
-    pub(super) fn most_events(&self) -> u32 {
-        MOST_EVENTS[usize::from(!self.window.flight.is_lossless)]
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

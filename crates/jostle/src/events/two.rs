@@ -7,7 +7,7 @@ use super::history::Bounce;
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
-use super::simulation::Simulation;
+use super::simulation::{MAX_EVENTS, Simulation};
 use crate::trajectory::{Kind, Segment, Vector, vector};
 
 /// A disc that gets a new segment.
@@ -44,8 +44,7 @@ impl Simulation<'_> {
         }
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        let most = self.most_events();
-        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= most) {
+        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= MAX_EVENTS) {
             return false;
         }
         let now = courses.map(|course| course.segment.moved(time, window.gravity()));

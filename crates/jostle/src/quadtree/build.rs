@@ -5,18 +5,18 @@
 //! of threads.
 
 use std::ops::Range;
-use std::sync::{Mutex, PoisonError};
 
 use super::Node;
 use super::grid::GRID_LEVELS;
 use super::order::{Keyed, Order};
 use super::strips::{self, Outputs, Strips};
+use super::subtrees::{Part, Subtrees};
 use crate::columns::Columns;
 use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
-use crate::parallel::{self, locked};
+use crate::parallel;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
 use crate::simd::{LANES, Simd, Work, block};
@@ -42,6 +42,7 @@ pub struct Nodes<T> {
     /// The end of each strip, as an index.
     pub ends: Vec<u32>,
     scratch: strips::Scratch,
+    subtrees: Subtrees<T>,
 }
 
 impl<T: Scalar> Nodes<T> {
@@ -59,6 +60,7 @@ impl<T: Scalar> Nodes<T> {
             + self.bounds.capacity() * size_of::<Bounds<T>>()
             + self.strips.capacity() * size_of::<Strips<T>>()
             + self.ends.capacity() * size_of::<u32>()
+            + self.subtrees.memory_bytes()
     }
 
     /// Makes the nodes and the strips of the leaves, and writes the shapes to `outputs`. Not
@@ -68,7 +70,7 @@ impl<T: Scalar> Nodes<T> {
         &mut self,
         order: &Order<T>,
         shapes: &Shapes<T>,
-        mut outputs: Outputs<'_, T>,
+        outputs: Outputs<'_, T>,
         settings: &Settings,
         in_strips: bool,
     ) -> Result<()> {
@@ -87,56 +89,35 @@ impl<T: Scalar> Nodes<T> {
         }
         self.nodes.push(root);
         builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
-        let mut open: Vec<u32> = (0..self.nodes.len() as u32).collect();
-        open.retain(|&node| self.nodes[node as usize].is_leaf());
-        open.sort_unstable_by_key(|&node| self.nodes[node as usize].start);
-        let failed = Mutex::new(Ok(()));
-        let tasks = open.iter().map(|&node| {
-            let node = self.nodes[node as usize];
-            (node, outputs.split_off(node.len()))
-        });
-        let tasks: Vec<_> = tasks.collect();
-        let mut parts = Vec::new();
-        parallel::for_each_with(
-            settings.threads,
-            tasks.into_iter().enumerate(),
-            Part::default,
-            |(task, (root, outputs)), part| {
-                if let Err(error) = builder.add(part, task, root, outputs) {
-                    *locked(&failed) = Err(error);
-                }
-            },
-            |part| parts.push(part),
-        );
-        failed.into_inner().unwrap_or_else(PoisonError::into_inner)?;
-        self.append_subtrees(&open, &parts)
+        let Self { nodes, subtrees, .. } = self;
+        let add =
+            |part: &mut Part<T>, root, outputs: Outputs<'_, T>| builder.add(part, root, outputs);
+        subtrees.build(settings.threads, nodes, outputs, add)?;
+        self.append_subtrees()
     }
 
-    /// Appends the subtrees of the `open` nodes.
-    fn append_subtrees(&mut self, open: &[u32], parts: &[Part<T>]) -> Result<()> {
-        memory::reserve(&mut self.nodes, parts.iter().map(|part| part.nodes.len()).sum())?;
-        memory::reserve(&mut self.strips, parts.iter().map(|part| part.strips.len()).sum())?;
-        memory::reserve(&mut self.ends, parts.iter().map(|part| part.ends.len()).sum())?;
-        let mut pieces: Vec<(&Piece, &Part<T>)> = parts
-            .iter()
-            .flat_map(|part| part.pieces.iter().map(move |piece| (piece, part)))
-            .collect();
-        pieces.sort_unstable_by_key(|(piece, _)| piece.task);
-        for (&root, (piece, part)) in open.iter().zip(pieces) {
+    /// Appends the nodes, strips and ends of the subtrees.
+    fn append_subtrees(&mut self) -> Result<()> {
+        let Self { nodes, strips, ends, subtrees, .. } = self;
+        let [more_nodes, more_strips, more_ends] = subtrees.sizes();
+        memory::reserve(nodes, more_nodes)?;
+        memory::reserve(strips, more_strips)?;
+        memory::reserve(ends, more_ends)?;
+        for (root, subtree, part) in subtrees.iter() {
             // The root of the subtree exists already; its other nodes are appended.
-            let node_shift = (self.nodes.len() as u32).wrapping_sub(piece.nodes.start as u32 + 1);
-            let strip_shift = (self.strips.len() as u32).wrapping_sub(piece.strips.start as u32);
-            let end_shift = (self.ends.len() as u32).wrapping_sub(piece.ends.start as u32);
+            let node_shift = (nodes.len() as u32).wrapping_sub(subtree.nodes.start as u32 + 1);
+            let strip_shift = (strips.len() as u32).wrapping_sub(subtree.strips.start as u32);
+            let end_shift = (ends.len() as u32).wrapping_sub(subtree.ends.start as u32);
             let moved = |node: &Node| {
                 let shift = if node.is_leaf() { strip_shift } else { node_shift };
                 Node { children: node.children.wrapping_add(shift), ..*node }
             };
-            let (first, rest) = part.nodes[piece.nodes.clone()].split_first().expect("a root");
-            self.nodes[root as usize] = moved(first);
-            self.nodes.extend(rest.iter().map(moved));
-            let strips = &part.strips[piece.strips.clone()];
-            self.strips.extend(strips.iter().map(|leaf| leaf.moved(end_shift)));
-            self.ends.extend_from_slice(&part.ends[piece.ends.clone()]);
+            let (first, rest) = part.nodes[subtree.nodes.clone()].split_first().expect("a root");
+            nodes[root as usize] = moved(first);
+            nodes.extend(rest.iter().map(moved));
+            let leaves = &part.strips[subtree.strips.clone()];
+            strips.extend(leaves.iter().map(|leaf| leaf.moved(end_shift)));
+            ends.extend_from_slice(&part.ends[subtree.ends.clone()]);
         }
         Ok(())
     }
@@ -149,6 +130,7 @@ impl<T: Scalar> Nodes<T> {
             strips: memory::collect(self.strips.iter().copied())?,
             ends: memory::collect(self.ends.iter().copied())?,
             scratch: strips::Scratch::default(),
+            subtrees: Subtrees::default(),
         })
     }
 
@@ -183,24 +165,6 @@ impl<T: Scalar> Nodes<T> {
     }
 }
 
-/// The subtrees that one thread has made.
-#[derive(Default)]
-struct Part<T> {
-    nodes: Vec<Node>,
-    strips: Vec<Strips<T>>,
-    ends: Vec<u32>,
-    pieces: Vec<Piece>,
-    scratch: strips::Scratch,
-}
-
-/// The subtree of one task, as ranges of the nodes, strips and ends of a [`Part`].
-struct Piece {
-    task: usize,
-    nodes: Range<usize>,
-    strips: Range<usize>,
-    ends: Range<usize>,
-}
-
 struct Builder<'a, T> {
     order: &'a Order<T>,
     shapes: &'a Shapes<T>,
@@ -211,25 +175,12 @@ struct Builder<'a, T> {
 
 impl<T: Scalar> Builder<'_, T> {
     /// Makes the subtree of `root`.
-    fn add(
-        &self,
-        part: &mut Part<T>,
-        task: usize,
-        root: Node,
-        outputs: Outputs<'_, T>,
-    ) -> Result<()> {
-        let [first, strip, end] = [part.nodes.len(), part.strips.len(), part.ends.len()];
-        memory::push(&mut part.nodes, root)?;
-        self.split_all(&mut part.nodes, 0)?;
+    fn add(&self, part: &mut Part<T>, root: Node, outputs: Outputs<'_, T>) -> Result<()> {
         let Part { nodes, strips, ends, scratch, .. } = part;
-        self.fill_leaves(&mut nodes[first..], outputs, strips, ends, scratch)?;
-        part.pieces.push(Piece {
-            task,
-            nodes: first..part.nodes.len(),
-            strips: strip..part.strips.len(),
-            ends: end..part.ends.len(),
-        });
-        Ok(())
+        let first = nodes.len();
+        memory::push(nodes, root)?;
+        self.split_all(nodes, 0)?;
+        self.fill_leaves(&mut nodes[first..], outputs, strips, ends, scratch)
     }
 
     /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first node, and

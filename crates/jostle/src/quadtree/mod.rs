@@ -18,6 +18,7 @@ mod order;
 pub(crate) mod partition;
 mod sort;
 mod strips;
+mod subtrees;
 
 use std::cmp::Ordering;
 use std::ops::Range;

@@ -134,6 +134,9 @@ pub struct Stats {
     pub unresolved: u64,
     /// Sub-steps of all parts of the step.
     pub substeps: usize,
+    /// Times that the collisions of a particle became elastic in a part of the step, because it had
+    /// many (inelastic collapse).
+    pub collapsed: u64,
 }
 
 /// Particles, their settings and forces.

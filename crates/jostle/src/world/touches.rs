@@ -106,13 +106,17 @@ impl World {
         self.scratch.events.sensed = sensed;
     }
 
-    /// Lists the rows that had too many events.
+    /// Lists the rows that had too many events, and counts those whose collisions became elastic.
     fn list_exhausted(&mut self) {
         let exhausted = &mut self.scratch.exhausted;
         let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
         exhausted.extend(new);
         exhausted.sort_unstable();
         self.stats.unresolved = exhausted.len() as u64;
+        let (domain, rows) = (&self.domain, &self.rows);
+        let is_own = |index: u32| domain.as_ref().is_none_or(|of| of.owns(rows[index as usize]));
+        let collapsed = self.scratch.events.collapsed.iter().filter(|&&index| is_own(index));
+        self.stats.collapsed += collapsed.count() as u64;
     }
 
     fn count_collisions(&mut self) {
