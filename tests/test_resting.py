@@ -280,8 +280,8 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     # With restitution 0 some discs collide very often when they land.
     assert unresolved < 240 * len(world) / 1000
     assert world.stats.unresolved == 0
-    # Some discs still bounce, so one step says little. A disc that hangs for a second would be hundreds
-    # of radii behind its velocity.
+    # Some discs still bounce, so one step says little. A disc that hangs for a second would be
+    # hundreds of radii behind its velocity.
     before, expected = world.positions, np.zeros_like(world.positions)
     for _ in range(60):
         world.step(1 / 60)

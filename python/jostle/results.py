@@ -599,8 +599,8 @@ class WorldStats(NamedTuple):
     substeps : int
         Sub-steps of the step; 0 before the first step and where all particles sleep.
     collapsed : int
-        Times that the collisions of a particle became elastic for the rest of a part of the step, because
-        it had 64 collisions in it (inelastic collapse).
+        Times that the collisions of a particle became elastic for the rest of a part of the step,
+        because it had 64 collisions in it (inelastic collapse).
     """
 
     nodes: int
