@@ -38,7 +38,7 @@ PASSES: dict[str, dict[str, int]] = {
     },
     "pairs": {"columns read": CENTER + ROW},
 }
-"""Bytes a disc of each pass; the pairs are written in addition."""
+"""Bytes per disc of each pass; the pairs are written in addition."""
 
 
 def race(rounds: int, largest: int, told: Callable[[str], None]) -> Iterator[list[Row]]:

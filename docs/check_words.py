@@ -46,49 +46,49 @@ EVERYWHERE = {
     r"what the colours tell": "colour by",
     r"waits for nothing": "never blocks",
     r"come what may": "in any case",
-    r"push apart": "position correction, separate",
     r"the seam": "periodic boundary",
     r"nobody sees": "hidden, without a display",
     r"can(?:not)? be had": "is (not) available",
     r"on the way|on its way|in its way": "along the path",
     r"their way": "their displacement",
     r"in no way": "out of range",
-}
-
-# Words that other parts of the project still contain, or use in another sense. A folder is added
-# to APP or TEXTS when it is clean; a word moves to EVERYWHERE when all folders are.
-IN_APP = {
     r"(?<!resize_)grip": "drag state",
-    r"beads": "discs of a wall",
-    r"(?:any|some|every)body": "the user, the caller",
-    r"is gone|are gone": "does not exist",
-    r"asked for|asks for": "requested",
-    r"frames a second|steps a second|ms a step": "per second, per step",
-    r"told apart|tells apart": "distinguished, significantly different",
     r"the last half minute": "rewind, the last 30 s",
-}
-APP = ("python/jostle/app/", "python/jostle/tune/", "python/jostle/bench/", "python/jostle/cli/")
-
-IN_TEXTS = {
-    r"anew": "again",
-    r"asks for|asked for": "requires, requests",
-    r"(?:any|some|every)body|nobody|whoever": "the user, the caller",
     r"told apart|tells apart": "distinguished, significantly different",
-    r"is gone|are gone": "does not exist",
-    r"goes on|go on": "continues",
+    r"asked for|asks for": "requires, requests",
     r"gives? back": "returns",
     r"cut to whole": "truncated to",
     r"world of its own": "a separate world",
     r"who is|who are": "which",
-    r"living": "dynamic",
+    r"push(?:es|ed|ing)? (?:\w+ )?apart": "position correction, separate",
+    r"(?<!=)not movable": "immovable: static or kinematic",
+    r"look(?:s|ing)? for": "search for",
+    r"questions? (?:to|of)": "query",
+    r"at wall": "wall contact",
+    r"(?:a little|lose) way|never speed": "displacement",
+    r"waits? for none": "never blocks",
+    r"to and fro": "back and forth",
 }
-"""Words that the core and its tests still contain."""
-TEXTS = (
-    *("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/", "examples/"),
-    *(f"python/jostle/{name}" for name in ("__init__", "_core.pyi", "arcade", "article", "pygame")),
-    *(f"python/jostle/{name}" for name in ("pyqtree", "results", "scenes", "sprites", "walls")),
-    "benchmarks/",
-)
+
+CORE, APP = "crates/jostle/", "python/jostle/app/"
+TESTS = ("crates/jostle/tests/", "tests/")
+
+UNITS = "ns|µs|ms|bytes|nanoseconds|milliseconds|frames|steps"
+EXCEPT_IN = {
+    # Comments of these folders still contain them, and are to be mended.
+    r"anew": ("again", (CORE, APP, *TESTS)),
+    r"goes on|go on": ("continues", (CORE, *TESTS)),
+    rf"(?:{UNITS}) an? (?:second|step|frame|disc|shape)": ("per second, per step", (CORE, *TESTS)),
+    r"order of the tree": ("Morton order", (CORE,)),
+    # Names of tests and of other identifiers there contain them.
+    r"(?:any|some|every)body|nobody|whoever": ("the user, the caller", TESTS),
+    r"(?:is|are) gone": ("does not exist", TESTS),
+    r"living": ("dynamic", (APP, *TESTS)),
+    r"meetings?": ("time of impact", (CORE,)),
+    # Constants and variables of the scenes have this name.
+    r"beads": ("discs of a wall", (CORE, *TESTS)),
+}
+"""Words with the folders in which they may be, because other people work there or need them."""
 
 
 class Words:
@@ -109,14 +109,17 @@ class Words:
             yield match, self.replacements[match.lastindex - 1]
 
 
-WORDS = [(("",), Words(EVERYWHERE)), (APP, Words(IN_APP)), (TEXTS, Words(IN_TEXTS))]
-"""Beginnings of the names of files, and the words that must not be in them."""
+WORDS = [
+    ((), Words(EVERYWHERE)),
+    *((folders, Words({word: instead})) for word, (instead, folders) in EXCEPT_IN.items()),
+]
+"""Words, and the beginnings of the names of files in which they may be."""
 
 
 def findings(name: str, text: str) -> Iterator[str]:
     """Yield a message for each replaced term in a file."""
-    for part, words in WORDS:
-        for match, replacement in words.findings(text) if name.startswith(part) else ():
+    for folders, words in WORDS:
+        for match, replacement in () if name.startswith(folders) else words.findings(text):
             line = text.count("\n", 0, match.start()) + 1
             term = " ".join(match[0].split())
             yield f'{name}:{line}: "{term}" is now: {replacement}'
