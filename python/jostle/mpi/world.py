@@ -67,7 +67,7 @@ class World:
         The ranks. All worlds of a communicator share one duplicate of it, which is freed with it,
         so they are used from one thread at a time, and not after the communicator is freed.
     positions, velocities : array_like, shape (n, 2)
-        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of
+        Those of this rank's share, at any positions; n may be 0. The ids count the particles of
         rank 0 first, then those of rank 1, and so on.
     radii : array_like, a number or shape (n,)
         As for `jostle.World`.
@@ -266,7 +266,7 @@ class World:
         Parameters
         ----------
         positions, velocities : array_like, shape (k, 2)
-            Those that this rank adds, wherever they are; k may be 0.
+            Those that this rank adds, at any positions; k may be 0.
         radii : array_like, a number or shape (k,), optional
             Required if no number was given for all particles.
         **columns
@@ -299,7 +299,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            Those that this rank gives, of particles of any rank; k may be 0. Each particle is
             given at most once by all ranks together.
 
         Raises
@@ -322,7 +322,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            Those that this rank gives, of particles of any rank; k may be 0. Each particle is
             given at most once by all ranks together.
         **columns
             The columns of `jostle.World.set`, the same ones on all ranks.
@@ -348,7 +348,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. A call equals one of
+            Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
             `jostle.World.force` with the ids of rank 0, then those of rank 1, and so on.
         forces : array_like, shape (k, 2), or (2,) for one id
             In units of mass times length per second², see `jostle.World.force`.
