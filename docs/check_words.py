@@ -1,8 +1,9 @@
 """Check that terms which the project has replaced do not come back: `python docs/check_words.py`.
 
 CONTRIBUTING.md asks for plain technical English in the terms of the field. Each row below is a
-regular expression (whole words, any case, across line breaks) and its replacement. Identifiers are
-checked, too: `deeds` is found in `session.deeds`, but not in `indeed`.
+regular expression (whole words, any case, across line breaks) and its replacement; `EXCEPT_IN`
+adds the folders in which a word is allowed. Identifiers are checked, too: `deeds` is found in
+`session.deeds`, but not in `indeed`.
 """
 
 from __future__ import annotations
@@ -74,55 +75,39 @@ CORE, APP = "crates/jostle/", "python/jostle/app/"
 TESTS = ("crates/jostle/tests/", "tests/")
 
 UNITS = "ns|µs|ms|bytes|nanoseconds|milliseconds|frames|steps"
-EXCEPT_IN = {
-    # Comments of these folders still contain them, and are to be mended.
+EXCEPT_IN: dict[str, tuple[str, tuple[str, ...]]] = {
+    # Comments in these folders still contain them and are to be changed.
     r"anew": ("again", (CORE, APP, *TESTS)),
     r"goes on|go on": ("continues", (CORE, *TESTS)),
     rf"(?:{UNITS}) an? (?:second|step|frame|disc|shape)": ("per second, per step", (CORE, *TESTS)),
     r"order of the tree": ("Morton order", (CORE,)),
-    # Names of tests and of other identifiers there contain them.
+    # Identifiers in these folders contain them.
     r"(?:any|some|every)body|nobody|whoever": ("the user, the caller", TESTS),
     r"(?:is|are) gone": ("does not exist", TESTS),
     r"living": ("dynamic", (APP, *TESTS)),
     r"meetings?": ("time of impact", (CORE,)),
-    # Constants and variables of the scenes have this name.
+    # Constants and variables of the scenes are named so.
     r"beads": ("discs of a wall", (CORE, *TESTS)),
 }
-"""Words with the folders in which they may be, because other people work there or need them."""
+"""Words, their replacements, and the beginnings of the names of files in which they are allowed."""
 
+#: A space, or a line break and a comment sign.
+SPACE = r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"
 
-class Words:
-    """Expressions and their replacements, found in one pass over a text."""
-
-    def __init__(self, words: dict[str, str]) -> None:
-        spaces = (
-            r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"  # or a line break and a comment sign
-        )
-        either = "|".join(f"({word.replace(' ', spaces)})" for word in words)
-        self.pattern = re.compile(rf"(?<![^\W_])(?:{either})(?![^\W_])", re.IGNORECASE)
-        self.replacements = list(words.values())
-
-    def findings(self, text: str) -> Iterator[tuple[re.Match[str], str]]:
-        """Yield each match and its replacement."""
-        for match in self.pattern.finditer(text):
-            assert match.lastindex is not None
-            yield match, self.replacements[match.lastindex - 1]
-
-
-WORDS = [
-    ((), Words(EVERYWHERE)),
-    *((folders, Words({word: instead})) for word, (instead, folders) in EXCEPT_IN.items()),
-]
-"""Words, and the beginnings of the names of files in which they may be."""
+WORDS = {**{word: (instead, ()) for word, instead in EVERYWHERE.items()}, **EXCEPT_IN}
+REPLACEMENTS = list(WORDS.values())
+EITHER = "|".join(f"({word.replace(' ', SPACE)})" for word in WORDS)
+PATTERN = re.compile(rf"(?<![^\W_])(?:{EITHER})(?![^\W_])", re.IGNORECASE)
 
 
 def findings(name: str, text: str) -> Iterator[str]:
     """Yield a message for each replaced term in a file."""
-    for folders, words in WORDS:
-        for match, replacement in () if name.startswith(folders) else words.findings(text):
+    for match in PATTERN.finditer(text):
+        assert match.lastindex is not None
+        instead, folders = REPLACEMENTS[match.lastindex - 1]
+        if not name.startswith(folders):
             line = text.count("\n", 0, match.start()) + 1
-            term = " ".join(match[0].split())
-            yield f'{name}:{line}: "{term}" is now: {replacement}'
+            yield f'{name}:{line}: "{" ".join(match[0].split())}" is now: {instead}'
 
 
 def files() -> list[str]:
