@@ -107,4 +107,5 @@ def gathered(comm: MPI.Intracomm, core: Any, root: int) -> jostle.World | None:
 
 
 def _movable(rows: NDArray[Any]) -> NDArray[Any]:
-    return rows[rows["movable"]]
+    movable: NDArray[Any] = rows[rows["movable"]]
+    return movable
