@@ -8,7 +8,7 @@ copying a large array, bytes read and written. Two limits follow from it:
 
 - *input and output*: each centre is read once, and each pair is written once;
 - *all passes*: each pass over the discs reads and writes its data from and to memory; `PASSES`
-  lists the bytes a disc. A pass takes less if its data fit into the cache.
+  lists the bytes per disc. A pass takes less if its data fit into the cache.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PASSES: dict[str, dict[str, int]] = {
     },
     "pairs": {"columns read": CENTER + ROW},
 }
-"""Bytes a disc of each pass; the pairs are written in addition."""
+"""Bytes per disc of each pass; the pairs are written in addition."""
 
 
 def race(rounds: int, largest: int, told: Callable[[str], None]) -> Iterator[list[Row]]:

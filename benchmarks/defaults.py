@@ -291,7 +291,7 @@ def main() -> None:
     parser.add_argument("--counts", type=int, nargs="+", default=[10_000, 100_000])
     parser.add_argument("--rounds", type=int, default=21)
     parser.add_argument("--threads", type=int, default=1)
-    parser.add_argument("--document", action="store_true", help="renew docs/defaults.md")
+    parser.add_argument("--document", action="store_true", help="write docs/defaults.md again")
     options = parser.parse_args()
     print(describe())
 

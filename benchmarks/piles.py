@@ -37,7 +37,7 @@ class Pile:
     name: str
     positions: Numbers
     speed: float
-    """Root of the mean square, pixels a second."""
+    """Root of the mean square, pixels per second."""
     overlaps: Numbers
     """The deepest of each disc, in per cent of the smaller radius."""
     milliseconds: float
@@ -47,7 +47,7 @@ class Pile:
         return (
             f"{self.name:8} overlap: deepest {self.overlaps.max():5.2f} %, mean "
             f"{self.overlaps.mean():5.2f} %; centre of mass {self.positions[:, 1].mean():6.1f}; "
-            f"{self.speed:6.2f} px/s; {self.milliseconds:7.3f} ms a frame"
+            f"{self.speed:6.2f} px/s; {self.milliseconds:7.3f} ms per frame"
         )
 
 

@@ -206,7 +206,7 @@ def pair_lines(rows: list[Row]) -> Iterator[tuple[str, list[Row], dict[str, obje
 
 
 def draw_pairs(rows: list[Row], path: Path) -> None:
-    """Four scenes, nanoseconds a shape."""
+    """Four scenes, nanoseconds per shape."""
     drawing, panels = figure(2, 9.5, 7.2, rows=2, same=True)
     for axes, (scene, title) in zip(panels.flat, PAIR_PANELS.items(), strict=True):
         for label, own, look in pair_lines([row for row in rows if row["scene"] == scene]):
@@ -214,7 +214,7 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
             if counts:
                 each = [time / count for time, count in zip(each, counts, strict=True)]
                 axes.plot(counts, each, label=label, **look)
-        logarithmic(axes, "shapes", "ns a shape")
+        logarithmic(axes, "shapes", "ns per shape")
         axes.set_title(title)
         axes.set_ylim(10, 300_000)
     slowest_first = reversed([label for label, _, _ in pair_lines(rows)])
@@ -223,7 +223,7 @@ def draw_pairs(rows: list[Row], path: Path) -> None:
 
 
 def draw_step(rows: list[Row], path: Path) -> None:
-    """Two scenes, milliseconds a frame."""
+    """Two scenes, milliseconds per frame."""
     drawing, panels = figure(2, 9.5, 4.4, same=True)
     looks: dict[str, tuple[Callable[[Row], bool], dict[str, object]]] = {
         "jostle, 1 thread": (
@@ -271,7 +271,7 @@ def draw_step(rows: list[Row], path: Path) -> None:
             if counts:
                 axes.plot(counts, milliseconds, label=label, **look)
         axes.axhline(1000 / 60, color=FAINT, linewidth=0.9, linestyle=":")
-        logarithmic(axes, "discs", "ms a frame")
+        logarithmic(axes, "discs", "ms per frame")
         axes.set_title(title)
     panels[0, 1].annotate(
         "60 a second",
@@ -289,7 +289,7 @@ def draw_step(rows: list[Row], path: Path) -> None:
 
 
 def draw_held(rows: list[Row], path: Path) -> None:
-    """Bars: discs held at 60 steps a second."""
+    """Bars: discs held at 60 steps per second."""
     drawing, panels = figure(1, 7.5, 2.9)
     axes = panels[0, 0]
     names = {"gas": "jostle, gas", "pile": "jostle, pile at rest", "article": "the article's tree"}
@@ -319,7 +319,7 @@ def draw_held(rows: list[Row], path: Path) -> None:
     axes.tick_params(axis="y", length=0, labelcolor=INK)
     axes.spines["left"].set_visible(False)
     axes.set_xlabel("discs")
-    save(drawing, path, rows, "Discs held at 60 steps a second")
+    save(drawing, path, rows, "Discs held at 60 steps per second")
 
 
 def draw_growth(rows: list[Row], path: Path) -> None:
@@ -339,7 +339,7 @@ def draw_growth(rows: list[Row], path: Path) -> None:
     logarithmic(panels[0], "discs", "ms")
     panels[0].set_title("time")
     panels[0].legend(loc="upper left")
-    logarithmic(panels[1], "discs", "bytes a disc, answer included", both=False)
+    logarithmic(panels[1], "discs", "bytes per disc, answer included", both=False)
     panels[1].set_title("peak memory beyond the arrays")
     panels[1].set_ylim(bottom=0)
     panels[1].legend(loc="lower right")
@@ -367,7 +367,7 @@ Bars = dict[tuple[str, int], dict[str, float]]
 
 
 def stage_bars(rows: list[Row]) -> Bars:
-    """Return the nanoseconds a disc of each stage, for each scene and number of discs."""
+    """Return the nanoseconds per disc of each stage, for each scene and number of discs."""
     bars: Bars = {}
     for row in rows:
         count = int(row["count"])
@@ -432,7 +432,7 @@ def draw_times(axes, bars: Bars, before: Bars) -> None:
         end_of_bar(axes, place, bar, "before: {:,.0f}", color=FAINT, fontsize=8)
     axes.set_xlim(0, 1.16 * max(sum(bar.values()) for bar in [*bars.values(), *old.values()]))
     axes.xaxis.set_major_formatter("{x:,.0f}")
-    axes.set_title("nanoseconds a disc")
+    axes.set_title("nanoseconds per disc")
 
 
 def draw_shares(axes, bars: Bars) -> None:
@@ -488,7 +488,7 @@ def draw_bandwidth(rows: list[Row], path: Path) -> None:
     axes.tick_params(axis="y", length=0, labelcolor=INK)
     axes.spines["left"].set_visible(False)
     axes.set_xlim(0, 1.14 * max(sum(bar.values()) for bar in bars.values()))
-    axes.set_xlabel(f"nanoseconds a disc; copying moves {rate:.1f} GB/s")
+    axes.set_xlabel(f"nanoseconds per disc; copying moves {rate:.1f} GB/s")
     axes.set_ylabel("discs")
     handles, names = axes.get_legend_handles_labels()
     names = [{"build": "tree"}.get(name, name) for name in names]

@@ -99,7 +99,7 @@ def measure_time(options: argparse.Namespace) -> None:
         return
     ours, theirs = (math.sqrt(first * second) for first, second in zip(*both, strict=True))
     threads = options.threads or COMM.size
-    print(f"{options.scene} of {options.n:,}, ms a step, median of {options.rounds} rounds,")
+    print(f"{options.scene} of {options.n:,}, ms per step, median of {options.rounds} rounds,")
     print("geometric mean of both orders of making the worlds:")
     print(f"  {COMM.size} ranks {ours:.1f}, one process with {threads} threads {theirs:.1f}")
     print(f"  ranks have {theirs / ours:.2f} times the speed of threads")

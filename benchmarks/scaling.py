@@ -118,7 +118,7 @@ def print_predictions(first: list[Measured], found: list[Measured], size: int) -
         f"\npredicted from {size} ranks: {1e6 * work:.2f} µs of work a particle, "
         f"{along:.1f} √n ghosts, {a_ghost:.0f} bytes each, {calls:.0f} calls, "
         f"{messages:.0f} messages\nassumed: {LATENCY:.0e} s a message, {CALL:.0e} s a call, "
-        f"{BANDWIDTH:.0e} bytes a second"
+        f"{BANDWIDTH:.0e} bytes per second"
     )
     print(" ranks     weak, 1,000,000 each         strong, 1,000,000 in all")
     print("              ms   efficiency         own   ghosts         ms   efficiency")

@@ -36,7 +36,7 @@ STEPS = 3
 
 
 def count(scene: str, particles: int, folder: Path) -> dict[str, float]:
-    """Instructions a particle and step of each stage."""
+    """Instructions per particle and step of each stage."""
     out = folder / f"callgrind.{scene}"
     arguments = [scene, str(particles), str(SCENES[scene]), str(STEPS)]
     options = [f"--callgrind-out-file={out}", "--toggle-collect=*timed_step*"]
@@ -68,7 +68,7 @@ def main() -> None:
     folder.mkdir(exist_ok=True)
     rows: list[dict[str, object]] = []
     for scene in SCENES:
-        print(f"{scene}, {options.count:,} particles: instructions a particle and step")
+        print(f"{scene}, {options.count:,} particles: instructions per particle and step")
         for stage, each in count(scene, options.count, folder).items():
             print(f"  {stage:10} {each:10,.0f}")
             rows.append(

@@ -53,7 +53,7 @@ def by_count(rows: list[Row], value: Callable[[Row], float]) -> str:
 
 
 def each(row: Row) -> float:
-    """Return nanoseconds a shape."""
+    """Return nanoseconds per shape."""
     return 1e9 * float(row["median_s"]) / int(row["count"])
 
 
@@ -128,7 +128,13 @@ def growth(rows: list[Row]) -> str:
         ]
         for count, own in pairs.items()
     )
-    head = ["discs", "ns a disc, 1 thread", "2 threads", "peak bytes a disc, 1 thread", "2 threads"]
+    head = [
+        "discs",
+        "ns per disc, 1 thread",
+        "2 threads",
+        "peak bytes per disc, 1 thread",
+        "2 threads",
+    ]
     slopes = [slope([own[threads] for own in pairs.values()]) for threads in ("1", "2")]
     grows = (
         f"Time grows as n^{slopes[0]:.2f} from 10,000 discs on, n^{slopes[1]:.2f} on two threads."

@@ -1,8 +1,9 @@
 """Check that terms which the project has replaced do not come back: `python docs/check_words.py`.
 
 CONTRIBUTING.md asks for plain technical English in the terms of the field. Each row below is a
-regular expression (whole words, any case, across line breaks) and its replacement. Identifiers are
-checked, too: `deeds` is found in `session.deeds`, but not in `indeed`.
+regular expression (whole words, any case, across line breaks) and its replacement; `EXCEPT_IN`
+adds the folders in which a word is allowed. Identifiers are checked, too: `deeds` is found in
+`session.deeds`, but not in `indeed`.
 """
 
 from __future__ import annotations
@@ -46,80 +47,67 @@ EVERYWHERE = {
     r"what the colours tell": "colour by",
     r"waits for nothing": "never blocks",
     r"come what may": "in any case",
-    r"push apart": "position correction, separate",
     r"the seam": "periodic boundary",
     r"nobody sees": "hidden, without a display",
     r"can(?:not)? be had": "is (not) available",
     r"on the way|on its way|in its way": "along the path",
     r"their way": "their displacement",
     r"in no way": "out of range",
-}
-
-# Words that other parts of the project still contain, or use in another sense. A folder is added
-# to APP or TEXTS when it is clean; a word moves to EVERYWHERE when all folders are.
-IN_APP = {
     r"(?<!resize_)grip": "drag state",
-    r"beads": "discs of a wall",
-    r"(?:any|some|every)body": "the user, the caller",
-    r"is gone|are gone": "does not exist",
-    r"asked for|asks for": "requested",
-    r"frames a second|steps a second|ms a step": "per second, per step",
-    r"told apart|tells apart": "distinguished, significantly different",
     r"the last half minute": "rewind, the last 30 s",
-}
-APP = ("python/jostle/app/", "python/jostle/tune/", "python/jostle/bench/", "python/jostle/cli/")
-
-IN_TEXTS = {
-    r"anew": "again",
-    r"asks for|asked for": "requires, requests",
-    r"(?:any|some|every)body|nobody|whoever": "the user, the caller",
     r"told apart|tells apart": "distinguished, significantly different",
-    r"is gone|are gone": "does not exist",
-    r"goes on|go on": "continues",
+    r"asked for|asks for": "requires, requests",
     r"gives? back": "returns",
     r"cut to whole": "truncated to",
     r"world of its own": "a separate world",
     r"who is|who are": "which",
-    r"living": "dynamic",
+    r"push(?:es|ed|ing)? (?:\w+ )?apart": "position correction, separate",
+    r"(?<!=)not movable": "immovable: static or kinematic",
+    r"look(?:s|ing)? for": "search for",
+    r"questions? (?:to|of)": "query",
+    r"at wall": "wall contact",
+    r"(?:a little|lose) way|never speed": "displacement",
+    r"waits? for none": "never blocks",
+    r"to and fro": "back and forth",
 }
-"""Words that the core and its tests still contain."""
-TEXTS = (
-    *("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/", "examples/"),
-    *(f"python/jostle/{name}" for name in ("__init__", "_core.pyi", "arcade", "article", "pygame")),
-    *(f"python/jostle/{name}" for name in ("pyqtree", "results", "scenes", "sprites", "walls")),
-    "benchmarks/",
-)
 
+CORE, APP = "crates/jostle/", "python/jostle/app/"
+TESTS = ("crates/jostle/tests/", "tests/")
 
-class Words:
-    """Expressions and their replacements, found in one pass over a text."""
+UNITS = "ns|µs|ms|bytes|nanoseconds|milliseconds|frames|steps"
+EXCEPT_IN: dict[str, tuple[str, tuple[str, ...]]] = {
+    # Comments in these folders still contain them and are to be changed.
+    r"anew": ("again", (CORE, APP, *TESTS)),
+    r"goes on|go on": ("continues", (CORE, *TESTS)),
+    rf"(?:{UNITS}) an? (?:second|step|frame|disc|shape)": ("per second, per step", (CORE, *TESTS)),
+    r"order of the tree": ("Morton order", (CORE,)),
+    # Identifiers in these folders contain them.
+    r"(?:any|some|every)body|nobody|whoever": ("the user, the caller", TESTS),
+    r"(?:is|are) gone": ("does not exist", TESTS),
+    r"living": ("dynamic", (APP, *TESTS)),
+    r"meetings?": ("time of impact", (CORE,)),
+    # Constants and variables of the scenes are named so.
+    r"beads": ("discs of a wall", (CORE, *TESTS)),
+}
+"""Words, their replacements, and the beginnings of the names of files in which they are allowed."""
 
-    def __init__(self, words: dict[str, str]) -> None:
-        spaces = (
-            r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"  # or a line break and a comment sign
-        )
-        either = "|".join(f"({word.replace(' ', spaces)})" for word in words)
-        self.pattern = re.compile(rf"(?<![^\W_])(?:{either})(?![^\W_])", re.IGNORECASE)
-        self.replacements = list(words.values())
+#: A space, or a line break and a comment sign.
+SPACE = r"(?:[ \t]*\n[ \t]*(?:///?!?|#|\"|>)?[ \t]*| )"
 
-    def findings(self, text: str) -> Iterator[tuple[re.Match[str], str]]:
-        """Yield each match and its replacement."""
-        for match in self.pattern.finditer(text):
-            assert match.lastindex is not None
-            yield match, self.replacements[match.lastindex - 1]
-
-
-WORDS = [(("",), Words(EVERYWHERE)), (APP, Words(IN_APP)), (TEXTS, Words(IN_TEXTS))]
-"""Beginnings of the names of files, and the words that must not be in them."""
+WORDS = {**{word: (instead, ()) for word, instead in EVERYWHERE.items()}, **EXCEPT_IN}
+REPLACEMENTS = list(WORDS.values())
+EITHER = "|".join(f"({word.replace(' ', SPACE)})" for word in WORDS)
+PATTERN = re.compile(rf"(?<![^\W_])(?:{EITHER})(?![^\W_])", re.IGNORECASE)
 
 
 def findings(name: str, text: str) -> Iterator[str]:
     """Yield a message for each replaced term in a file."""
-    for part, words in WORDS:
-        for match, replacement in words.findings(text) if name.startswith(part) else ():
+    for match in PATTERN.finditer(text):
+        assert match.lastindex is not None
+        instead, folders = REPLACEMENTS[match.lastindex - 1]
+        if not name.startswith(folders):
             line = text.count("\n", 0, match.start()) + 1
-            term = " ".join(match[0].split())
-            yield f'{name}:{line}: "{term}" is now: {replacement}'
+            yield f'{name}:{line}: "{" ".join(match[0].split())}" is now: {instead}'
 
 
 def files() -> list[str]:

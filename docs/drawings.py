@@ -105,7 +105,7 @@ def leaf_of_each(nodes: jostle.Nodes, centers: Numbers) -> Numbers:
 
 
 def colors_of(leaves: Numbers) -> list[str]:
-    """Return one colour for each leaf; neighbours in the order of the tree differ."""
+    """Return one colour for each leaf; neighbours in Morton order differ."""
     number = {leaf: k for k, leaf in enumerate(dict.fromkeys(leaves.tolist()))}
     return [LEAVES[number[leaf] % len(LEAVES)] for leaf in leaves.tolist()]
 

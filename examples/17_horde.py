@@ -13,7 +13,7 @@ radii = rng.choice([2.5, 3.5, 5.0, 8.0], n, p=[0.4, 0.4, 0.17, 0.03])
 speeds = rng.uniform(0.4, 1.2, (n, 1))
 is_player = np.arange(n + 1) == n
 sizes = np.append(radii, 18.0)  # the player is the last disc: nothing pushes it
-weights = sizes**2  # small ones give way to large ones
+weights = sizes**2  # small discs move more than large ones
 
 for screen in show.frames("A horde", until=240):
     player = np.array(pygame.mouse.get_pos(), float)

@@ -23,7 +23,7 @@ ids = space.add([(20 + 19 * k, 20) for k in range(40)], 2.0, (4, 7), categories=
 velocities, speeds = np.zeros((40, 2)), rng.choice([-1, 1], 40) * rng.uniform(1, 3, 40)
 
 for frame, screen in enumerate(show.frames("A platformer", until=170)):
-    space.move(lift, (385, 240 + 110 * np.cos(frame / 40)))  # it carries those who stand on it
+    space.move(lift, (385, 240 + 110 * np.cos(frame / 40)))  # it carries the runners on it
     velocities[:, 0] = speeds
     velocities[:, 1] += 0.5
     slides = space.move_and_slide(ids, velocities, mask=WALL | LEDGE, one_way=LEDGE)

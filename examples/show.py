@@ -36,7 +36,7 @@ if _asked.picture:
 
 
 def frames(title: str, until: int = 120) -> Iterator[Any]:
-    """Open a window and yield it, cleared, sixty times a second, until it is closed.
+    """Open a window and yield it, cleared, sixty times per second, until it is closed.
 
     With `--picture`, `until` is the number of frames before it is saved.
     """

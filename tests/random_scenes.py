@@ -152,7 +152,7 @@ def is_free(world: jostle.World, positions: Floats, distance: float) -> NDArray[
 
 
 def main() -> int:
-    """Search as many scenes as the command line asks for; return 1 if there are faults."""
+    """Search as many scenes as the command line gives; return 1 if there are faults."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     with ProcessPoolExecutor() as pool:
         results = list(pool.map(find_faults, range(count), chunksize=16))

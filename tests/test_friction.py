@@ -37,7 +37,7 @@ def test_friction_and_rotation_are_columns() -> None:
     )
     assert world.friction.tolist() == [0.5, 0.5, 0.5]
     assert world.angles.tolist() == [0, 1, -1]
-    assert world.angular_velocities.tolist() == [2, 0, 3]  # the last is not movable
+    assert world.angular_velocities.tolist() == [2, 0, 3]  # the last is immovable
     assert world.kinetic_energy == 0.5 * (1 * 1**2 / 2) * 2**2
     ids = world.add([(30, 0), (40, 0)], [(0, 0)] * 2, 1, friction=[1, 2], angular_velocities=-1)
     assert world.friction[ids].tolist() == [1, 2]

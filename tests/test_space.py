@@ -386,7 +386,7 @@ def test_stayed_asked_too_late_says_so() -> None:
     events = space.update()
     space.update()
     assert events.entered.tolist() == events.left.tolist() == []
-    with pytest.raises(RuntimeError, match=r"^stayed is worked out when it is first asked for, "):
+    with pytest.raises(RuntimeError, match=r"^stayed is computed when it is first read, "):
         _ = events.stayed
 
 

@@ -1,4 +1,4 @@
-//! Tells the program how it was built: figures are worth little without it.
+//! Passes the settings of the build to the program, which prints them with its figures.
 
 use std::env;
 use std::process::Command;

@@ -297,7 +297,8 @@ def find_pairs(
 class RankError(RuntimeError):
     """Another rank could not do its part of a call, so no rank completes it.
 
-    The rank with the cause raises the cause itself. The others raise this error with the number of that rank and its message.
+    The rank with the cause raises the cause itself. The others raise this error with the number
+    of that rank and its message.
     """
 
 def begin_hash(total: int) -> int:
@@ -398,10 +399,10 @@ def separate(
 ) -> Separated:
     """Move shapes apart until none overlap.
 
-    Overlapping pairs move apart along their contact normals, each shape as far as its weight
-    says, in repeated rounds over all near pairs. Where many more shapes lie than fit, the region
-    is enlarged first. A few shapes that still overlap move to the nearest free positions. Shapes
-    that overlap nothing stay where they are, unless others push them.
+    Overlapping pairs move apart along their contact normals, in repeated rounds over all near
+    pairs. Of each pair the shape with the larger weight moves less. A region with more shapes than
+    fit into it is enlarged first. A few shapes that still overlap move to the nearest free
+    positions. Shapes that overlap nothing do not move, unless others push them.
 
     Parameters
     ----------
@@ -437,7 +438,7 @@ def separate(
     Returns
     -------
     Separated
-        The new positions, and what is left.
+        The new positions, and the number of remaining overlaps.
 
         centers : ndarray of float32 or float64, shape (n, 2)
             The new centres.
@@ -1211,6 +1212,10 @@ class Quadtree:
             If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
             there are more than 134217728 hits.
 
+        See Also
+        --------
+        raycast : The first shape alone.
+
         Examples
         --------
         >>> import jostle
@@ -1294,6 +1299,10 @@ class Quadtree:
         ValueError
             If a number is not finite, a direction is (0, 0), a size is out of range, or
             `max_distance` is negative.
+
+        See Also
+        --------
+        circle_cast : The same for a disc.
 
         Examples
         --------
@@ -1471,7 +1480,7 @@ class Space:
     A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
     ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
     Each shape has an id, which is never used again for another shape. The cost depends on the
-    shapes that change: a million shapes at rest cost almost nothing beside a thousand that move.
+    shapes that change: a million shapes at rest cost much less than a thousand that move.
     Every query includes all previous changes.
 
     Parameters
@@ -1768,11 +1777,21 @@ class Space:
         Returns
         -------
         Slides or Slide
-            One `Slide` for one id. displacements : how far each shape has moved; remaining : the
-            displacements without their components into the obstacles, for the velocity of the next
-            step; hits : the ids of the obstacles that each has met; normals : one for each hit;
-            on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the last
-            floor, or -1. A wall has the number -2 minus its index.
+            One `Slide` for one id.
+
+            displacements : ndarray of the space's dtype, shape (k, 2)
+                How far each shape has moved.
+            remaining : ndarray of the space's dtype, shape (k, 2)
+                The displacements that were given, without their components into the obstacles:
+                divided by the duration of the step, the velocities for the next step.
+            normals : ndarray of the space's dtype, shape (m, 2)
+                Unit normal of each hit, towards the shape.
+            on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
+                Whether each shape has met one.
+            hits : Hits
+                Ids of the obstacles that each shape has met; -2 minus its index for a wall.
+            floors : ndarray of int64, shape (k,)
+                Id of the last floor, as in `hits`; -1 if there is none.
 
         Raises
         ------
@@ -1790,17 +1809,17 @@ class Space:
 
         Notes
         -----
-        Shapes of one call that may meet move one after another, in the order of `ids`, but a floor
-        before what stands on it; the order of others has no effect. A shape that overlaps obstacles
-        at the start, because they have moved, is first moved out of them; those that it cannot leave
-        do not stop it.
+        Shapes of one call that may meet move one after another, in the order of `ids`, except that a
+        floor moves before the shapes that stand on it. The order of other shapes has no effect. A
+        shape that overlaps obstacles at the start, because they have moved, is first moved out of
+        them. Obstacles that it cannot leave do not stop it.
 
         A shape that met a floor in its last call is carried by it: if the floor has moved since, the
-        shape moves by the same vector first. If the floor moves in the same call, it first pushes what
-        stands on it out of its way, and what cannot move on stops it. So a shape comes to overlap no
-        obstacle, except a floor that carries it to where something else stops it, and that does not
-        stop: a floor that was moved before the call, or one of the call if `mask` leaves out the
-        category of the shape. What stops a shape that is carried or pushed is in `hits` too.
+        shape moves by the same vector first. A floor that moves in the same call first pushes the
+        shapes that stand on it; one that cannot move stops the floor. So no shape moves into an
+        obstacle. There is one exception: a floor may carry a shape against another obstacle and
+        overlap it there. This happens if the floor was moved before the call, or if `mask` leaves
+        out the category of the shape. `hits` includes what stops a shape that is carried or pushed.
 
         Examples
         --------
@@ -2534,6 +2553,10 @@ class Space:
             If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
             there are more than 134217728 hits.
 
+        See Also
+        --------
+        raycast : The first shape alone.
+
         Examples
         --------
         >>> import jostle
@@ -2618,6 +2641,10 @@ class Space:
         ValueError
             If a number is not finite, a direction is (0, 0), a size is out of range, or
             `max_distance` is negative.
+
+        See Also
+        --------
+        circle_cast : The same for a disc.
 
         Examples
         --------
@@ -3039,15 +3066,15 @@ class World:
         In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
         `friction` is one number, it is also the default of particles that are added later.
     masses : array_like, a number or shape (n,), optional
-        Above 0. If omitted, density times radius squared, as in the article; required for
-        a particle of radius 0.
+        In units of mass, above 0. If omitted, density times radius squared, without π, as in the
+        article; required for a particle of radius 0.
     densities : array_like, a number or shape (n,), default 1.0
-        Used if `masses` are omitted.
+        Mass over radius squared; used if `masses` are omitted.
     movable : array_like of bool, one or shape (n,), optional
         Whether contacts and forces can change the velocity of the particle. If omitted, all are
-        movable. A particle that is not movable keeps the velocity and the angular velocity that it
-        is given: without any it is static, else kinematic. It pushes others and is not pushed,
-        and walls and the container do not stop it.
+        movable. An immovable particle keeps the velocity and the angular velocity that it is given:
+        if both are 0 it is static, else kinematic. It pushes others and is not pushed, and walls
+        and the container do not stop it.
     gravity : array_like, shape (2,), default (0.0, 0.0)
         Acceleration, in units of length per second squared.
     drag : float, default 0.0
@@ -3104,10 +3131,10 @@ class World:
         step, at their centre of mass: area, mass and momentum are summed, restitution and
         friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
         merged particle has all bits of their categories and masks. If one has friction or rotates,
-        angular momentum is conserved. If some of the particles are not movable, the merged
-        particle is not movable either and has the place and the velocity of the heaviest of
-        these; momentum is lost. Particles do not merge if the
-        result would not fit into the container. "ignore" lets them pass through each other.
+        angular momentum is conserved. If some of the particles are immovable, so is the merged
+        one, which has the position and the velocity of the heaviest of these; momentum is lost.
+        Particles do not merge if the result would not fit into the container. "ignore" lets them
+        pass through each other.
     method : {"quadtree", "brute"}, default "quadtree"
         How pairs are found; the pairs are the same.
     threads : int, optional
@@ -3230,9 +3257,9 @@ class World:
         Raises
         ------
         ValueError
-            If `dt` is not finite and above 0, if a particle would move too far, if too many
-            particles are in one place, or if a number would become infinite or NaN; then the
-            message names the particle.
+            If `dt` is not finite and above 0, if too many particles are in one place, if a particle
+            would move too far, or if one of its numbers would become infinite or NaN. In the last
+            two cases the message names the particle.
         KeyboardInterrupt
             After Ctrl-C, within a fraction of a second also during a long step.
 
@@ -3283,7 +3310,7 @@ class World:
             Required if no number was given for all particles.
         masses : array_like, a number or shape (k,), optional
             If omitted and no number was given for all particles, or if `densities` are given,
-            density times radius squared.
+            density times radius squared, without π.
         densities : array_like, a number or shape (k,), optional
             1.0 if no number was given to `World`.
         restitutions : array_like, a number or shape (k,), optional
@@ -3683,7 +3710,7 @@ class World:
     def radii(self, value: ArrayLike) -> None: ...
     @property
     def masses(self) -> NDArray[np.float32]:
-        """Masses: ndarray of float32, shape (n,), a read-only copy.
+        """Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
 
         To change all, assign an array or one number; to change some, use `set`.
         """
@@ -3814,9 +3841,9 @@ class World:
         A sensor and another particle pass through each other; `contacts` and `events` report that
         they touch, without impulses. A disc that passes through a sensor within a step, at any
         speed, is found too: it has entered and left. Walls, the container and forces act on sensors
-        that are movable, as on other particles; one with ``movable=False`` stays where it is put or
-        moves with its velocity, and reports other particles that are not movable, too. Two sensors
-        report each other if one is movable. Categories and masks determine what they report. They
+        that are movable, as on other particles. One with ``movable=False`` stands still or moves with
+        its velocity, and also reports other immovable particles. Two sensors report each other if
+        one is movable. Categories and masks determine what they report. They
         never merge.
 
         To change all, assign an array or one bool; to change some, use `set`.
@@ -4065,16 +4092,19 @@ class World:
 
         An island of particles that touch or nearly touch falls asleep under gravity if each of them
         rests on something and has been slow for half a second, and if their motion is steady and
-        does not grow.
-        Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
-        those of the last step in which they were awake. An island wakes if a moving particle comes
-        so near that it could touch it in the step, or if one of its particles is changed or removed
-        (also if `world.positions` is assigned: to move a few, use `world.set`).
-        All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
-        `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
-        velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-        asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall moves, or with
-        another `on_touch` than "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+        does not grow. Sleeping particles do not move, and cost almost nothing. `contacts` and
+        `wall_contacts` keep those of the last step in which they were awake.
+
+        An island wakes if a moving particle could touch it in the step, or if one of its particles
+        is changed or removed (also if `world.positions` is assigned: to move a few, use
+        `world.set`). All islands wake if the forces, an immovable particle or a setting other than
+        `method`, `threads`, `leaf_capacity` and `max_depth` changes, or if an immovable particle is
+        added. If only the velocities of an immovable particle change, the islands that touch it
+        wake.
+
+        Nothing falls asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall
+        moves, or with an `on_touch` other than "bounce". Immovable particles are never asleep, and
+        nothing sleeps on a kinematic one.
 
         See Also
         --------
@@ -4126,11 +4156,12 @@ class World:
         """
     @property
     def contacts(self) -> WorldContacts:
-        """The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2) of ids,
-        ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
-        its end, negative for pairs that had separated, and the sums of the impulses of the step
-        along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
-        `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+        """The pairs that touched during the last step, a `WorldContacts`; if `on_touch` is not
+        "bounce", the pairs that overlap now, without impulses.
+
+        It has `pairs` (m, 2) of ids, ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,),
+        the penetration at the end of the step, negative for pairs that had separated. The sums of
+        the impulses of the step are `normal_impulses` and `friction_impulses` (m,).
 
         See Also
         --------
@@ -4177,8 +4208,8 @@ class World:
 
         Particles touch if they collide, if the gap between them is at most the rounding of float32,
         or if a resting contact presses them together. Particles that pass through each other,
-        sensors among them, touch if they overlap at any time of the call. Two that are not movable
-        touch only if just one is a sensor.
+        sensors among them, touch if they overlap at any time of the call. Two immovable
+        particles touch only if exactly one of them is a sensor.
 
         Raises
         ------
@@ -4914,10 +4945,20 @@ class PairForce:
         TypeError, ValueError
             As for `PairForce`.
 
+        See Also
+        --------
+        World.potential_energy : The sum of these potentials, among others.
+
         Notes
         -----
         With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by
-        less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not also collide as discs.
+        less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not
+        also collide as discs.
+
+        References
+        ----------
+        J. E. Jones, *On the determination of molecular fields II*, Proceedings of the Royal Society A
+        106, 463 (1924).
 
         Examples
         --------
@@ -4954,6 +4995,10 @@ class PairForce:
         ------
         TypeError, ValueError
             As for `PairForce`.
+
+        See Also
+        --------
+        separate : Moves shapes apart without forces.
 
         Examples
         --------
@@ -5244,8 +5289,8 @@ class ThermalWalls:
         Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
         particle, in units of mass times length² per second².
     sides : array_like of int, shape (k,), optional
-        Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-        0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+        Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y.
+        The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
         is given.
     seed : int, default 0
         Seed of the random numbers, below 2³².
@@ -5636,8 +5681,8 @@ def scene_wall(start: _Point, end: _Point, radius: _Number) -> NDArray[np.float3
     Examples
     --------
     >>> import jostle
-    >>> beads = jostle.scenes.wall((0, 0), (30, 40), radius=5)
-    >>> beads.shape
+    >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
+    >>> centers.shape
     (26, 2)
-    >>> world = jostle.World(beads, 0 * beads, 5, movable=False)
+    >>> world = jostle.World(centers, 0 * centers, 5, movable=False)
     """

@@ -46,7 +46,7 @@ def handled() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = hook
-        _state = _State()  # whoever calls `check` later is not interrupted
+        _state = _State()  # later calls of `check` do not raise
         if signal.getsignal(signal.SIGINT) is _press:
             signal.signal(signal.SIGINT, before)
 

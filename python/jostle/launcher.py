@@ -1,10 +1,10 @@
-"""What the launcher of MPI tells its processes, before MPI is imported."""
+"""What the launcher of MPI sets in the environment, read before MPI is imported."""
 
 from __future__ import annotations
 
 import os
 
-#: Variables by which launchers tell processes how many there are, and the number of each.
+#: Variables of launchers: the number of processes, and the rank of this one.
 _SIZES = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS", "SLURM_STEP_NUM_TASKS")
 _RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "MPI_LOCALRANKID", "SLURM_PROCID")
 

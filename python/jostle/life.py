@@ -122,6 +122,10 @@ def random_matrix(
     ValueError
         If the number of kinds is out of range.
 
+    See Also
+    --------
+    jostle.PairForce.particle_life : Makes a force of a matrix.
+
     Examples
     --------
     >>> import jostle.life
@@ -164,6 +168,10 @@ def core_of(force: PairForce) -> float:
     ValueError
         If it is another force than that of particle life.
 
+    See Also
+    --------
+    matrix_of : The matrix of the force.
+
     Examples
     --------
     >>> import jostle, jostle.life
@@ -199,6 +207,10 @@ def matrix_of(force: PairForce) -> NDArray[np.float64] | None:
     -------
     ndarray of float64, shape (K, K), or None
         Attraction of kind a (row) by kind b (column).
+
+    See Also
+    --------
+    core_of : The argument `core` of the force.
 
     Examples
     --------

@@ -214,6 +214,10 @@ class RayHitLists(NamedTuple):
         Distances to their surfaces.
     normals : ndarray of float32 or float64, shape (m, 2)
         Unit vectors that point away from the shapes; (0, 0) where a ray starts in the shape.
+
+    See Also
+    --------
+    jostle.Quadtree.raycast_all, jostle.Space.raycast_all : Return it for many rays.
     """
 
     offsets: NDArray[np.int64]
@@ -601,6 +605,10 @@ class WorldStats(NamedTuple):
     collapsed : int
         Times that the collisions of a particle became elastic for the rest of a part of the step,
         because it had 64 collisions in it (inelastic collapse).
+
+    See Also
+    --------
+    jostle.World.stats : Returns it.
     """
 
     nodes: int
@@ -628,6 +636,10 @@ class GaltonBoard(NamedTuple):
         The y of the bottom of the bins.
     ball_radius : float
         Radius of the balls.
+
+    See Also
+    --------
+    jostle.scenes.galton_board : Returns it.
     """
 
     rows: int
@@ -656,6 +668,10 @@ class Nozzle(NamedTuple):
         Mass divided by the squared radius.
     drops_per_second : float
         Number of drops per second.
+
+    See Also
+    --------
+    jostle.scenes.fountains : Returns a list of them.
     """
 
     position: tuple[float, float]

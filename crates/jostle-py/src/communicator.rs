@@ -14,7 +14,7 @@ create_exception!(
     RankError,
     PyRuntimeError,
     "Another rank could not do its part of a call, so no rank completes it.\n\n\
-     The rank with the cause raises the cause itself. The others raise this error with the number \
+     The rank with the cause raises the cause itself. The others raise this error with the number\n\
      of that rank and its message."
 );
 

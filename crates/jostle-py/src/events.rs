@@ -85,8 +85,8 @@ impl PyEvents {
             let stayed = space.map_or(Ok(None), |space| space.stayed(py, &self.events))?;
             stayed.ok_or_else(|| {
                 PyRuntimeError::new_err(
-                    "stayed is worked out when it is first asked for, and the space has been \
-                     updated since; ask before the next update",
+                    "stayed is computed when it is first read, and the space has been updated \
+                     since; read it before the next update",
                 )
             })
         })

@@ -308,10 +308,10 @@ pub fn galton_board<'py>(
 /// Examples
 /// --------
 /// >>> import jostle
-/// >>> beads = jostle.scenes.wall((0, 0), (30, 40), radius=5)
-/// >>> beads.shape
+/// >>> centers = jostle.scenes.wall((0, 0), (30, 40), radius=5)
+/// >>> centers.shape
 /// (26, 2)
-/// >>> world = jostle.World(beads, 0 * beads, 5, movable=False)
+/// >>> world = jostle.World(centers, 0 * centers, 5, movable=False)
 #[pyfunction]
 pub fn wall<'py>(
     py: Python<'py>,
@@ -320,8 +320,8 @@ pub fn wall<'py>(
     radius: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (start, end) = (point("start", start)?, point("end", end)?);
-    let beads = scenes::wall(start, end, number("radius", radius)? as f32);
-    table(py, beads.map_err(refused)?)
+    let centers = scenes::wall(start, end, number("radius", radius)? as f32);
+    table(py, centers.map_err(refused)?)
 }
 
 fn scene(name: &Bound<'_, PyAny>) -> PyResult<&'static jostle::scenes::Scene> {

@@ -15,10 +15,10 @@ use crate::shapes::{Rows, Shapes};
 
 /// Move shapes apart until none overlap.
 ///
-/// Overlapping pairs move apart along their contact normals, each shape as far as its weight
-/// says, in repeated rounds over all near pairs. Where many more shapes lie than fit, the region
-/// is enlarged first. A few shapes that still overlap move to the nearest free positions. Shapes
-/// that overlap nothing stay where they are, unless others push them.
+/// Overlapping pairs move apart along their contact normals, in repeated rounds over all near
+/// pairs. Of each pair the shape with the larger weight moves less. A region with more shapes than
+/// fit into it is enlarged first. A few shapes that still overlap move to the nearest free
+/// positions. Shapes that overlap nothing do not move, unless others push them.
 ///
 /// Parameters
 /// ----------
@@ -54,7 +54,7 @@ use crate::shapes::{Rows, Shapes};
 /// Returns
 /// -------
 /// Separated
-///     The new positions, and what is left.
+///     The new positions, and the number of remaining overlaps.
 ///
 ///     centers : ndarray of float32 or float64, shape (n, 2)
 ///         The new centres.

@@ -36,7 +36,7 @@ pub use saved::restore_space;
 /// A shape is a rounded box: every point within `radius` of its core, the axis-aligned box
 /// ``center ± half_size`` or one of `boxes`. A circle has half size 0, a rectangle radius 0.
 /// Each shape has an id, which is never used again for another shape. The cost depends on the
-/// shapes that change: a million shapes at rest cost almost nothing beside a thousand that move.
+/// shapes that change: a million shapes at rest cost much less than a thousand that move.
 /// Every query includes all previous changes.
 ///
 /// Parameters

@@ -49,15 +49,15 @@ pub use ranks::{begin_hash, checksum, hash_records};
 ///     In units of length: 0, or between 1e-18 and 1e18. If `radii`, `masses`, `densities` or
 ///     `friction` is one number, it is also the default of particles that are added later.
 /// masses : array_like, a number or shape (n,), optional
-///     Above 0. If omitted, density times radius squared, as in the article; required for
-///     a particle of radius 0.
+///     In units of mass, above 0. If omitted, density times radius squared, without π, as in the
+///     article; required for a particle of radius 0.
 /// densities : array_like, a number or shape (n,), default 1.0
-///     Used if `masses` are omitted.
+///     Mass over radius squared; used if `masses` are omitted.
 /// movable : array_like of bool, one or shape (n,), optional
 ///     Whether contacts and forces can change the velocity of the particle. If omitted, all are
-///     movable. A particle that is not movable keeps the velocity and the angular velocity that it
-///     is given: without any it is static, else kinematic. It pushes others and is not pushed,
-///     and walls and the container do not stop it.
+///     movable. An immovable particle keeps the velocity and the angular velocity that it is given:
+///     if both are 0 it is static, else kinematic. It pushes others and is not pushed, and walls
+///     and the container do not stop it.
 /// gravity : array_like, shape (2,), default (0.0, 0.0)
 ///     Acceleration, in units of length per second squared.
 /// drag : float, default 0.0
@@ -114,10 +114,10 @@ pub use ranks::{begin_hash, checksum, hash_records};
 ///     step, at their centre of mass: area, mass and momentum are summed, restitution and
 ///     friction are the means weighted by mass, and the id is the smallest, see `renumbered`. The
 ///     merged particle has all bits of their categories and masks. If one has friction or rotates,
-///     angular momentum is conserved. If some of the particles are not movable, the merged
-///     particle is not movable either and has the place and the velocity of the heaviest of
-///     these; momentum is lost. Particles do not merge if the
-///     result would not fit into the container. "ignore" lets them pass through each other.
+///     angular momentum is conserved. If some of the particles are immovable, so is the merged
+///     one, which has the position and the velocity of the heaviest of these; momentum is lost.
+///     Particles do not merge if the result would not fit into the container. "ignore" lets them
+///     pass through each other.
 /// method : {"quadtree", "brute"}, default "quadtree"
 ///     How pairs are found; the pairs are the same.
 /// threads : int, optional

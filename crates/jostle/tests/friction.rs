@@ -445,7 +445,7 @@ fn contacts_carry_the_weight_of_discs_at_rest() {
     let floor: f32 = world.wall_contacts().iter().map(|touch| touch.normal_impulse).sum();
     assert!((f64::from(floor) / STEP / (3.0 * weight) - 1.0).abs() < 1e-4, "{floor}");
     assert_eq!(world.wall_contacts().iter().map(|touch| touch.wall).collect::<Vec<_>>(), [2, 2]);
-    // The two below push the third up and are pushed apart, which friction balances.
+    // The two below push the third up and are pushed outwards, which friction balances.
     assert!(world.wall_contacts()[0].friction_impulse < -1e-4);
     assert!(world.wall_contacts()[1].friction_impulse > 1e-4);
 }

@@ -1,4 +1,4 @@
-//! Every question to a tree against brute force, on shapes made to break it.
+//! Every query of a tree against brute force, on hard cases.
 
 use jostle::query::{
     self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, Rect, Region,

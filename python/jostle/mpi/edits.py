@@ -111,7 +111,7 @@ def _vectors(
     if array.size and array.dtype.kind not in "biuf":
         raise TypeError(f"{name} must hold real numbers, not {array.dtype}")
     if array.shape != shape and not array.size == count == 0:
-        raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
+        raise ValueError(f"{name} has shape {array.shape}; it must be {shape}")
     vectors = array.reshape(count, 2).astype(np.float32)
     wrong = np.flatnonzero(~(np.abs(vectors) <= _FARTHEST).all(axis=1))
     if len(wrong):

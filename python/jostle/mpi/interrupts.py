@@ -1,4 +1,4 @@
-"""Signal handlers during calls that communicate: they run when all ranks can be told."""
+"""Signal handlers during calls that communicate: they run when all ranks can raise together."""
 
 from __future__ import annotations
 

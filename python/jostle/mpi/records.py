@@ -48,7 +48,7 @@ TOUCH = np.dtype(
         ("gap", "<f4"),
         ("impulses", "<f4", 2),
         ("totals", "<f4", 2),
-        ("reach", "<f4"),
+        ("contact_distance", "<f4"),
         ("touched", "?"),
         ("is_near", "?"),
     ]

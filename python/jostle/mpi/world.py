@@ -7,20 +7,18 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle._core import begin_hash, hash_records
 
-from . import edits
+from . import edits, state
 from .attributes import Column, Setting
 from .events import events_of, new_ids
 from .exchange import (
-    deliver,
     duplicate_of,
     first_id,
     from_all,
@@ -31,9 +29,7 @@ from .exchange import (
 )
 from .interrupts import collective, held
 from .messages import Messages
-from .records import PARTS, RECORD
-from .storage import by_ids, read, write
-from .sums import exact_sum
+from .storage import read, write
 
 #: Share of the last step in the mean time that a rank needs for a particle.
 _SMOOTHING = 0.1
@@ -71,7 +67,7 @@ class World:
         The ranks. All worlds of a communicator share one duplicate of it, which is freed with it,
         so they are used from one thread at a time, and not after the communicator is freed.
     positions, velocities : array_like, shape (n, 2)
-        Those of this rank's share, wherever they are; n may be 0. The ids count the particles of
+        Those of this rank's share, at any positions; n may be 0. The ids count the particles of
         rank 0 first, then those of rank 1, and so on.
     radii : array_like, a number or shape (n,)
         As for `jostle.World`.
@@ -270,7 +266,7 @@ class World:
         Parameters
         ----------
         positions, velocities : array_like, shape (k, 2)
-            Those that this rank adds, wherever they are; k may be 0.
+            Those that this rank adds, at any positions; k may be 0.
         radii : array_like, a number or shape (k,), optional
             Required if no number was given for all particles.
         **columns
@@ -303,7 +299,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            Those that this rank gives, of particles of any rank; k may be 0. Each particle is
             given at most once by all ranks together.
 
         Raises
@@ -326,7 +322,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. Each particle is
+            Those that this rank gives, of particles of any rank; k may be 0. Each particle is
             given at most once by all ranks together.
         **columns
             The columns of `jostle.World.set`, the same ones on all ranks.
@@ -352,7 +348,7 @@ class World:
         Parameters
         ----------
         ids : int or array_like of int, shape (k,)
-            Those that this rank gives, wherever the particles are; k may be 0. A call equals one of
+            Those that this rank gives, of particles of any rank; k may be 0. A call equals one of
             `jostle.World.force` with the ids of rank 0, then those of rank 1, and so on.
         forces : array_like, shape (k, 2), or (2,) for one id
             In units of mass times length per second², see `jostle.World.force`.
@@ -462,7 +458,7 @@ class World:
         return {**counts, "seconds": self._messages.seconds}
 
     gravity = Setting[tuple[float, float]]("Acceleration of gravity, (x, y).")
-    drag = Setting[float]("Loss of velocity per second, see `jostle.World.drag`.")
+    drag = Setting[float]("Linear damping per second, see `jostle.World.drag`.")
     restitution = Setting[float]("Coefficient of restitution of all contacts.")
     container = Setting[jostle.Box | jostle.Circle | jostle.Torus | None](
         "The region of the particles, see `jostle.World.container`."
@@ -516,15 +512,7 @@ class World:
         The exact sum, rounded once, so it is the same for every number of ranks. That of
         `jostle.World` is rounded after each addition and may differ in the last digits.
         """
-        rows = self._records()
-        rows = rows[rows["movable"]]
-        mass = rows["mass"].astype(np.float64)
-        x, y = rows["velocity"].astype(np.float64).T
-        surface = rows["radius"].astype(np.float64) * rows["angular_velocity"]
-        return exact_sum(
-            self._comm,
-            np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)]),
-        )
+        return state.kinetic_energy(self._comm, self._core)
 
     @property
     @collective
@@ -534,27 +522,13 @@ class World:
         It counts each `PairForce` that has a potential, and may differ from
         `jostle.World.potential_energy` in the last digits.
         """
-        rows = self._records()
-        moved = rows[rows["movable"]]
-        places = moved["position"].astype(np.float64)
-        along = places @ np.array(self.gravity, np.float32).astype(np.float64)
-        energy = exact_sum(self._comm, -moved["mass"].astype(np.float64) * along)
-        if not any(isinstance(force, jostle.PairForce) for force in self.forces):
-            return energy
-        # In a copy, because the ghosts of a step may lack particles within the cutoff.
-        rows = np.sort(rows, order="id", kind="stable")
-        copy: Any = self._core._of_records(rows.tobytes())
-        copy._distribute(self._messages, rows["id"].copy())
-        return energy + exact_sum(self._comm, np.array([copy._own_energy_of_pairs()]))
+        return state.potential_energy(self._comm, self._core, self._messages)
 
     @property
     @collective
     def momentum(self) -> tuple[float, float]:
         """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
-        rows = self._records()
-        rows = rows[rows["movable"]]
-        x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
-        return exact_sum(self._comm, x), exact_sum(self._comm, y)
+        return state.momentum(self._comm, self._core)
 
     @property
     def contacts(self) -> jostle.WorldContacts:
@@ -630,30 +604,8 @@ class World:
         -------
         int
             That of `jostle.World.state_hash` with the same particles in the order of ids.
-
-        Notes
-        -----
-        The particles are sent to ranks in the order of ids, and the ranks compute the hash one
-        after the other.
         """
-        rows = self._records()
-        size, total = self._comm.size, self.total
-        rows = by_ids(self._comm, rows, self._core._own_ids()[1])
-        defaults = {
-            1: ((rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0)),
-            2: ((rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF)),
-            3: rows["sensor"],
-        }
-        state = begin_hash(total)
-        for column in range(4):
-            is_any = column == 0 or self._comm.allreduce(bool(defaults[column].any()), MPI.LOR)
-            if not is_any:
-                continue
-            for rank in range(size):
-                if rank == self._comm.rank:
-                    state = hash_records(state, rows.tobytes(), column)
-                state = self._comm.bcast(state, root=rank)
-        return state
+        return state.state_hash(self._comm, self._core)
 
     @collective
     def gather(self, root: int = 0) -> jostle.World | None:
@@ -679,22 +631,7 @@ class World:
         with together(self._comm):
             if not 0 <= root < self._comm.size:
                 raise ValueError(f"root is {root}; it must be from 0 to {self._comm.size - 1}")
-        gathered = []
-        given = np.zeros(len(self), [("id", np.int64), ("acceleration", np.float32, 2)])
-        given["id"], given["acceleration"] = self.ids, self.accelerations
-        for rows in (*self._parts(), given):
-            to = [rows[:0]] * self._comm.size
-            to[root] = rows
-            gathered.append(np.sort(deliver(self._comm, to), order="id", kind="stable"))
-        if self._comm.rank != root:
-            return None
-        accelerations = gathered.pop()["acceleration"]
-        records, *kept = (rows.tobytes() for rows in gathered)
-        world: Any = self._core._of_records(records)
-        world._set_ids(gathered[0]["id"].copy(), self._core._own_ids()[1])
-        world._take_kept(*kept)
-        world.accelerations = accelerations
-        return cast(jostle.World, world)
+        return state.gathered(self._comm, self._core, root)
 
     @collective
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -716,7 +653,9 @@ class World:
         jostle.World.load : Reads the file in one process.
         """
         settings = self._core._of_records(b"").snapshot()
-        write(self._comm, Path(path), settings, self._core._own_ids()[1], self._parts())
+        write(
+            self._comm, Path(path), settings, self._core._own_ids()[1], state.parts_of(self._core)
+        )
 
     @classmethod
     def load(
@@ -743,7 +682,7 @@ class World:
         OSError
             If the file cannot be read.
         ValueError
-            If it does not contain a distributed world, or is cut off or damaged.
+            If it does not contain a distributed world, or is truncated or damaged.
 
         See Also
         --------
@@ -766,12 +705,3 @@ class World:
         core._distribute(self._messages, parts[0]["id"].copy())
         core._set_ids(parts[0]["id"].copy(), end)
         core._take_kept(*kept)
-
-    def _parts(self) -> list[NDArray[Any]]:
-        """The particles of this rank, and what the core keeps of them: all `PARTS`."""
-        parts = [self._core._own_records(), *self._core._own_kept()]
-        return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
-
-    def _records(self) -> NDArray[Any]:
-        """The particles of this rank."""
-        return np.frombuffer(self._core._own_records(), RECORD)

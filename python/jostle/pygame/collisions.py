@@ -112,6 +112,10 @@ def spritecollide(
     list of sprite
         In the order of the group.
 
+    See Also
+    --------
+    groupcollide : All sprites of one group against those of another.
+
     Notes
     -----
     For rects, one sprite against a group is as fast in pygame, so pygame's own function is
@@ -169,6 +173,10 @@ def spritecollideany(
     sprite or None
         None if nothing collides.
 
+    See Also
+    --------
+    spritecollide : All sprites that collide with one.
+
     Notes
     -----
     pygame's own function stops at the first hit and is the fastest, so it is called except
@@ -212,6 +220,10 @@ def selfcollide(
     -------
     list of tuple of two sprites
         Each pair once, in the order of the group.
+
+    See Also
+    --------
+    groupcollide : Two groups.
 
     Examples
     --------
@@ -261,6 +273,10 @@ def prefilter(collided: Collided, reach: float = 0.0) -> Prefilter:
         If `collided` is not callable, or `reach` is not a number.
     ValueError
         If `reach` is negative or not finite.
+
+    See Also
+    --------
+    groupcollide : Takes the result as `collided`.
 
     Notes
     -----

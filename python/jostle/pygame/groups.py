@@ -204,6 +204,10 @@ class Group(_AnyGroup):
         ValueError
             If a number of a rect is not finite.
 
+        See Also
+        --------
+        Snapshot : What it returns.
+
         Examples
         --------
         >>> import pygame
@@ -241,6 +245,10 @@ class Group(_AnyGroup):
         ------
         TypeError
             If `rect` is neither a rect nor a list, tuple or array of rects.
+
+        See Also
+        --------
+        collide_rect_objects : Many rects against rects that are in no group.
 
         Examples
         --------
@@ -280,6 +288,10 @@ class Group(_AnyGroup):
         ValueError
             If a number is not finite, `point` has another shape, or `k` or
             `max_distance` is out of range.
+
+        See Also
+        --------
+        Group.raycast : The first sprite in a direction.
 
         Examples
         --------
@@ -326,6 +338,10 @@ class Group(_AnyGroup):
         ValueError
             If a number is not finite, a direction is (0, 0), an argument has another
             shape, or `max_distance` is negative.
+
+        See Also
+        --------
+        Group.nearest : The nearest sprite in any direction.
 
         Examples
         --------

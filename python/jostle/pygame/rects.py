@@ -31,6 +31,10 @@ def collide_rect_objects(
     list of list
         For each rect the result of ``rect.collideobjectsall(objects, key=key)``.
 
+    See Also
+    --------
+    collide_rect_lists : Indices instead of objects.
+
     Examples
     --------
     >>> from pygame import Rect
@@ -58,6 +62,10 @@ def collide_rect_lists(rects: Iterable[Any], others: Iterable[Any]) -> list[list
     -------
     list of list of int
         For each rect the result of ``rect.collidelistall(others)``: indices, ascending.
+
+    See Also
+    --------
+    collide_rect_objects : Objects instead of indices.
 
     Examples
     --------

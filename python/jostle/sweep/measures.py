@@ -1,4 +1,4 @@
-"""What is measured in a run: a measure sees the world after each step and returns a number."""
+"""What is measured in a run: a measure reads the world after each step and returns a number."""
 
 from __future__ import annotations
 

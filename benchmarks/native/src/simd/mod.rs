@@ -1,8 +1,8 @@
 //! Vector instructions, chosen at run time: the only unsafe code of the package.
 //!
 //! A kernel tests one shape against its neighbours in memory and writes the pairs without a
-//! branch: a mask tells which overlap, and the register is compressed and stored whole. Products
-//! and sums are not fused, so all kernels return the same pairs.
+//! branch: a mask has the bits of those that overlap, and the register is compressed and stored
+//! whole. Products and sums are not fused, so all kernels return the same pairs.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]

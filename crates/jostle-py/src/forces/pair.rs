@@ -189,10 +189,20 @@ impl PyPairForce {
     /// TypeError, ValueError
     ///     As for `PairForce`.
     ///
+    /// See Also
+    /// --------
+    /// World.potential_energy : The sum of these potentials, among others.
+    ///
     /// Notes
     /// -----
     /// With sub-steps of ``0.002 * sigma * sqrt(m / epsilon)`` seconds the energy of a fluid varies by
-    /// less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not also collide as discs.
+    /// less than 0.1 % of its kinetic energy. Use ``on_touch="ignore"``, so that the particles do not
+    /// also collide as discs.
+    ///
+    /// References
+    /// ----------
+    /// J. E. Jones, *On the determination of molecular fields II*, Proceedings of the Royal Society A
+    /// 106, 463 (1924).
     ///
     /// Examples
     /// --------
@@ -239,6 +249,10 @@ impl PyPairForce {
     /// ------
     /// TypeError, ValueError
     ///     As for `PairForce`.
+    ///
+    /// See Also
+    /// --------
+    /// separate : Moves shapes apart without forces.
     ///
     /// Examples
     /// --------

@@ -24,8 +24,8 @@ use crate::error::refused;
 ///     Boltzmann's constant times the temperature, kT, above 0: the mean kinetic energy of a
 ///     particle, in units of mass times length² per second².
 /// sides : array_like of int, shape (k,), optional
-///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y;
-///     0 is the wall of a `Circle`, which all four may stand for, too. If omitted, all; none if `walls`
+///     Numbers of the sides, as in `World.wall_contacts`: 0 to 3 at min x, max x, min y and max y.
+///     The wall of a `Circle` is given by 0, or by all four. If omitted, all sides, or none if `walls`
 ///     is given.
 /// seed : int, default 0
 ///     Seed of the random numbers, below 2³².

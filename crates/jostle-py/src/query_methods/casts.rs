@@ -90,6 +90,10 @@ macro_rules! cast_methods {
             ///     If a number is not finite, a direction is (0, 0), `max_distance` is negative, or
             ///     there are more than 134217728 hits.
             ///
+            /// See Also
+            /// --------
+            /// raycast : The first shape alone.
+            ///
             /// Examples
             /// --------
             /// >>> import jostle
@@ -197,6 +201,10 @@ macro_rules! cast_methods {
             /// ValueError
             ///     If a number is not finite, a direction is (0, 0), a size is out of range, or
             ///     `max_distance` is negative.
+            ///
+            /// See Also
+            /// --------
+            /// circle_cast : The same for a disc.
             ///
             /// Examples
             /// --------

@@ -43,11 +43,21 @@ impl PySpace {
     /// Returns
     /// -------
     /// Slides or Slide
-    ///     One `Slide` for one id. displacements : how far each shape has moved; remaining : the
-    ///     displacements without their components into the obstacles, for the velocity of the next
-    ///     step; hits : the ids of the obstacles that each has met; normals : one for each hit;
-    ///     on_floor, on_wall, on_ceiling : whether it has met one; floors : the id of the last
-    ///     floor, or -1. A wall has the number -2 minus its index.
+    ///     One `Slide` for one id.
+    ///
+    ///     displacements : ndarray of the space's dtype, shape (k, 2)
+    ///         How far each shape has moved.
+    ///     remaining : ndarray of the space's dtype, shape (k, 2)
+    ///         The displacements that were given, without their components into the obstacles:
+    ///         divided by the duration of the step, the velocities for the next step.
+    ///     normals : ndarray of the space's dtype, shape (m, 2)
+    ///         Unit normal of each hit, towards the shape.
+    ///     on_floor, on_wall, on_ceiling : ndarray of bool, shape (k,)
+    ///         Whether each shape has met one.
+    ///     hits : Hits
+    ///         Ids of the obstacles that each shape has met; -2 minus its index for a wall.
+    ///     floors : ndarray of int64, shape (k,)
+    ///         Id of the last floor, as in `hits`; -1 if there is none.
     ///
     /// Raises
     /// ------
@@ -65,17 +75,17 @@ impl PySpace {
     ///
     /// Notes
     /// -----
-    /// Shapes of one call that may meet move one after another, in the order of `ids`, but a floor
-    /// before what stands on it; the order of others has no effect. A shape that overlaps obstacles
-    /// at the start, because they have moved, is first moved out of them; those that it cannot leave
-    /// do not stop it.
+    /// Shapes of one call that may meet move one after another, in the order of `ids`, except that a
+    /// floor moves before the shapes that stand on it. The order of other shapes has no effect. A
+    /// shape that overlaps obstacles at the start, because they have moved, is first moved out of
+    /// them. Obstacles that it cannot leave do not stop it.
     ///
     /// A shape that met a floor in its last call is carried by it: if the floor has moved since, the
-    /// shape moves by the same vector first. If the floor moves in the same call, it first pushes what
-    /// stands on it out of its way, and what cannot move on stops it. So a shape comes to overlap no
-    /// obstacle, except a floor that carries it to where something else stops it, and that does not
-    /// stop: a floor that was moved before the call, or one of the call if `mask` leaves out the
-    /// category of the shape. What stops a shape that is carried or pushed is in `hits` too.
+    /// shape moves by the same vector first. A floor that moves in the same call first pushes the
+    /// shapes that stand on it; one that cannot move stops the floor. So no shape moves into an
+    /// obstacle. There is one exception: a floor may carry a shape against another obstacle and
+    /// overlap it there. This happens if the floor was moved before the call, or if `mask` leaves
+    /// out the category of the shape. `hits` includes what stops a shape that is carried or pushed.
     ///
     /// Examples
     /// --------

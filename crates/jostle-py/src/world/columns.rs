@@ -68,7 +68,7 @@ impl PyWorld {
         })
     }
 
-    /// Masses: ndarray of float32, shape (n,), a read-only copy.
+    /// Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
@@ -269,9 +269,9 @@ impl PyWorld {
     /// A sensor and another particle pass through each other; `contacts` and `events` report that
     /// they touch, without impulses. A disc that passes through a sensor within a step, at any
     /// speed, is found too: it has entered and left. Walls, the container and forces act on sensors
-    /// that are movable, as on other particles; one with ``movable=False`` stays where it is put or
-    /// moves with its velocity, and reports other particles that are not movable, too. Two sensors
-    /// report each other if one is movable. Categories and masks determine what they report. They
+    /// that are movable, as on other particles. One with ``movable=False`` stands still or moves with
+    /// its velocity, and also reports other immovable particles. Two sensors report each other if
+    /// one is movable. Categories and masks determine what they report. They
     /// never merge.
     ///
     /// To change all, assign an array or one bool; to change some, use `set`.
@@ -310,16 +310,19 @@ impl PyWorld {
     ///
     /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
     /// rests on something and has been slow for half a second, and if their motion is steady and
-    /// does not grow.
-    /// Sleeping particles do not move, and cost almost nothing. `contacts` and `wall_contacts` keep
-    /// those of the last step in which they were awake. An island wakes if a moving particle comes
-    /// so near that it could touch it in the step, or if one of its particles is changed or removed
-    /// (also if `world.positions` is assigned: to move a few, use `world.set`).
-    /// All wake if the forces, an immovable particle or a setting other than `method`, `threads`,
-    /// `leaf_capacity` and `max_depth` changes, or if an immovable particle is added. If only the
-    /// velocities of an immovable particle change, the islands that touch it wake. Nothing falls
-    /// asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall moves, or with
-    /// another `on_touch` than "bounce". Immovable particles are never asleep, and nothing sleeps on a kinematic one.
+    /// does not grow. Sleeping particles do not move, and cost almost nothing. `contacts` and
+    /// `wall_contacts` keep those of the last step in which they were awake.
+    ///
+    /// An island wakes if a moving particle could touch it in the step, or if one of its particles
+    /// is changed or removed (also if `world.positions` is assigned: to move a few, use
+    /// `world.set`). All islands wake if the forces, an immovable particle or a setting other than
+    /// `method`, `threads`, `leaf_capacity` and `max_depth` changes, or if an immovable particle is
+    /// added. If only the velocities of an immovable particle change, the islands that touch it
+    /// wake.
+    ///
+    /// Nothing falls asleep if there is a force other than a `Thermostat` or a `Motor`, while a wall
+    /// moves, or with an `on_touch` other than "bounce". Immovable particles are never asleep, and
+    /// nothing sleeps on a kinematic one.
     ///
     /// See Also
     /// --------

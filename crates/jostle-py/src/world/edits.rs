@@ -31,7 +31,7 @@ impl PyWorld {
     ///     Required if no number was given for all particles.
     /// masses : array_like, a number or shape (k,), optional
     ///     If omitted and no number was given for all particles, or if `densities` are given,
-    ///     density times radius squared.
+    ///     density times radius squared, without π.
     /// densities : array_like, a number or shape (k,), optional
     ///     1.0 if no number was given to `World`.
     /// restitutions : array_like, a number or shape (k,), optional

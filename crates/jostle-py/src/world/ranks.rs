@@ -176,7 +176,7 @@ impl PyWorld {
         Ok(Self::of(world.map_err(refused)?))
     }
 
-    /// Choose domains anew after so many steps. For tests.
+    /// Choose domains again after so many steps. For tests.
     fn _rebalance_every(&self, py: Python<'_>, steps: u64) -> PyResult<()> {
         self.state(py)?.world.rebalance_every(steps);
         Ok(())

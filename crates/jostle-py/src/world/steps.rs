@@ -34,9 +34,9 @@ impl PyWorld {
     /// Raises
     /// ------
     /// ValueError
-    ///     If `dt` is not finite and above 0, if a particle would move too far, if too many
-    ///     particles are in one place, or if a number would become infinite or NaN; then the
-    ///     message names the particle.
+    ///     If `dt` is not finite and above 0, if too many particles are in one place, if a particle
+    ///     would move too far, or if one of its numbers would become infinite or NaN. In the last
+    ///     two cases the message names the particle.
     /// KeyboardInterrupt
     ///     After Ctrl-C, within a fraction of a second also during a long step.
     ///

@@ -9,11 +9,12 @@ use crate::results;
 
 #[pymethods]
 impl PyWorld {
-    /// The pairs that touched during the last step: a `WorldContacts` of `pairs` (m, 2) of ids,
-    /// ``i < j``, unit `normals` (m, 2) from i to j, `depths` (m,), the penetration at
-    /// its end, negative for pairs that had separated, and the sums of the impulses of the step
-    /// along the normal and of friction, `normal_impulses` and `friction_impulses` (m,). If
-    /// `on_touch` is not "bounce", the pairs that overlap now, without impulses.
+    /// The pairs that touched during the last step, a `WorldContacts`; if `on_touch` is not
+    /// "bounce", the pairs that overlap now, without impulses.
+    ///
+    /// It has `pairs` (m, 2) of ids, ``i < j``, unit `normals` (m, 2) from i to j, and `depths` (m,),
+    /// the penetration at the end of the step, negative for pairs that had separated. The sums of
+    /// the impulses of the step are `normal_impulses` and `friction_impulses` (m,).
     ///
     /// See Also
     /// --------
@@ -65,8 +66,8 @@ impl PyWorld {
     ///
     /// Particles touch if they collide, if the gap between them is at most the rounding of float32,
     /// or if a resting contact presses them together. Particles that pass through each other,
-    /// sensors among them, touch if they overlap at any time of the call. Two that are not movable
-    /// touch only if just one is a sensor.
+    /// sensors among them, touch if they overlap at any time of the call. Two immovable
+    /// particles touch only if exactly one of them is a sensor.
     ///
     /// Raises
     /// ------

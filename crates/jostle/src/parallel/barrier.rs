@@ -2,7 +2,7 @@
 
 use super::sync::{AtomicUsize, Ordering};
 
-/// Added to the arrivals of a barrier at which nobody waits any more.
+/// Added to the arrivals of a barrier at which no thread waits any more.
 const OPEN: usize = 1 << (usize::BITS - 1);
 
 /// Where `threads` threads wait for each other, any number of times.
@@ -14,7 +14,7 @@ pub struct Barrier {
 }
 
 impl Barrier {
-    /// A barrier at which nobody has arrived.
+    /// A barrier at which no thread has arrived.
     pub fn new(threads: usize) -> Self {
         Self { threads, arrived: AtomicUsize::new(0) }
     }

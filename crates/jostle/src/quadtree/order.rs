@@ -120,7 +120,7 @@ impl<T: Scalar> Order<T> {
         Ok(())
     }
 
-    /// An order without keys, for a copy of a tree whose boxes nobody lists.
+    /// An order without keys, for a copy of a tree whose boxes are not listed.
     pub fn of_rows(rows: Vec<u32>) -> Self {
         Self { rows, ..Self::default() }
     }

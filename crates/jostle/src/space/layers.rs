@@ -36,7 +36,7 @@ const MOST_ALIKE: usize = 4;
 /// 64 layers in all.
 const RATIO: usize = 4;
 
-/// Leaves of a layer hold as many shapes, of the capacity that was asked for, as the layer has
+/// Leaves of a layer hold as many shapes, of the capacity that was given, as the layer has
 /// of all shapes: so they are about as wide as those of a large layer, and one of each meets few
 /// of the other. They hold no fewer than this.
 const FEWEST: usize = 2;

@@ -43,7 +43,7 @@ impl<T: Scalar> Rides<T> {
         Ok((ids, centers))
     }
 
-    /// What [`save`](Self::save) has returned. The ids of shapes that are gone have no effect.
+    /// What [`save`](Self::save) has returned. The ids of removed shapes have no effect.
     pub fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
         let mut rides = Self::default();
         memory::lengthen(&mut rides.all, count, None)?;

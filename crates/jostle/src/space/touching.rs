@@ -213,7 +213,7 @@ mod tests {
         let all: Vec<u32> = (0..SLOTS as u32).collect();
         let mut forms = [0; 2];
         for round in 0..40 {
-            // All, a few and single slots; also none, whose pairs are gone, and all but one.
+            // All, a few and single slots; also none, whose pairs are removed, and all but one.
             let slots: &[u32] = match round % 5 {
                 0 if round % 3 == 0 => &all,
                 0 => &all[1..],

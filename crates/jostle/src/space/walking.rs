@@ -20,7 +20,7 @@ const FEW: usize = 64;
 pub struct Slides<T> {
     /// How far each shape has moved.
     pub displacements: Vec<[T; 2]>,
-    /// The displacements that were asked for, without their components into the obstacles met.
+    /// The displacements that were given, without their components into the obstacles met.
     pub remaining: Vec<[T; 2]>,
     /// Whether a floor was met.
     pub on_floor: Vec<bool>,

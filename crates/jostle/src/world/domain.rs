@@ -319,8 +319,8 @@ impl Domain {
         found
     }
 
-    /// Adds these hashes to those of the step. A rank need not have the neighbours of its particles that
-    /// are not movable, so the pairs of these are not compared.
+    /// Adds these hashes to those of the step. A rank need not have the neighbours of its immovable
+    /// particles, so the pairs of these are not compared.
     pub(super) fn add_pair_digests(&mut self, found: Vec<PairDigest>) {
         for PairDigest { rows: [own, ghost], movable, hash } in found {
             if movable[1] {

@@ -75,7 +75,7 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
         int(rng.integers(2**31)), frame.walls,
     )  # fmt: skip
     places = rng.uniform(region[:2], region[2:], (count, 2))
-    places[found] = free  # the others overlap, and the first steps push them apart
+    places[found] = free  # the others overlap, and the first steps separate them
     spread = rng.uniform(*group.speed, count)[:, None] * directions(rng, count)
     densities = rng.uniform(*group.density, count)
     velocities = np.array(group.velocity) + spread

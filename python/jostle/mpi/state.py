@@ -1,0 +1,111 @@
+"""The particles of a distributed world as records, and what all ranks compute from them."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+import jostle
+from jostle._core import begin_hash, hash_records
+
+from .exchange import deliver
+from .records import PARTS, RECORD
+from .storage import by_ids
+from .sums import exact_sum
+
+
+def records_of(core: Any) -> NDArray[Any]:
+    """The particles of this rank."""
+    return np.frombuffer(core._own_records(), RECORD)
+
+
+def parts_of(core: Any) -> list[NDArray[Any]]:
+    """The particles of this rank, and what the core keeps of them: all `PARTS`."""
+    parts = [core._own_records(), *core._own_kept()]
+    return [np.frombuffer(part, kind) for part, kind in zip(parts, PARTS, strict=True)]
+
+
+def kinetic_energy(comm: MPI.Intracomm, core: Any) -> float:
+    """The sum of ½ m v² + ½ I ω² of the movable particles of all ranks, with I = m r²/2."""
+    rows = _movable(records_of(core))
+    mass = rows["mass"].astype(np.float64)
+    x, y = rows["velocity"].astype(np.float64).T
+    surface = rows["radius"].astype(np.float64) * rows["angular_velocity"]
+    return exact_sum(
+        comm, np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)])
+    )
+
+
+def potential_energy(comm: MPI.Intracomm, core: Any, messages: Any) -> float:
+    """The energy of the movable particles of all ranks in gravity and forces between kinds."""
+    rows = records_of(core)
+    moved = _movable(rows)
+    gravity = np.array(core.gravity, np.float32).astype(np.float64)
+    heights = moved["position"].astype(np.float64) @ gravity
+    energy = exact_sum(comm, -moved["mass"].astype(np.float64) * heights)
+    if not any(isinstance(force, jostle.PairForce) for force in core.forces):
+        return energy
+    # In a copy, because the ghosts of a step may lack particles within the cutoff.
+    rows = np.sort(rows, order="id", kind="stable")
+    copy = core._of_records(rows.tobytes())
+    copy._distribute(messages, rows["id"].copy())
+    return energy + exact_sum(comm, np.array([copy._own_energy_of_pairs()]))
+
+
+def momentum(comm: MPI.Intracomm, core: Any) -> tuple[float, float]:
+    """The sum of mass times velocity of the movable particles of all ranks."""
+    rows = _movable(records_of(core))
+    x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
+    return exact_sum(comm, x), exact_sum(comm, y)
+
+
+def state_hash(comm: MPI.Intracomm, core: Any) -> int:
+    """The hash of the particles of all ranks, in the order of ids.
+
+    The particles are sent to ranks in this order, and the ranks compute the hash one after the
+    other.
+    """
+    rows = by_ids(comm, records_of(core), core._own_ids()[1])
+    is_sparse = {
+        1: (rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0),
+        2: (rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF),
+        3: rows["sensor"],
+    }
+    state = begin_hash(int(core._counts()[1]))
+    for column in range(4):
+        if column and not comm.allreduce(bool(is_sparse[column].any()), MPI.LOR):
+            continue
+        for rank in range(comm.size):
+            if rank == comm.rank:
+                state = hash_records(state, rows.tobytes(), column)
+            state = comm.bcast(state, root=rank)
+    return state
+
+
+def gathered(comm: MPI.Intracomm, core: Any, root: int) -> jostle.World | None:
+    """A world of the particles of all ranks, in the order of ids; None on ranks but `root`."""
+    count, ids, _ = core._own()
+    given = np.zeros(count, [("id", np.int64), ("acceleration", np.float32, 2)])
+    given["id"], given["acceleration"] = ids[:count], core.accelerations[:count]
+    all_rows = []
+    for rows in (*parts_of(core), given):
+        to = [rows[:0]] * comm.size
+        to[root] = rows
+        all_rows.append(np.sort(deliver(comm, to), order="id", kind="stable"))
+    if comm.rank != root:
+        return None
+    accelerations = all_rows.pop()["acceleration"]
+    records, *kept = (rows.tobytes() for rows in all_rows)
+    world = core._of_records(records)
+    world._set_ids(all_rows[0]["id"].copy(), core._own_ids()[1])
+    world._take_kept(*kept)
+    world.accelerations = accelerations
+    return cast(jostle.World, world)
+
+
+def _movable(rows: NDArray[Any]) -> NDArray[Any]:
+    movable: NDArray[Any] = rows[rows["movable"]]
+    return movable
