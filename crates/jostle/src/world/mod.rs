@@ -72,7 +72,7 @@ use record::Record;
 pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
-pub use sums::{Column, StateHash};
+pub use sums::StateHash;
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
 use undo::Before;

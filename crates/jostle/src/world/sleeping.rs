@@ -13,6 +13,7 @@
 use super::asleep::{Island, Sleepers, run};
 use super::islands::SleepingContact;
 use super::{OnTouch, World, domain};
+use crate::bytes::Plain;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::Force;
@@ -63,6 +64,17 @@ impl Drift {
 impl Default for Drift {
     fn default() -> Self {
         Self::UNKNOWN
+    }
+}
+
+impl Plain for Drift {
+    const SIZE: usize = 24;
+    fn store(self, to: &mut [u8]) {
+        [self.before, self.now].store(to);
+    }
+    fn load(from: &[u8]) -> Self {
+        let [before, now] = Plain::load(from);
+        Self { before, now }
     }
 }
 
