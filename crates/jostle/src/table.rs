@@ -11,6 +11,8 @@ use crate::error::Result;
 /// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
 /// column does not know.
 pub trait Table {
+    /// Bytes of the values of a row.
+    const ROW_SIZE: usize;
     /// Replaces the contents by the rows `order` of `source`, in that order.
     fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>);
     /// Appends the rows of `other`, of which there are `added`.
@@ -31,16 +33,21 @@ pub trait Table {
     fn visit_mut(&mut self, visitor: &mut impl VisitorMut) -> Result<()>;
 }
 
+/// A value of a column.
+pub trait Value: Plain + Default + PartialEq {}
+
+impl<V: Plain + Default + PartialEq> Value for V {}
+
 /// A visitor of the columns of a table.
 pub trait Visitor {
     /// Is called with each column.
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]);
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]);
 }
 
 /// A visitor that changes the columns of a table.
 pub trait VisitorMut {
     /// Is called with each column.
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()>;
+    fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()>;
 }
 
 /// What the declaration of a table says of a column.
@@ -305,6 +312,8 @@ macro_rules! table {
         }
 
         impl $crate::table::Table for $name {
+            const ROW_SIZE: usize = 0 $(+ $crate::table!(@size $kind $type))*;
+
             fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
                 $($crate::table::$kind::gather(&mut self.$field, &source.$field, order, threads);)*
             }
@@ -346,6 +355,8 @@ macro_rules! table {
             }
         }
     };
+    (@size nested $type:ty) => { <$type as $crate::table::Table>::ROW_SIZE };
+    (@size $kind:ident $type:ty) => { <$type as $crate::bytes::Plain>::SIZE };
     (@visit nested $self:ident, $field:ident, $visitor:ident, $visit:ident, $($rest:tt)*) => {
         $self.$field.$visit($visitor)
     };
@@ -363,7 +374,7 @@ macro_rules! table {
 
 #[cfg(test)]
 mod tests {
-    use super::{Declared, Plain, Table, Visitor};
+    use super::{Declared, Table, Value, Visitor};
 
     table! {
         #[derive(Clone, Debug, Default, PartialEq)]
@@ -412,7 +423,7 @@ mod tests {
         #[derive(Default)]
         struct Lengths(Vec<(&'static str, usize)>);
         impl Visitor for Lengths {
-            fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]) {
+            fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
                 self.0.push((about.name, column.len()));
             }
         }

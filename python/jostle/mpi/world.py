@@ -14,7 +14,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle._core import begin_hash, hash_records
+from jostle._core import begin_hash, hash_parts, hash_records
 
 from . import edits
 from .attributes import Column, Setting
@@ -518,9 +518,9 @@ class World:
         """
         rows = self._records()
         rows = rows[rows["movable"]]
-        mass = rows["mass"].astype(np.float64)
-        x, y = rows["velocity"].astype(np.float64).T
-        surface = rows["radius"].astype(np.float64) * rows["angular_velocity"]
+        mass = rows["masses"].astype(np.float64)
+        x, y = rows["velocities"].astype(np.float64).T
+        surface = rows["radii"].astype(np.float64) * rows["angular_velocities"]
         return exact_sum(
             self._comm,
             np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)]),
@@ -536,9 +536,9 @@ class World:
         """
         rows = self._records()
         moved = rows[rows["movable"]]
-        places = moved["position"].astype(np.float64)
+        places = moved["positions"].astype(np.float64)
         along = places @ np.array(self.gravity, np.float32).astype(np.float64)
-        energy = exact_sum(self._comm, -moved["mass"].astype(np.float64) * along)
+        energy = exact_sum(self._comm, -moved["masses"].astype(np.float64) * along)
         if not any(isinstance(force, jostle.PairForce) for force in self.forces):
             return energy
         # In a copy, because the ghosts of a step may lack particles within the cutoff.
@@ -553,7 +553,7 @@ class World:
         """Sum of mass times velocity of all movable particles, (x, y), rounded once."""
         rows = self._records()
         rows = rows[rows["movable"]]
-        x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
+        x, y = rows["masses"].astype(np.float64) * rows["velocities"].astype(np.float64).T
         return exact_sum(self._comm, x), exact_sum(self._comm, y)
 
     @property
@@ -639,19 +639,13 @@ class World:
         rows = self._records()
         size, total = self._comm.size, self.total
         rows = by_ids(self._comm, rows, self._core._own_ids()[1])
-        defaults = {
-            1: ((rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0)),
-            2: ((rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF)),
-            3: rows["sensor"],
-        }
+        records = rows.tobytes()
+        parts = set().union(*self._comm.allgather(hash_parts(records)))
         state = begin_hash(total)
-        for column in range(4):
-            is_any = column == 0 or self._comm.allreduce(bool(defaults[column].any()), MPI.LOR)
-            if not is_any:
-                continue
+        for part in sorted(parts):
             for rank in range(size):
                 if rank == self._comm.rank:
-                    state = hash_records(state, rows.tobytes(), column)
+                    state = hash_records(state, records, part)
                 state = self._comm.bcast(state, root=rank)
         return state
 

@@ -104,9 +104,6 @@ macro_rules! fields {
         }
 
         impl Particles {
-            /// Bytes of all fields of a row.
-            pub const ROW_SIZE: usize = 0 $(+ <$type>::SIZE)*;
-
             /// The first field that is in a column.
             pub(super) fn field_in(column: &'static str) -> &'static str {
                 let all = [$((stringify!($column), stringify!($name))),*];

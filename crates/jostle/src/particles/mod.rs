@@ -11,7 +11,7 @@ use crate::bytes::Plain;
 use crate::error::{Error, Result};
 use crate::shapes::Filter;
 use crate::table;
-use crate::table::{Declared, Kind, Table, Visitor, sparse_value};
+use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 pub use changes::Effect;
 pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
 pub use limits::{
@@ -242,7 +242,7 @@ struct Lengths {
 }
 
 impl Visitor for Lengths {
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]) {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
         let (found, expected) = (column.len(), self.expected);
         let is_right = found == expected || about.kind == Kind::Sparse && found == 0;
         if !is_right && self.wrong.is_none() {

@@ -299,7 +299,7 @@ impl World {
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
-            self.persistent.forget_sides();
+            self.persistent.warm_start.clear();
             self.wall_impulses.clear();
             self.forget_domains();
         }

@@ -371,7 +371,7 @@ impl World {
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
         rests.extend(rows.iter().enumerate().map(|(index, &row)| {
-            let pushes = sparse_value(&persistent.wall_pushes, index);
+            let pushes = sparse_value(&persistent.warm_start.normal, index);
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));

@@ -8,7 +8,7 @@ use crate::bytes::Plain;
 use crate::error::Result;
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
 use crate::particles::Particles;
-use crate::table::{Declared, Kind, Table, Visitor, sparse_value};
+use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 
 impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
@@ -167,7 +167,7 @@ struct Parts {
 }
 
 impl Visitor for Parts {
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]) {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
         if about.kind == Kind::Sparse {
             self.sparse += 1;
             if !column.is_empty() {
@@ -187,7 +187,7 @@ struct HashedRows<'a> {
 }
 
 impl Visitor for HashedRows<'_> {
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]) {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
         let is_sparse = about.kind == Kind::Sparse;
         self.sparse += usize::from(is_sparse);
         if self.part == if is_sparse { self.sparse } else { 0 } {

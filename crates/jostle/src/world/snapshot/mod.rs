@@ -11,12 +11,13 @@ mod parts;
 mod record;
 mod sleepers;
 
+use super::discs::WarmStart;
 use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Walls, World, WorldSettings};
-use crate::bytes::{Plain, Reader, Writer, damaged};
+use crate::bytes::{Reader, Writer, damaged};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
@@ -24,7 +25,7 @@ use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, check_vectors};
 use crate::settings::{Method, Settings};
 use crate::space::Id;
-use crate::table::{Declared, Kind, Table, Visitor, VisitorMut};
+use crate::table::{Declared, Kind, Table, Value, Visitor, VisitorMut};
 use crate::walls::{FIRST, Wall};
 use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
@@ -62,8 +63,7 @@ impl World {
         to.put_count(self.asleep.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
-        put_wall_pushes(&mut to, &self.persistent.wall_pushes);
-        put_wall_pushes(&mut to, &self.persistent.wall_frictions);
+        put_warm_start(&mut to, &self.persistent.warm_start);
         put_contacts(&mut to, self.contacts.lasting().collect());
         put_wall_impulses(&mut to, &self.wall_impulses);
         to.put(!self.persistent.drifts.is_empty());
@@ -102,12 +102,7 @@ impl World {
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.rows = rows;
-        world.persistent.wall_pushes.resize(len, [0.0; MAX_WALLS]);
-        get_wall_pushes(&mut from, &mut world.persistent.wall_pushes, 0.0)?;
-        if version > 3 {
-            world.persistent.wall_frictions.resize(len, [0.0; MAX_WALLS]);
-            get_wall_pushes(&mut from, &mut world.persistent.wall_frictions, f32::MIN)?;
-        }
+        world.persistent.warm_start = get_warm_start(&mut from, len, version)?;
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         if version > 3 {
             // Rows are checked below.
@@ -231,7 +226,7 @@ fn put_particles(to: &mut Writer, all: &Particles) {
 struct Put<'a>(&'a mut Writer);
 
 impl Visitor for Put<'_> {
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &[V]) {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
         match about.kind {
             Kind::Dense => self.0.put_all(column),
             Kind::Uniform => self.0.put_uniform(column),
@@ -257,7 +252,7 @@ struct Get<'a, 'b> {
 }
 
 impl VisitorMut for Get<'_, '_> {
-    fn column<V: Plain + Default>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()> {
+    fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()> {
         let is_known = self.version >= about.since;
         *column = match about.kind {
             Kind::Dense if is_known => self.from.get_all(self.len)?,
@@ -285,13 +280,22 @@ fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Option<Vec<[f32; 2]>>>
     Ok(Some(given))
 }
 
-fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
-    let pushed = pushes.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
-    to.put_count(pushed.clone().count());
-    for (&pushes, index) in pushed {
-        to.put(index);
-        to.put(pushes);
+fn put_warm_start(to: &mut Writer, of: &WarmStart) {
+    for column in [&of.normal, &of.friction] {
+        let pushed = column.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
+        to.put_count(pushed.clone().count());
+        for (&pushes, index) in pushed {
+            to.put(index);
+            to.put(pushes);
+        }
     }
+}
+
+/// The impulses of the sides of the container on `len` particles; version 3 had no friction.
+fn get_warm_start(from: &mut Reader<'_>, len: usize, version: u32) -> Result<WarmStart> {
+    let normal = get_wall_pushes(from, len, 0.0)?;
+    let friction = if version > 3 { get_wall_pushes(from, len, f32::MIN)? } else { Vec::new() };
+    Ok(WarmStart { normal, friction })
 }
 
 /// How `len` particles moved; unknown in version 5, which had other numbers.
@@ -303,7 +307,9 @@ fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Dri
     from.get_all(len)
 }
 
-fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
+/// Impulses that are at least `least`.
+fn get_wall_pushes(from: &mut Reader<'_>, len: usize, least: f32) -> Result<Vec<[f32; MAX_WALLS]>> {
+    let mut all = vec![[0.0; MAX_WALLS]; len];
     for _ in 0..from.get_count()? {
         let (index, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
         let to = all
@@ -314,7 +320,7 @@ fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f
         }
         *to = pushes;
     }
-    Ok(())
+    Ok(all)
 }
 
 fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
