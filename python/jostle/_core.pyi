@@ -4267,8 +4267,8 @@ class World:
         """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
-        "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+        """Milliseconds of each stage of the last step: a dict of "forces", if there are forces,
+        "bounds", "build", "pairs", "contacts", "resting", "events", "correction" and "store".
 
         See Also
         --------

@@ -100,10 +100,10 @@ impl Particles {
     ) -> Self {
         let len = positions.len();
         let masses = radii.iter().map(|r| density * r * r).collect();
-        let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
-        let movable = vec![true; len];
-        let base = Self { positions, residuals, velocities, radii, masses, ..Self::default() };
-        Self { restitutions, movable, ..base }
+        let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
+        let mut others = Self::default();
+        others.resize(len);
+        Self { positions, velocities, radii, masses, restitutions, movable, ..others }
     }
 
     /// Number of particles.

@@ -1,5 +1,5 @@
-//! What is kept from step to step beside the particles, for a distributed world: how each has moved, which sleep,
-//! and the impulses of resting contacts and of walls.
+//! Serialization of what the solver keeps of particles from step to step, for a distributed world: the impulses for
+//! warm starting, how each particle has moved, and which sleep.
 
 use std::collections::HashMap;
 

@@ -1,5 +1,5 @@
-//! Moving particles to the ranks in whose domains they are, with what the solver keeps of them; adding
-//! and removing ghosts.
+//! Migration: particles move to the ranks in whose domains they are, with what the solver keeps of them. Ghosts
+//! are added and removed here too.
 
 use std::collections::HashMap;
 use std::sync::Mutex;

@@ -80,6 +80,8 @@ use undo::Before;
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// The forces, before the other stages and in each sub-step; only if there are forces.
+    Forces,
     /// The bounds of every particle.
     Bounds,
     /// The tree of the bounds.
@@ -96,13 +98,12 @@ pub enum Stage {
     Correction,
     /// The new state, and what touched.
     Store,
-    /// The forces, before the other stages and in each sub-step; only if there are forces.
-    Forces,
 }
 
 impl Stage {
     /// All stages with their names, in the order of the data.
     pub const ALL: [(Self, &str); 9] = [
+        (Self::Forces, "forces"),
         (Self::Bounds, "bounds"),
         (Self::Build, "build"),
         (Self::Pairs, "pairs"),
@@ -111,7 +112,6 @@ impl Stage {
         (Self::Events, "events"),
         (Self::Correction, "correction"),
         (Self::Store, "store"),
-        (Self::Forces, "forces"),
     ];
 }
 

@@ -1,8 +1,7 @@
-//! A world as bytes. A world restored from them continues with the same bits.
+//! Serialization of a world. A restored world continues with the same bits.
 //!
-//! They contain everything that the next step depends on: settings, forces, particles in
-//! their canonical order, and the impulses of resting contacts with walls and particles; not the
-//! statistics of the last step. A column with the same value for all particles is stored as one value.
+//! The bytes contain everything that the next step depends on: settings, forces, particles in their canonical
+//! order, and the impulses for warm starting; not the statistics of the last step.
 
 mod defaults;
 mod forces;

@@ -1,4 +1,4 @@
-//! Sleeping islands as bytes.
+//! Serialization of sleeping islands.
 
 use std::ops::Range;
 
