@@ -68,8 +68,10 @@ __all__ = [
     "create_scene_part",
     "describe_scene",
     "find_pairs",
+    "hash_parts",
     "hash_records",
     "instructions",
+    "record_fields",
     "restore_events",
     "restore_space",
     "scene_default_count",
@@ -307,8 +309,14 @@ def begin_hash(total: int) -> int:
 def checksum(bytes: bytes) -> int:
     """The checksum of bytes in files. For `jostle.mpi`."""
 
-def hash_records(hash: int, records: bytes, column: int) -> int:
-    """Continue the hash of the state with one column of the particles of records. For `jostle.mpi`."""
+def hash_parts(records: bytes) -> list[int]:
+    """The parts of the hash of the state that depend on the particles of records. For `jostle.mpi`."""
+
+def hash_records(hash: int, records: bytes, part: int) -> int:
+    """Continue the hash of the state with one part of the particles of records. For `jostle.mpi`."""
+
+def record_fields() -> list[tuple[str, str]]:
+    """The fields of a record between the id and the kinds, as NumPy writes them. For `jostle.mpi`."""
 
 def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events:
     """Events with these pairs. For pickle."""
@@ -4290,8 +4298,8 @@ class World:
         """Simulated time in seconds."""
     @property
     def profile(self) -> dict[str, float]:
-        """Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
-        "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+        """Milliseconds of each stage of the last step: a dict of "forces", if there are forces,
+        "bounds", "build", "pairs", "contacts", "resting", "events", "correction" and "store".
 
         See Also
         --------

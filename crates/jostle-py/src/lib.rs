@@ -61,7 +61,7 @@ mod _core {
     #[pymodule_export]
     use super::sprites::{sprite_dict, sprite_pairs, sprite_sides};
     #[pymodule_export]
-    use super::world::{PyWorld, begin_hash, checksum, hash_records};
+    use super::world::{PyWorld, begin_hash, checksum, hash_parts, hash_records, record_fields};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

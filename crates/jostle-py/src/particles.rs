@@ -4,7 +4,7 @@ use jostle::particles::MASS_RANGE;
 use jostle::{Changes, Defaults, Each, Error, Filter, Particles};
 use pyo3::prelude::*;
 
-use crate::arrays::{Argument, Maybe, bit_sets, reals};
+use crate::arrays::{Argument, Maybe, reals};
 
 /// Copied columns of new particles with checked shapes; the values are not checked yet.
 #[derive(Default)]
@@ -13,35 +13,74 @@ pub struct Draft {
     pub densities: Option<Each<f32>>,
 }
 
-/// Columns that `World`, `World.add` and `World.set` read alike, by their Python names.
-#[derive(Default)]
-pub struct Arguments<'a, 'py> {
-    pub masses: Maybe<'a, 'py>,
-    pub restitutions: Maybe<'a, 'py>,
-    pub movable: Maybe<'a, 'py>,
-    pub friction: Maybe<'a, 'py>,
-    pub angles: Maybe<'a, 'py>,
-    pub angular_velocities: Maybe<'a, 'py>,
-    pub categories: Maybe<'a, 'py>,
-    pub masks: Maybe<'a, 'py>,
-    pub sensors: Maybe<'a, 'py>,
+/// Declares the arguments by their Python names, which are those of [`Changes`].
+macro_rules! arguments {
+    ($($name:ident,)*) => {
+        /// Columns that `World`, `World.add`, `World.set` and the properties of `World` read alike.
+        #[derive(Default)]
+        pub struct Arguments<'a, 'py> {
+            $(pub $name: Maybe<'a, 'py>,)*
+        }
+
+        impl Arguments<'_, '_> {
+            /// Adds the columns of `len` particles to others.
+            pub fn read(self, len: usize, others: Changes) -> PyResult<Changes> {
+                $(let $name = read(stringify!($name), self.$name, len)?.or(others.$name);)*
+                Ok(Changes { $($name,)* residuals: None })
+            }
+        }
+    };
+}
+arguments! {
+    positions, velocities, radii, masses, restitutions, movable, friction, angles, angular_velocities,
+    categories, masks, sensors,
 }
 
-impl Arguments<'_, '_> {
-    /// Adds the columns of `len` particles to others.
-    pub fn read(self, len: usize, others: Changes) -> PyResult<Changes> {
-        Ok(Changes {
-            masses: reals("masses", self.masses, len)?,
-            restitutions: reals("restitutions", self.restitutions, len)?,
-            movable: truths("movable", self.movable, len)?,
-            friction: reals("friction", self.friction, len)?,
-            angles: angles(self.angles, len)?,
-            angular_velocities: reals("angular_velocities", self.angular_velocities, len)?,
-            categories: bit_sets("categories", self.categories, len)?,
-            masks: bit_sets("masks", self.masks, len)?,
-            sensors: truths("sensors", self.sensors, len)?,
-            ..others
+/// The values of an argument, one for all or one for each of `len` particles.
+fn read<V: Value>(
+    name: &'static str,
+    value: Maybe<'_, '_>,
+    len: usize,
+) -> PyResult<Option<Each<V>>> {
+    value.map(|value| V::read_each(name, value, len)).transpose()
+}
+
+/// A type of values of columns.
+trait Value: Sized {
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>>;
+}
+
+impl Value for [f32; 2] {
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
+        Ok(Each::Rows(Argument::reals(name, value)?.pairs(len)?))
+    }
+}
+
+impl Value for f32 {
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
+        Argument::reals(name, value)?.real_each(len)
+    }
+}
+
+impl Value for f64 {
+    /// From float32: only the core has more digits.
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
+        Ok(match f32::read_each(name, value, len)? {
+            Each::One(one) => Each::One(one.into()),
+            Each::Rows(all) => Each::Rows(all.into_iter().map(f64::from).collect()),
         })
+    }
+}
+
+impl Value for u32 {
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
+        Argument::integers(name, value)?.bits_each(len)
+    }
+}
+
+impl Value for bool {
+    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
+        Argument::booleans(name, value)?.truth_each(len)
     }
 }
 
@@ -147,23 +186,6 @@ pub fn only_vector(
     of: &str,
 ) -> PyResult<Vec<[f32; 2]>> {
     Ok(vec![Argument::reals(name, value)?.only_pair(of)?])
-}
-
-/// A bool for all or one for each of `len` particles.
-pub fn truths(
-    name: &'static str,
-    value: Maybe<'_, '_>,
-    len: usize,
-) -> PyResult<Option<Each<bool>>> {
-    value.map(|value| Argument::booleans(name, value)?.truth_each(len)).transpose()
-}
-
-/// Angles in radians, which the core stores as float64.
-pub fn angles(value: Maybe<'_, '_>, len: usize) -> PyResult<Option<Each<f64>>> {
-    Ok(reals("angles", value, len)?.map(|angles: Each<f32>| match angles {
-        Each::One(angle) => Each::One(f64::from(angle)),
-        Each::Rows(angles) => Each::Rows(angles.into_iter().map(f64::from).collect()),
-    }))
 }
 
 fn check_column(

@@ -4,7 +4,9 @@ use jostle::interrupt::Pulse;
 use jostle::pairs::Overlaps;
 use jostle::query::{Hits, Neighbors, RayHits};
 use jostle::scenes::{Emitter, GaltonBoard};
-use jostle::{Collisions, Id, Particles, Scalar, Slides, Touch, TouchEvents, WallTouch, memory};
+use jostle::{
+    Collisions, Filter, Id, Particles, Scalar, Slides, Spin, Touch, TouchEvents, WallTouch, memory,
+};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -58,66 +60,76 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
     CONTACTS.import(py, "jostle.results", "WallContacts")?.call1(fields)
 }
 
-/// `jostle.WorldParticles`.
+/// `jostle.WorldParticles`, or `jostle.WorldParticle` of a `single` one.
 pub fn world_particles(
     py: Python<'_>,
     all: Particles,
     kinds: Option<Vec<u8>>,
+    single: bool,
 ) -> PyResult<Bound<'_, PyAny>> {
-    static PARTICLES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
     let rows = 0..all.len();
-    let spins = || rows.clone().map(|row| all.spin(row));
-    let filters = || rows.clone().map(|row| all.filter(row));
-    let (friction, angles): (Vec<f32>, Vec<f32>) =
-        spins().map(|spin| (spin.friction, spin.rounded_angle())).unzip();
-    let (categories, masks): (Vec<u32>, Vec<u32>) =
-        filters().map(|filter| (filter.category, filter.mask)).unzip();
+    let spins: Vec<Spin> = rows.clone().map(|row| all.spin(row)).collect();
+    let filters: Vec<Filter> = rows.clone().map(|row| all.filter(row)).collect();
+    let sensors: Vec<bool> = rows.map(|row| all.is_sensor(row)).collect();
     let fields = [
-        column(py, friction).into_any(),
-        column(py, angles).into_any(),
-        column(py, spins().map(|spin| spin.velocity).collect::<Vec<f32>>()).into_any(),
-        column(py, categories).into_any(),
-        column(py, masks).into_any(),
-        column(py, rows.clone().map(|row| all.is_sensor(row)).collect::<Vec<bool>>()).into_any(),
-        kinds.map(|kinds| column(py, kinds)).into_bound_py_any(py)?,
+        field(py, all.positions, single)?,
+        field(py, all.velocities, single)?,
+        field(py, all.radii, single)?,
+        field(py, all.masses, single)?,
+        field(py, all.restitutions, single)?,
+        field(py, all.movable, single)?,
+        field(py, spins.iter().map(|spin| spin.friction).collect(), single)?,
+        field(py, spins.iter().map(Spin::rounded_angle).collect(), single)?,
+        field(py, spins.iter().map(|spin| spin.velocity).collect(), single)?,
+        field(py, filters.iter().map(|filter| filter.category).collect(), single)?,
+        field(py, filters.iter().map(|filter| filter.mask).collect(), single)?,
+        field(py, sensors, single)?,
+        kinds.map(|kinds| field(py, kinds, single)).transpose()?.into_bound_py_any(py)?,
     ];
-    let first = [
-        table(py, all.positions)?.into_any(),
-        table(py, all.velocities)?.into_any(),
-        column(py, all.radii).into_any(),
-        column(py, all.masses).into_any(),
-        column(py, all.restitutions).into_any(),
-        column(py, all.movable).into_any(),
-    ];
-    let class = PARTICLES.import(py, "jostle.results", "WorldParticles")?;
-    class.call1(PyTuple::new(py, first.into_iter().chain(fields).collect::<Vec<_>>())?)
+    let class = if single { "WorldParticle" } else { "WorldParticles" };
+    let class = CLASSES[usize::from(single)].import(py, "jostle.results", class)?;
+    class.call1(PyTuple::new(py, fields)?)
 }
 
-/// `jostle.WorldParticle`.
-pub fn world_particle(
-    py: Python<'_>,
-    one: Particles,
-    kinds: Option<Vec<u8>>,
-) -> PyResult<Bound<'_, PyAny>> {
-    static PARTICLE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let (spin, filter) = (one.spin(0), one.filter(0));
-    let fields = [
-        column(py, one.positions[0].to_vec()).into_any(),
-        column(py, one.velocities[0].to_vec()).into_any(),
-        decimal(one.radii[0]).into_bound_py_any(py)?,
-        decimal(one.masses[0]).into_bound_py_any(py)?,
-        decimal(one.restitutions[0]).into_bound_py_any(py)?,
-        one.movable[0].into_bound_py_any(py)?,
-        decimal(spin.friction).into_bound_py_any(py)?,
-        decimal(spin.rounded_angle()).into_bound_py_any(py)?,
-        decimal(spin.velocity).into_bound_py_any(py)?,
-        filter.category.into_bound_py_any(py)?,
-        filter.mask.into_bound_py_any(py)?,
-        one.is_sensor(0).into_bound_py_any(py)?,
-        kinds.map(|kinds| kinds[0]).into_bound_py_any(py)?,
-    ];
-    PARTICLE.import(py, "jostle.results", "WorldParticle")?.call1(PyTuple::new(py, fields)?)
+/// The value of a `single` particle, or the values of some.
+fn field<V: Value>(py: Python<'_>, mut all: Vec<V>, single: bool) -> PyResult<Bound<'_, PyAny>> {
+    if single { all.swap_remove(0).one(py) } else { V::array(py, all) }
 }
+
+/// A value of a particle.
+trait Value: Sized {
+    fn one(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>>;
+    fn array(py: Python<'_>, all: Vec<Self>) -> PyResult<Bound<'_, PyAny>>;
+}
+
+impl Value for [f32; 2] {
+    fn one(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        Ok(column(py, self.to_vec()).into_any())
+    }
+
+    fn array(py: Python<'_>, all: Vec<Self>) -> PyResult<Bound<'_, PyAny>> {
+        Ok(table(py, all)?.into_any())
+    }
+}
+
+macro_rules! value {
+    ($type:ty, $one:expr) => {
+        impl Value for $type {
+            fn one(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+                $one(self).into_bound_py_any(py)
+            }
+
+            fn array(py: Python<'_>, all: Vec<Self>) -> PyResult<Bound<'_, PyAny>> {
+                Ok(column(py, all).into_any())
+            }
+        }
+    };
+}
+value!(f32, decimal);
+value!(u8, u8::from);
+value!(u32, u32::from);
+value!(bool, bool::from);
 
 /// `jostle.WorldEvents`.
 pub fn world_events(py: Python<'_>, all: TouchEvents) -> PyResult<Bound<'_, PyAny>> {

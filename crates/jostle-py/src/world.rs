@@ -27,7 +27,7 @@ use crate::lock::{Guard, Shared};
 use crate::particles::{Arguments, Draft};
 use crate::settings;
 use crate::walls;
-pub use ranks::{begin_hash, checksum, hash_records};
+pub use ranks::{begin_hash, checksum, hash_parts, hash_records, record_fields};
 
 /// Particles: discs that move, collide and bounce off walls.
 ///
@@ -260,7 +260,6 @@ impl PyWorld {
         let densities = reals("densities", densities.value(), len)?;
         let arguments = Arguments {
             masses,
-            restitutions: None,
             movable,
             friction: friction.value(),
             angles,
@@ -268,6 +267,7 @@ impl PyWorld {
             categories,
             masks,
             sensors,
+            ..Arguments::default()
         };
         let mut draft = Draft { columns: arguments.read(len, columns)?, densities };
         let mut rules = WorldSettings {

@@ -32,6 +32,18 @@ macro_rules! plain {
 }
 plain!(u8, u32, u64, f32, f64);
 
+impl Plain for bool {
+    const SIZE: usize = 1;
+    #[inline(always)]
+    fn store(self, to: &mut [u8]) {
+        u8::from(self).store(to);
+    }
+    #[inline(always)]
+    fn load(from: &[u8]) -> Self {
+        u8::load(from) > 0
+    }
+}
+
 impl<P: Plain + Default, const N: usize> Plain for [P; N] {
     const SIZE: usize = N * P::SIZE;
     #[inline(always)]
@@ -77,6 +89,18 @@ impl Writer {
         self.0.resize(start + values.len() * P::SIZE, 0);
         let to = self.0[start..].chunks_exact_mut(P::SIZE);
         values.iter().zip(to).for_each(|(value, to)| value.store(to));
+    }
+
+    /// Appends 1 and the first value if all have the same bytes, otherwise 0 and all values.
+    pub fn put_uniform<P: Plain>(&mut self, values: &[P]) {
+        self.put(0u8);
+        let start = self.0.len();
+        self.put_all(values);
+        let all = &self.0[start..];
+        if all.chunks_exact(P::SIZE).all(|bytes| bytes == &all[..P::SIZE]) {
+            self.0[start - 1] = 1;
+            self.0.truncate(start + P::SIZE);
+        }
     }
 
     /// Fills in the header and returns all bytes.
@@ -148,6 +172,12 @@ impl<'a> Reader<'a> {
         // The bytes are checked before memory is allocated for the values.
         let bytes = self.take(count.checked_mul(P::SIZE).ok_or_else(cut_off)?)?;
         Ok(bytes.chunks_exact(P::SIZE).map(P::load).collect())
+    }
+
+    /// The next `count` values, which [`Writer::put_uniform`] has written.
+    pub fn get_uniform<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
+        let is_same: bool = self.get()?;
+        if is_same && count > 0 { Ok(vec![self.get()?; count]) } else { self.get_all(count) }
     }
 
     /// Refuses bytes after the last value.

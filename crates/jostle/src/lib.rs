@@ -57,6 +57,6 @@ pub use slide::SlideRules;
 pub use space::{Id, Slides, Space};
 pub use walls::Wall;
 pub use world::{
-    Collisions, Column, Defaults, OnTouch, OwnParticles, Stage, StateHash, Stats, Touch,
-    TouchEvents, WallTouch, World, WorldSettings,
+    Collisions, Defaults, OnTouch, OwnParticles, Stage, StateHash, Stats, Touch, TouchEvents,
+    WallTouch, World, WorldSettings,
 };

@@ -1,5 +1,6 @@
 //! Shapes as the caller gives them, one row each, and the checks of their values.
 
+use crate::bytes::Plain;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
 use crate::period::Period;
@@ -23,6 +24,17 @@ pub struct Filter {
 impl Default for Filter {
     fn default() -> Self {
         Self { category: DEFAULT_CATEGORY, mask: DEFAULT_MASK }
+    }
+}
+
+impl Plain for Filter {
+    const SIZE: usize = 8;
+    fn store(self, to: &mut [u8]) {
+        [self.category, self.mask].store(to);
+    }
+    fn load(from: &[u8]) -> Self {
+        let [category, mask] = Plain::load(from);
+        Self { category, mask }
     }
 }
 

@@ -1,12 +1,18 @@
 //! Tables: structures of arrays whose columns are declared once.
 //!
 //! [`table!`](crate::table!) declares a struct of columns and implements [`Table`] for it, so whatever moves
-//! rows (reordering, removing, appending) needs no change for a new column. A column is *dense*, with a
-//! value for each row; *sparse*, empty if all rows have the default value; or *nested*, a table itself.
+//! rows (reordering, removing, appending) or visits all columns needs no change for a new one. A column is
+//! *dense*, with a value for each row; *uniform*, dense, but often with the same value in all rows, so that
+//! files contain it once; *sparse*, empty if all rows have the default value; or *nested*, a table itself.
+
+use crate::bytes::Plain;
+use crate::error::Result;
 
 /// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
 /// column does not know.
 pub trait Table {
+    /// Bytes of the values of a row.
+    const ROW_SIZE: usize;
     /// Replaces the contents by the rows `order` of `source`, in that order.
     fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>);
     /// Appends the rows of `other`, of which there are `added`.
@@ -21,8 +27,49 @@ pub trait Table {
     fn resize(&mut self, len: usize);
     /// Empties sparse columns in which all rows have the default value.
     fn drop_defaults(&mut self);
-    /// The length of each column that has not `len` rows, with its name.
-    fn wrong_lengths(&self, len: usize, report: &mut dyn FnMut(&'static str, usize));
+    /// Visits each column, in the order of the declaration.
+    fn visit(&self, visitor: &mut impl Visitor);
+    /// The same with columns that may be changed.
+    fn visit_mut(&mut self, visitor: &mut impl VisitorMut) -> Result<()>;
+}
+
+/// A value of a column.
+pub trait Value: Plain + Default + PartialEq {}
+
+impl<V: Plain + Default + PartialEq> Value for V {}
+
+/// A visitor of the columns of a table.
+pub trait Visitor {
+    /// Is called with each column.
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]);
+}
+
+/// A visitor that changes the columns of a table.
+pub trait VisitorMut {
+    /// Is called with each column.
+    fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()>;
+}
+
+/// What the declaration of a table says of a column.
+#[derive(Clone, Copy, Debug)]
+pub struct Declared {
+    /// Its name.
+    pub name: &'static str,
+    /// Whether it is dense, uniform or sparse.
+    pub kind: Kind,
+    /// The first format of snapshots that contains it.
+    pub since: u32,
+}
+
+/// Kinds of columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A value for each row.
+    Dense,
+    /// A value for each row, often the same.
+    Uniform,
+    /// Empty if all rows have the default value.
+    Sparse,
 }
 
 /// The default value of rows that a sparse column does not have.
@@ -32,10 +79,13 @@ pub fn sparse_value<V: Copy + Default>(column: &[V], row: usize) -> V {
 
 /// Columns with a value for each row.
 pub mod dense {
+    use super::Kind;
     use crate::parallel;
 
     /// The type of a column.
     pub type Column<V> = Vec<V>;
+    /// This kind.
+    pub const KIND: Kind = Kind::Dense;
 
     /// See [`Table::gather`](super::Table::gather).
     pub fn gather<V: Copy + Default + Send + Sync>(
@@ -76,25 +126,34 @@ pub mod dense {
     /// A dense column stays as it is.
     pub fn drop_defaults<V>(_column: &mut Vec<V>) {}
 
-    /// See [`Table::wrong_lengths`](super::Table::wrong_lengths).
-    pub fn wrong_lengths<V>(
-        name: &'static str,
-        column: &[V],
-        len: usize,
-        report: &mut dyn FnMut(&'static str, usize),
-    ) {
-        if column.len() != len {
-            report(name, column.len());
+    /// Changes the values of some rows; `change` gets the number of the row in `rows`. Rows from `len` on
+    /// are left out.
+    pub fn change<V>(column: &mut [V], _len: usize, rows: &[u32], change: impl Fn(usize, &mut V)) {
+        for (nth, &row) in rows.iter().enumerate() {
+            if let Some(value) = column.get_mut(row as usize) {
+                change(nth, value);
+            }
         }
     }
 }
 
+/// Dense columns that often have the same value in all rows.
+pub mod uniform {
+    use super::Kind;
+    pub use super::dense::*;
+
+    /// This kind.
+    pub const KIND: Kind = Kind::Uniform;
+}
+
 /// Columns that are empty if all rows have the default value.
 pub mod sparse {
-    use super::{dense, sparse_value};
+    use super::{Kind, dense, sparse_value};
 
     /// The type of a column.
     pub type Column<V> = Vec<V>;
+    /// This kind.
+    pub const KIND: Kind = Kind::Sparse;
 
     /// See [`Table::gather`](super::Table::gather).
     pub fn gather<V: Copy + Default + Send + Sync>(
@@ -161,15 +220,31 @@ pub mod sparse {
         }
     }
 
-    /// See [`Table::wrong_lengths`](super::Table::wrong_lengths).
-    pub fn wrong_lengths<V>(
-        name: &'static str,
-        column: &[V],
+    /// As [`dense::change`].
+    pub fn change<V: Copy + Default + PartialEq>(
+        column: &mut Vec<V>,
         len: usize,
-        report: &mut dyn FnMut(&'static str, usize),
+        rows: &[u32],
+        change: impl Fn(usize, &mut V),
     ) {
-        if !column.is_empty() {
-            dense::wrong_lengths(name, column, len, report);
+        let rows = || rows.iter().map(|&row| row as usize).enumerate().filter(|of| of.1 < len);
+        let changed = |nth: usize, mut value: V| {
+            change(nth, &mut value);
+            value
+        };
+        if column.is_empty() {
+            if rows().all(|(nth, _)| changed(nth, V::default()) == V::default()) {
+                return;
+            }
+            column.resize(len, V::default());
+        }
+        let mut has_default = false;
+        for (nth, row) in rows() {
+            column[row] = changed(nth, column[row]);
+            has_default |= column[row] == V::default();
+        }
+        if has_default {
+            drop_defaults(column);
         }
     }
 }
@@ -215,33 +290,30 @@ pub mod nested {
     pub fn drop_defaults<T: Table>(column: &mut T) {
         column.drop_defaults();
     }
-
-    /// See [`Table::wrong_lengths`].
-    pub fn wrong_lengths<T: Table>(
-        _name: &'static str,
-        column: &T,
-        len: usize,
-        report: &mut dyn FnMut(&'static str, usize),
-    ) {
-        column.wrong_lengths(len, report);
-    }
 }
 
-/// Declares a struct of columns, each `dense`, `sparse` or `nested`, and implements [`Table`] for it.
+/// Declares a struct of columns, each `dense`, `uniform`, `sparse` or `nested`, and implements [`Table`] for it.
+/// `#[since(3)]` above a column says that snapshots contain it since format 3.
 #[macro_export]
 macro_rules! table {
     (
         $(#[$about:meta])*
         $visible:vis struct $name:ident {
-            $($(#[$doc:meta])* $field_visible:vis $field:ident: $kind:ident $type:ty,)*
+            $(
+                $(#[doc = $doc:literal])*
+                $(#[since($since:literal)])?
+                $field_visible:vis $field:ident: $kind:ident $type:ty,
+            )*
         }
     ) => {
         $(#[$about])*
         $visible struct $name {
-            $($(#[$doc])* $field_visible $field: $crate::table::$kind::Column<$type>,)*
+            $($(#[doc = $doc])* $field_visible $field: $crate::table::$kind::Column<$type>,)*
         }
 
         impl $crate::table::Table for $name {
+            const ROW_SIZE: usize = 0 $(+ $crate::table!(@size $kind $type))*;
+
             fn gather(&mut self, source: &Self, order: &[u32], threads: Option<usize>) {
                 $($crate::table::$kind::gather(&mut self.$field, &source.$field, order, threads);)*
             }
@@ -270,18 +342,39 @@ macro_rules! table {
                 $($crate::table::$kind::drop_defaults(&mut self.$field);)*
             }
 
-            fn wrong_lengths(&self, len: usize, report: &mut dyn FnMut(&'static str, usize)) {
-                $($crate::table::$kind::wrong_lengths(
-                    stringify!($field), &self.$field, len, report,
-                );)*
+            fn visit(&self, visitor: &mut impl $crate::table::Visitor) {
+                $($crate::table!(@visit $kind self, $field, visitor, visit, &, 0 $(+ $since)?);)*
+            }
+
+            fn visit_mut(
+                &mut self,
+                visitor: &mut impl $crate::table::VisitorMut,
+            ) -> $crate::Result<()> {
+                $($crate::table!(@visit $kind self, $field, visitor, visit_mut, &mut, 0 $(+ $since)?)?;)*
+                Ok(())
             }
         }
+    };
+    (@size nested $type:ty) => { <$type as $crate::table::Table>::ROW_SIZE };
+    (@size $kind:ident $type:ty) => { <$type as $crate::bytes::Plain>::SIZE };
+    (@visit nested $self:ident, $field:ident, $visitor:ident, $visit:ident, $($rest:tt)*) => {
+        $self.$field.$visit($visitor)
+    };
+    (@visit $kind:ident $self:ident, $field:ident, $visitor:ident, $visit:ident, &$($mut:ident)?, $since:expr) => {
+        $visitor.column(
+            $crate::table::Declared {
+                name: stringify!($field),
+                kind: $crate::table::$kind::KIND,
+                since: $since,
+            },
+            &$($mut)? $self.$field,
+        )
     };
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Table;
+    use super::{Declared, Table, Value, Visitor};
 
     table! {
         #[derive(Clone, Debug, Default, PartialEq)]
@@ -294,12 +387,12 @@ mod tests {
         #[derive(Clone, Debug, Default, PartialEq)]
         struct All {
             numbers: dense u32,
-            rare: sparse i32,
+            rare: sparse u64,
             inner: nested Inner,
         }
     }
 
-    fn all(numbers: &[u32], rare: &[i32], bits: &[u8]) -> All {
+    fn all(numbers: &[u32], rare: &[u64], bits: &[u8]) -> All {
         let inner = Inner { bits: bits.to_vec() };
         All { numbers: numbers.to_vec(), rare: rare.to_vec(), inner }
     }
@@ -326,11 +419,16 @@ mod tests {
     }
 
     #[test]
-    fn wrong_lengths_are_reported_by_name() {
-        let mut found = Vec::new();
-        all(&[1, 2], &[], &[3]).wrong_lengths(2, &mut |name, len| found.push((name, len)));
-        assert_eq!(found, [("bits", 1)]);
-        all(&[1], &[5], &[]).wrong_lengths(2, &mut |name, len| found.push((name, len)));
-        assert_eq!(found, [("bits", 1), ("numbers", 1), ("rare", 1)]);
+    fn visitors_get_all_columns() {
+        #[derive(Default)]
+        struct Lengths(Vec<(&'static str, usize)>);
+        impl Visitor for Lengths {
+            fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+                self.0.push((about.name, column.len()));
+            }
+        }
+        let mut found = Lengths::default();
+        all(&[1, 2], &[], &[3]).visit(&mut found);
+        assert_eq!(found.0, [("numbers", 2), ("rare", 0), ("bits", 1)]);
     }
 }

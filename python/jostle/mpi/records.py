@@ -4,26 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-#: A particle.
-RECORD = np.dtype(
-    [
-        ("id", "<i8"),
-        ("angle", "<f8"),
-        ("position", "<f4", 2),
-        ("residual", "<f4", 2),
-        ("velocity", "<f4", 2),
-        ("radius", "<f4"),
-        ("mass", "<f4"),
-        ("restitution", "<f4"),
-        ("friction", "<f4"),
-        ("angular_velocity", "<f4"),
-        ("category", "<u4"),
-        ("mask", "<u4"),
-        ("movable", "?"),
-        ("sensor", "?"),
-        ("kinds", "u1", 2),
-    ]
-)
+from jostle._core import record_fields
+
+#: A particle: its fields are named as the columns of worlds.
+RECORD = np.dtype([("id", "<i8"), *record_fields(), ("kinds", "(2,)u1")])
 
 #: Impulses of the sides of the container on a particle, and of their friction; how it has moved.
 KEPT = np.dtype([("id", "<i8"), ("impulses", "<f4", (2, 4)), ("drift", "<f4", (2, 3))])

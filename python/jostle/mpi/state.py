@@ -9,7 +9,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 import jostle
-from jostle._core import begin_hash, hash_records
+from jostle._core import begin_hash, hash_parts, hash_records
 
 from .exchange import deliver
 from .records import PARTS, RECORD
@@ -31,9 +31,9 @@ def parts_of(core: Any) -> list[NDArray[Any]]:
 def kinetic_energy(comm: MPI.Intracomm, core: Any) -> float:
     """The sum of ½ m v² + ½ I ω² of the movable particles of all ranks, with I = m r²/2."""
     rows = _movable(records_of(core))
-    mass = rows["mass"].astype(np.float64)
-    x, y = rows["velocity"].astype(np.float64).T
-    surface = rows["radius"].astype(np.float64) * rows["angular_velocity"]
+    mass = rows["masses"].astype(np.float64)
+    x, y = rows["velocities"].astype(np.float64).T
+    surface = rows["radii"].astype(np.float64) * rows["angular_velocities"]
     return exact_sum(
         comm, np.concatenate([0.5 * mass * (x * x + y * y), 0.25 * mass * (surface * surface)])
     )
@@ -44,8 +44,8 @@ def potential_energy(comm: MPI.Intracomm, core: Any, messages: Any) -> float:
     rows = records_of(core)
     moved = _movable(rows)
     gravity = np.array(core.gravity, np.float32).astype(np.float64)
-    heights = moved["position"].astype(np.float64) @ gravity
-    energy = exact_sum(comm, -moved["mass"].astype(np.float64) * heights)
+    heights = moved["positions"].astype(np.float64) @ gravity
+    energy = exact_sum(comm, -moved["masses"].astype(np.float64) * heights)
     if not any(isinstance(force, jostle.PairForce) for force in core.forces):
         return energy
     # In a copy, because the ghosts of a step may lack particles within the cutoff.
@@ -58,7 +58,7 @@ def potential_energy(comm: MPI.Intracomm, core: Any, messages: Any) -> float:
 def momentum(comm: MPI.Intracomm, core: Any) -> tuple[float, float]:
     """The sum of mass times velocity of the movable particles of all ranks."""
     rows = _movable(records_of(core))
-    x, y = rows["mass"].astype(np.float64) * rows["velocity"].astype(np.float64).T
+    x, y = rows["masses"].astype(np.float64) * rows["velocities"].astype(np.float64).T
     return exact_sum(comm, x), exact_sum(comm, y)
 
 
@@ -69,18 +69,13 @@ def state_hash(comm: MPI.Intracomm, core: Any) -> int:
     other.
     """
     rows = by_ids(comm, records_of(core), core._own_ids()[1])
-    is_sparse = {
-        1: (rows["friction"] != 0) | (rows["angular_velocity"] != 0) | (rows["angle"] != 0),
-        2: (rows["category"] != 1) | (rows["mask"] != 0xFFFFFFFF),
-        3: rows["sensor"],
-    }
+    records = rows.tobytes()
+    parts = set().union(*comm.allgather(hash_parts(records)))
     state = begin_hash(int(core._counts()[1]))
-    for column in range(4):
-        if column and not comm.allreduce(bool(is_sparse[column].any()), MPI.LOR):
-            continue
+    for part in sorted(parts):
         for rank in range(comm.size):
             if rank == comm.rank:
-                state = hash_records(state, rows.tobytes(), column)
+                state = hash_records(state, records, part)
             state = comm.bcast(state, root=rank)
     return state
 

@@ -68,22 +68,22 @@ class Sample:
         old = self.origin
         if self.world_size == 1.0:
             return old
+        nothing = np.empty((0, 2))
         world = jostle.World(
-            self.positions,
-            self.velocities,
-            self.radii,
-            masses=old.masses,
-            movable=old.movable,
+            nothing,
+            nothing,
+            radii=1.0,
             gravity=old.gravity,
             drag=old.drag,
             restitution=old.restitution,
-            friction=old.friction,
-            angular_velocities=old.angular_velocities,
             container=_resized(old.container, self.world_size),
             substeps=old.substeps,
             sleeping=False,
         )
-        world.restitutions = old.restitutions
+        columns = old.read(old.ids)._replace(
+            positions=self.positions, velocities=self.velocities, radii=self.radii, kinds=None
+        )
+        world.add(**columns._asdict())
         return world
 
     def article_program(self) -> article.Simulation:

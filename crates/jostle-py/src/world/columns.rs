@@ -1,13 +1,13 @@
 //! The columns of the particles as properties.
 
-use jostle::{Changes, Each, Error, Filter};
-use numpy::{PyArray1, PyArray2};
+use jostle::{Changes, Error, World};
+use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
 use super::{PyWorld, State};
-use crate::arrays::{bit_sets, column, read_only, reals, table};
+use crate::arrays::{column, read_only, table};
 use crate::error::refused;
-use crate::particles::{Draft, angles, truths, vectors};
+use crate::particles::{Arguments, Draft};
 
 #[pymethods]
 impl PyWorld {
@@ -19,16 +19,12 @@ impl PyWorld {
     /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let positions = self.long(py, |state| state.world.positions())?;
-        Ok(read_only(table(py, positions)?))
+        self.vectors(py, World::positions)
     }
 
     #[setter]
     fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let positions = vectors("positions", Some(value), len)?.map(Each::Rows);
-            Ok(Changes { positions, ..Changes::default() })
-        })
+        self.assign(py, Arguments { positions: Some(value), ..Arguments::default() })
     }
 
     /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
@@ -38,16 +34,12 @@ impl PyWorld {
     /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
     #[getter]
     fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let velocities = self.long(py, |state| state.world.velocities())?;
-        Ok(read_only(table(py, velocities)?))
+        self.vectors(py, World::velocities)
     }
 
     #[setter]
     fn set_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let velocities = vectors("velocities", Some(value), len)?.map(Each::Rows);
-            Ok(Changes { velocities, ..Changes::default() })
-        })
+        self.assign(py, Arguments { velocities: Some(value), ..Arguments::default() })
     }
 
     /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
@@ -56,16 +48,12 @@ impl PyWorld {
     /// the same.
     #[getter]
     fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let radii = self.long(py, |state| state.world.radii())?;
-        Ok(read_only(column(py, radii)))
+        self.column(py, World::radii)
     }
 
     #[setter]
     fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let radii = reals("radii", Some(value), len)?;
-            Ok(Changes { radii, ..Changes::default() })
-        })
+        self.assign(py, Arguments { radii: Some(value), ..Arguments::default() })
     }
 
     /// Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
@@ -73,16 +61,12 @@ impl PyWorld {
     /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
     fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let masses = self.long(py, |state| state.world.masses())?;
-        Ok(read_only(column(py, masses)))
+        self.column(py, World::masses)
     }
 
     #[setter]
     fn set_masses(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let masses = reals("masses", Some(value), len)?;
-            Ok(Changes { masses, ..Changes::default() })
-        })
+        self.assign(py, Arguments { masses: Some(value), ..Arguments::default() })
     }
 
     /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
@@ -90,16 +74,12 @@ impl PyWorld {
     /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
     fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let restitutions = self.long(py, |state| state.world.restitutions())?;
-        Ok(read_only(column(py, restitutions)))
+        self.column(py, World::restitutions)
     }
 
     #[setter]
     fn set_restitutions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let restitutions = reals("restitutions", Some(value), len)?;
-            Ok(Changes { restitutions, ..Changes::default() })
-        })
+        self.assign(py, Arguments { restitutions: Some(value), ..Arguments::default() })
     }
 
     /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
@@ -110,16 +90,12 @@ impl PyWorld {
     /// To change all, assign an array or one bool; to change some, use `set`.
     #[getter]
     fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let movable = self.long(py, |state| state.world.movable())?;
-        Ok(read_only(column(py, movable)))
+        self.column(py, World::movable)
     }
 
     #[setter]
     fn set_movable(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let movable = truths("movable", Some(value), len)?;
-            Ok(Changes { movable, ..Changes::default() })
-        })
+        self.assign(py, Arguments { movable: Some(value), ..Arguments::default() })
     }
 
     /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
@@ -141,16 +117,12 @@ impl PyWorld {
     /// array([0.5, 0.8], dtype=float32)
     #[getter]
     fn friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let friction = self.long(py, |state| state.world.friction())?;
-        Ok(read_only(column(py, friction)))
+        self.column(py, World::friction)
     }
 
     #[setter]
     fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let friction = reals("friction", Some(value), len)?;
-            Ok(Changes { friction, ..Changes::default() })
-        })
+        self.assign(py, Arguments { friction: Some(value), ..Arguments::default() })
     }
 
     /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
@@ -172,16 +144,12 @@ impl PyWorld {
     /// array([1.], dtype=float32)
     #[getter]
     fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let angles = self.long(py, |state| state.world.angles())?;
-        Ok(read_only(column(py, angles)))
+        self.column(py, World::angles)
     }
 
     #[setter]
     fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let angles = angles(Some(value), len)?;
-            Ok(Changes { angles, ..Changes::default() })
-        })
+        self.assign(py, Arguments { angles: Some(value), ..Arguments::default() })
     }
 
     /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
@@ -199,16 +167,12 @@ impl PyWorld {
     /// angles : The angles that follow from them.
     #[getter]
     fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        let angular_velocities = self.long(py, |state| state.world.angular_velocities())?;
-        Ok(read_only(column(py, angular_velocities)))
+        self.column(py, World::angular_velocities)
     }
 
     #[setter]
     fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let angular_velocities = reals("angular_velocities", Some(value), len)?;
-            Ok(Changes { angular_velocities, ..Changes::default() })
-        })
+        self.assign(py, Arguments { angular_velocities: Some(value), ..Arguments::default() })
     }
 
     /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
@@ -236,15 +200,12 @@ impl PyWorld {
     /// array([2, 2, 1], dtype=uint32)
     #[getter]
     fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        self.filter_bits(py, |filter| filter.category)
+        self.column(py, |world| world.filters().iter().map(|filter| filter.category).collect())
     }
 
     #[setter]
     fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let categories = bit_sets("categories", Some(value), len)?;
-            Ok(Changes { categories, ..Changes::default() })
-        })
+        self.assign(py, Arguments { categories: Some(value), ..Arguments::default() })
     }
 
     /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
@@ -253,15 +214,12 @@ impl PyWorld {
     /// To change all, assign an array or one number; to change some, use `set`.
     #[getter]
     fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        self.filter_bits(py, |filter| filter.mask)
+        self.column(py, |world| world.filters().iter().map(|filter| filter.mask).collect())
     }
 
     #[setter]
     fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let masks = bit_sets("masks", Some(value), len)?;
-            Ok(Changes { masks, ..Changes::default() })
-        })
+        self.assign(py, Arguments { masks: Some(value), ..Arguments::default() })
     }
 
     /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
@@ -294,16 +252,12 @@ impl PyWorld {
     /// array([900.,   0.], dtype=float32)
     #[getter]
     fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let sensors = self.long(py, |state| state.world.sensors())?;
-        Ok(read_only(column(py, sensors)))
+        self.column(py, World::sensors)
     }
 
     #[setter]
     fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.write_all(py, |len| {
-            let sensors = truths("sensors", Some(value), len)?;
-            Ok(Changes { sensors, ..Changes::default() })
-        })
+        self.assign(py, Arguments { sensors: Some(value), ..Arguments::default() })
     }
 
     /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
@@ -340,29 +294,33 @@ impl PyWorld {
     /// array([ True, False])
     #[getter]
     fn asleep<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let asleep = self.long(py, |state| state.world.asleep())?;
-        Ok(read_only(column(py, asleep)))
+        self.column(py, World::asleep)
     }
 }
 
 impl PyWorld {
-    fn filter_bits<'py>(
+    /// A read-only copy of a column of pairs.
+    fn vectors<'py>(
         &self,
         py: Python<'py>,
-        bits: fn(Filter) -> u32,
-    ) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        let filters = self.long(py, |state| state.world.filters())?;
-        Ok(read_only(column(py, filters.into_iter().map(bits).collect())))
+        of: fn(&World) -> Vec<[f32; 2]>,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        Ok(read_only(table(py, self.long(py, |state| of(&state.world))?)?))
     }
 
-    /// Replaces whole columns; `read` makes them for the number of particles.
-    fn write_all(
+    /// A read-only copy of a column.
+    fn column<'py, V: Element>(
         &self,
-        py: Python<'_>,
-        read: impl FnOnce(usize) -> PyResult<Changes>,
-    ) -> PyResult<()> {
+        py: Python<'py>,
+        of: fn(&World) -> Vec<V>,
+    ) -> PyResult<Bound<'py, PyArray1<V>>> {
+        Ok(read_only(column(py, self.long(py, |state| of(&state.world))?)))
+    }
+
+    /// Replaces whole columns.
+    fn assign(&self, py: Python<'_>, columns: Arguments<'_, '_>) -> PyResult<()> {
         let len = self.len(py)?;
-        let changes = read(len)?;
+        let changes = columns.read(len, Changes::default())?;
         self.long(py, |state| state.write_all(changes, len))?.map_err(refused)
     }
 }

@@ -113,6 +113,7 @@ impl PyWorld {
             categories,
             masks,
             sensors,
+            ..Arguments::default()
         };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
         let kinds = kinds_of_each(kinds, len)?;
@@ -247,6 +248,7 @@ impl PyWorld {
             categories,
             masks,
             sensors,
+            ..Arguments::default()
         };
         let changes = arguments.read(len, columns)?;
         let kinds = kinds_of_each(kinds, len)?;
@@ -299,11 +301,7 @@ impl PyWorld {
         let read = self
             .long(py, |state| Ok((state.world.read(&ids.all)?, state.world.kinds_of(&ids.all)?)))?;
         let (copy, kinds) = ids.result_of(read)?;
-        if ids.single {
-            results::world_particle(py, copy, kinds)
-        } else {
-            results::world_particles(py, copy, kinds)
-        }
+        results::world_particles(py, copy, kinds, ids.single)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
+use jostle::StateHash;
 use jostle::decomposition::{Traffic, read_records};
-use jostle::{Column, StateHash};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -201,13 +201,29 @@ pub fn begin_hash(total: usize) -> u64 {
     StateHash::begin(total).0
 }
 
-/// Continue the hash of the state with one column of the particles of records. For `jostle.mpi`.
+/// The parts of the hash of the state that depend on the particles of records. For `jostle.mpi`.
 #[pyfunction]
-pub fn hash_records(hash: u64, records: &[u8], column: usize) -> u64 {
-    let (mut particles, ..) = read_records(records);
-    // Other ranks may have values that are not the default.
-    particles.spins_mut();
-    particles.filters_mut();
-    particles.sensors_mut();
-    StateHash(hash).and(&particles, Column::ALL[column]).0
+pub fn hash_parts(records: &[u8]) -> Vec<usize> {
+    StateHash::parts(&read_records(records).0)
+}
+
+/// Continue the hash of the state with one part of the particles of records. For `jostle.mpi`.
+#[pyfunction]
+pub fn hash_records(hash: u64, records: &[u8], part: usize) -> u64 {
+    StateHash(hash).and(&read_records(records).0, part).0
+}
+
+/// The fields of a record between the id and the kinds, as NumPy writes them. For `jostle.mpi`.
+#[pyfunction]
+pub fn record_fields() -> Vec<(&'static str, String)> {
+    let format = |(name, number, count)| {
+        let number = match number {
+            "f64" => "<f8",
+            "f32" => "<f4",
+            "u32" => "<u4",
+            _ => "?",
+        };
+        (name, if count == 1 { number.to_string() } else { format!("({count},){number}") })
+    };
+    jostle::decomposition::record_fields().into_iter().map(format).collect()
 }

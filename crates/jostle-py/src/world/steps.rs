@@ -72,8 +72,8 @@ impl PyWorld {
         Ok(self.state(py)?.world.time())
     }
 
-    /// Milliseconds of each stage of the last step: a dict of "bounds", "build", "pairs",
-    /// "contacts", "resting", "events", "correction" and "store", and "forces" if there are forces.
+    /// Milliseconds of each stage of the last step: a dict of "forces", if there are forces,
+    /// "bounds", "build", "pairs", "contacts", "resting", "events", "correction" and "store".
     ///
     /// See Also
     /// --------

@@ -138,11 +138,11 @@ impl Group {
         sent: &[usize],
         received: &[usize],
     ) -> Result<Vec<u8>> {
-        self.traffic.calls += 1;
         if sent.is_empty() {
-            // One rank alone has no lists of ghosts.
+            // One rank alone has no lists of ghosts, and makes no call.
             return Ok(Vec::new());
         }
+        self.traffic.calls += 1;
         for (rank, &bytes) in sent.iter().enumerate() {
             if rank != self.rank() && bytes > 0 {
                 self.traffic.messages += 1;

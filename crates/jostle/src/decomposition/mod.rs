@@ -16,7 +16,7 @@ use crate::parallel::locked;
 pub use cells::{CircleBlocks, Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
-pub use records::{RECORD, put_record, read_records};
+pub use records::{RECORD, put_record, read_records, record_fields};
 pub use scale::{CELLS, Scale, read_samples, sample_positions};
 
 /// What a sub-step shares with other ranks.

@@ -1,28 +1,44 @@
-//! Particles as bytes, one record of fixed length for each.
+//! Particles as bytes, one record of fixed length for each: its id, all fields, and its kinds.
+//!
+//! Fields with numbers of 8 bytes come first, then those of 4 bytes, then bytes.
 
 use crate::bytes::Plain;
 use crate::forces::Kinds;
-use crate::particles::{Particles, Spin};
-use crate::shapes::Filter;
+use crate::particles::{Field, FieldVisitor, FieldVisitorMut, Particles};
 use crate::space::Id;
+use crate::table::Table;
 
 /// Bytes of a record.
-pub const RECORD: usize = 72;
+pub const RECORD: usize = u64::SIZE + Particles::ROW_SIZE + Kinds::SIZE;
+
+/// Bytes of numbers, in the order of a record.
+const WIDTHS: [usize; 3] = [8, 4, 1];
 
 /// Appends the record of the particle in a row, with its id and its kinds.
 pub fn put_record(to: &mut Vec<u8>, (id, kinds): (Id, Kinds), all: &Particles, row: usize) {
     let start = to.len();
     to.resize(start + RECORD, 0);
     let mut rest = &mut to[start..];
-    let (spin, filter) = (all.spin(row), all.filter(row));
     put(&mut rest, id as u64);
-    put(&mut rest, spin.angle);
-    put(&mut rest, [all.positions[row], all.residuals[row], all.velocities[row]]);
-    put(&mut rest, [all.radii[row], all.masses[row], all.restitutions[row]]);
-    put(&mut rest, [spin.friction, spin.velocity]);
-    put(&mut rest, [filter.category, filter.mask]);
-    put(&mut rest, [u8::from(all.movable[row]), u8::from(all.is_sensor(row))]);
+    for width in WIDTHS {
+        all.visit_row(row, &mut Put { rest: &mut rest, width });
+    }
     put(&mut rest, kinds);
+}
+
+/// Writes the fields of one width.
+struct Put<'a, 'b> {
+    rest: &'a mut &'b mut [u8],
+    width: usize,
+}
+
+impl FieldVisitor for Put<'_, '_> {
+    #[inline(always)]
+    fn field<F: Field>(&mut self, _name: &'static str, value: F) {
+        if F::WIDTH == self.width {
+            put(self.rest, value);
+        }
+    }
 }
 
 fn put<P: Plain>(rest: &mut &mut [u8], value: P) {
@@ -34,29 +50,31 @@ fn put<P: Plain>(rest: &mut &mut [u8], value: P) {
 /// The particles of some records, their ids and their kinds.
 pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>, Vec<Kinds>) {
     let (mut all, mut ids, mut kinds) = (Particles::default(), Vec::new(), Vec::new());
-    for record in bytes.chunks_exact(RECORD) {
-        let mut rest = record;
+    all.resize(bytes.len() / RECORD);
+    for (row, mut rest) in bytes.chunks_exact(RECORD).enumerate() {
         ids.push(get::<u64>(&mut rest) as Id);
-        let angle = get::<f64>(&mut rest);
-        let [position, residual, velocity] = get::<[[f32; 2]; 3]>(&mut rest);
-        let [radius, mass, restitution] = get::<[f32; 3]>(&mut rest);
-        let [friction, turning] = get::<[f32; 2]>(&mut rest);
-        let [category, mask] = get::<[u32; 2]>(&mut rest);
-        let [movable, is_sensor] = get::<[u8; 2]>(&mut rest);
+        for width in WIDTHS {
+            all.visit_row_mut(row, &mut Get { rest: &mut rest, width });
+        }
         kinds.push(get::<Kinds>(&mut rest));
-        all.positions.push(position);
-        all.residuals.push(residual);
-        all.velocities.push(velocity);
-        all.radii.push(radius);
-        all.masses.push(mass);
-        all.restitutions.push(restitution);
-        all.movable.push(movable > 0);
-        all.spins.push(Spin { friction, velocity: turning, angle });
-        all.filters.push(Filter { category, mask });
-        all.sensors.push(is_sensor > 0);
     }
     all.simplify();
     (all, ids, kinds)
+}
+
+/// Reads the fields of one width.
+struct Get<'a, 'b> {
+    rest: &'a mut &'b [u8],
+    width: usize,
+}
+
+impl FieldVisitorMut for Get<'_, '_> {
+    #[inline(always)]
+    fn field<F: Field>(&mut self, value: &mut F) {
+        if F::WIDTH == self.width {
+            *value = get(self.rest);
+        }
+    }
 }
 
 fn get<P: Plain>(rest: &mut &[u8]) -> P {
@@ -65,9 +83,38 @@ fn get<P: Plain>(rest: &mut &[u8]) -> P {
     P::load(from)
 }
 
+/// The name of each field in the order of a record, the type of its numbers, and how many it has.
+pub fn record_fields() -> Vec<(&'static str, &'static str, usize)> {
+    let mut blank = Particles::default();
+    blank.resize(1);
+    let mut names = Names::default();
+    for width in WIDTHS {
+        names.width = width;
+        blank.visit_row(0, &mut names);
+    }
+    names.found
+}
+
+/// Lists the fields of one width.
+#[derive(Default)]
+struct Names {
+    found: Vec<(&'static str, &'static str, usize)>,
+    width: usize,
+}
+
+impl FieldVisitor for Names {
+    fn field<F: Field>(&mut self, name: &'static str, _value: F) {
+        if F::WIDTH == self.width {
+            self.found.push((name, F::NUMBER, F::SIZE / F::WIDTH));
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::particles::Spin;
+    use crate::shapes::Filter;
 
     #[test]
     fn records_contain_all_columns() {

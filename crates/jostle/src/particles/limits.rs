@@ -1,6 +1,5 @@
 //! Limits of the values of particles.
 
-use super::Spin;
 use crate::error::{Error, Result};
 use crate::shapes::{self, check_finite};
 
@@ -81,11 +80,4 @@ pub fn check_angles(angles: &[f64]) -> Result<()> {
         Some(index) => Err(Error::at("angles", index, angles[index], "an angle must be finite")),
         None => Ok(()),
     }
-}
-
-pub(super) fn check_spins(spins: &[Spin]) -> Result<()> {
-    let column = |of: fn(&Spin) -> f32| spins.iter().map(of).collect::<Vec<f32>>();
-    check_friction(&column(|spin| spin.friction))?;
-    check_angular_velocities(&column(|spin| spin.velocity))?;
-    check_angles(&spins.iter().map(|spin| spin.angle).collect::<Vec<f64>>())
 }

@@ -1,17 +1,19 @@
-//! The particles of a world as columns: `limits` checks their values, `changes` writes new ones.
+//! The particles of a world as columns: `fields` has the columns of callers, `limits` checks their values,
+//! `changes` writes new ones.
 
 mod changes;
+mod fields;
 mod limits;
 
-use std::cmp::Ordering;
 use std::f64::consts::{PI, TAU};
 
+use crate::bytes::Plain;
 use crate::error::{Error, Result};
 use crate::shapes::Filter;
 use crate::table;
-use crate::table::{Table, sparse_value};
-pub use changes::{Changes, Effect};
-use limits::check_spins;
+use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
+pub use changes::Effect;
+pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
 pub use limits::{
     FARTHEST, MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses,
     check_radii, check_restitutions, check_vectors,
@@ -35,6 +37,24 @@ impl Spin {
         let (angle, last) = (self.angle as f32, std::f32::consts::PI);
         if angle >= last { -last } else { angle }
     }
+
+    /// With an angle in its range, and without velocity if the radius is 0.
+    fn of_disc(self, radius: f32) -> Self {
+        let velocity = if radius == 0.0 { 0.0 } else { self.velocity };
+        Self { velocity, angle: wrap_angle(self.angle), ..self }
+    }
+}
+
+impl Plain for Spin {
+    const SIZE: usize = 16;
+    fn store(self, to: &mut [u8]) {
+        [self.friction, self.velocity].store(&mut to[..8]);
+        self.angle.store(&mut to[8..]);
+    }
+    fn load(from: &[u8]) -> Self {
+        let [friction, velocity] = Plain::load(&from[..8]);
+        Self { friction, velocity, angle: f64::load(&from[8..]) }
+    }
 }
 
 table! {
@@ -44,24 +64,28 @@ table! {
         /// Centres.
         pub positions: dense [f32; 2],
         /// What rounding to float32 removed from the centres; the next step adds it to them.
+        #[since(3)]
         pub residuals: dense [f32; 2],
         /// In world units per second. Nothing changes those of immovable particles: a particle is kinematic
         /// if it has one or turns, else static.
         pub velocities: dense [f32; 2],
         /// Radii, at least 0.
-        pub radii: dense f32,
+        pub radii: uniform f32,
         /// Masses, more than 0.
-        pub masses: dense f32,
+        pub masses: uniform f32,
         /// Coefficients of restitution, 0 to 1; a pair has the product of its two.
-        pub restitutions: dense f32,
+        pub restitutions: uniform f32,
         /// Whether contacts and forces can change the velocity of the particle.
         pub movable: dense bool,
         /// Friction and rotation; empty if no disc has friction or an angle, or turns.
+        #[since(4)]
         pub spins: sparse Spin,
         /// Categories and masks; empty if all have the default.
+        #[since(7)]
         pub filters: sparse Filter,
         /// Whether the particle is a sensor: it touches others, and neither pushes them nor is pushed.
         /// Empty if none is.
+        #[since(7)]
         pub sensors: sparse bool,
     }
 }
@@ -76,10 +100,10 @@ impl Particles {
     ) -> Self {
         let len = positions.len();
         let masses = radii.iter().map(|r| density * r * r).collect();
-        let (residuals, restitutions) = (vec![[0.0; 2]; len], vec![1.0; len]);
-        let movable = vec![true; len];
-        let base = Self { positions, residuals, velocities, radii, masses, ..Self::default() };
-        Self { restitutions, movable, ..base }
+        let (restitutions, movable) = (vec![1.0; len], vec![true; len]);
+        let mut others = Self::default();
+        others.resize(len);
+        Self { positions, velocities, radii, masses, restitutions, movable, ..others }
     }
 
     /// Number of particles.
@@ -94,27 +118,12 @@ impl Particles {
 
     /// Refuses columns of different lengths and values out of range.
     pub fn validate(&self) -> Result<()> {
-        let expected = self.len();
-        let mut wrong = None;
-        self.wrong_lengths(expected, &mut |argument, found| {
-            wrong = wrong.or(Some((argument, found)));
-        });
-        if let Some((column, found)) = wrong {
-            // The first argument of callers that is in the column.
-            let argument = match column {
-                "spins" => "friction",
-                "filters" => "categories",
-                other => other,
-            };
-            return Err(Error::Length { argument, found, expected });
+        let mut lengths = Lengths { expected: self.len(), wrong: None };
+        self.visit(&mut lengths);
+        match lengths.wrong {
+            Some(error) => Err(error),
+            None => self.check_values(),
         }
-        check_vectors("positions", &self.positions)?;
-        check_vectors("residuals", &self.residuals)?;
-        check_vectors("velocities", &self.velocities)?;
-        check_radii(&self.radii)?;
-        check_masses(&self.masses)?;
-        check_restitutions(&self.restitutions)?;
-        check_spins(&self.spins)
     }
 
     /// Friction and rotation of a disc.
@@ -185,10 +194,7 @@ impl Particles {
     /// are none.
     pub fn simplify(&mut self) {
         for (spin, &radius) in self.spins.iter_mut().zip(&self.radii) {
-            spin.angle = wrap_angle(spin.angle);
-            if radius == 0.0 {
-                spin.velocity = 0.0;
-            }
+            *spin = spin.of_disc(radius);
         }
         self.drop_defaults();
     }
@@ -216,59 +222,6 @@ impl Particles {
         self.append(self.len(), other, other.len());
     }
 
-    /// Whether a row has the same values in `other`.
-    pub fn is_same(&self, row: usize, other: &Self) -> bool {
-        self.velocities[row] == other.velocities[row]
-            && self.spin(row).velocity == other.spin(row).velocity
-            && self.is_same_at_rest(row, other)
-    }
-
-    /// Whether a row has the same values in `other` apart from the velocities.
-    pub fn is_same_at_rest(&self, row: usize, other: &Self) -> bool {
-        // All columns are named, so that none is forgotten.
-        #[rustfmt::skip]
-        let Self {
-            positions, residuals, velocities: _, radii, masses, restitutions, movable,
-            spins: _, filters: _, sensors: _,
-        } = self;
-        let spin = |all: &Self| Spin { velocity: 0.0, ..all.spin(row) };
-        positions[row] == other.positions[row]
-            && residuals[row] == other.residuals[row]
-            && radii[row] == other.radii[row]
-            && masses[row] == other.masses[row]
-            && restitutions[row] == other.restitutions[row]
-            && movable[row] == other.movable[row]
-            && spin(self) == spin(other)
-            && self.filter(row) == other.filter(row)
-            && self.is_sensor(row) == other.is_sensor(row)
-    }
-
-    /// Orders two rows by all their values: a total order, the same on every machine.
-    pub fn compare(&self, a: usize, b: usize) -> Ordering {
-        // All columns are named, so that none is forgotten.
-        #[rustfmt::skip]
-        let Self {
-            positions, residuals, velocities, radii, masses, restitutions, movable,
-            spins: _, filters: _, sensors: _,
-        } = self;
-        let numbers = |row: usize| {
-            let ([x, y], [u, v], [c, d]) = (positions[row], velocities[row], residuals[row]);
-            [x, y, c, d, u, v, radii[row], masses[row], restitutions[row]]
-        };
-        let turning = |row: usize| {
-            let Spin { friction, velocity, angle } = self.spin(row);
-            [f64::from(friction), f64::from(velocity), angle]
-        };
-        let pairs = numbers(a).into_iter().zip(numbers(b));
-        let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-        let pairs = turning(a).into_iter().zip(turning(b));
-        let by_turning = pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-        let order = by_numbers.or(by_turning).unwrap_or(Ordering::Equal);
-        let order = order.then_with(|| movable[a].cmp(&movable[b]));
-        let order = order.then_with(|| self.filter(a).cmp(&self.filter(b)));
-        order.then_with(|| self.is_sensor(a).cmp(&self.is_sensor(b)))
-    }
-
     /// Whether nothing can move the particle, and it does not move or turn by itself.
     #[inline]
     pub fn is_static(&self, row: usize) -> bool {
@@ -279,6 +232,23 @@ impl Particles {
     #[inline]
     pub fn inverse_mass(&self, row: usize) -> f32 {
         if self.movable[row] { 1.0 / self.masses[row] } else { 0.0 }
+    }
+}
+
+/// Finds the first column with a wrong number of rows.
+struct Lengths {
+    expected: usize,
+    wrong: Option<Error>,
+}
+
+impl Visitor for Lengths {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        let (found, expected) = (column.len(), self.expected);
+        let is_right = found == expected || about.kind == Kind::Sparse && found == 0;
+        if !is_right && self.wrong.is_none() {
+            let argument = Particles::field_in(about.name);
+            self.wrong = Some(Error::Length { argument, found, expected });
+        }
     }
 }
 

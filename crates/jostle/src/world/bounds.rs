@@ -28,23 +28,23 @@ use crate::trajectory::{Segment, Vector, dot};
 const USUAL: f32 = 1.7;
 
 /// Circles of a chain at most.
-const MOST_CIRCLES: f64 = 4096.0;
+const MAX_CIRCLES: f64 = 4096.0;
 
 /// Pairs that one call of [`StepBounds::grow`] may find.
-const MOST_NEW: usize = MAX_CANDIDATES / 8;
+const MAX_NEW: usize = MAX_CANDIDATES / 8;
 
 /// Collisions that the fastest particle on a torus may have in a part of a step if it meets the
 /// others at random places.
-const MOST_COLLISIONS: f64 = 16.0;
+const MAX_COLLISIONS: f64 = 16.0;
 
 /// Parts into which the rest of a step is cut at most because of few fast particles.
-const MOST_FOR_FEW: f64 = 128.0;
+const MAX_FOR_FEW: f64 = 128.0;
 
 /// Candidate pairs that a particle may have because it moves, in a dilute gas.
 const CANDIDATES: f64 = 1.5;
 
 /// Parts into which a step is cut at most so that there are few candidate pairs.
-const MOST_SPLITS: f64 = 4096.0;
+const MAX_SPLITS: f64 = 4096.0;
 
 /// Candidate pairs of a particle that cost less to test than another part of the step.
 const WORTH_A_SPLIT: f64 = 4.0;
@@ -151,7 +151,7 @@ impl World {
         let most = 2.0 * least + CANDIDATES;
         let clearance = (most / (TAU * density)).sqrt() - radius;
         let parts = (displacement / clearance).ceil();
-        let most = (count as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MOST_SPLITS);
+        let most = (count as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MAX_SPLITS);
         // Not finite where there is no area.
         let parts = if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 };
         Ok(parts.max(self.parts_with_few_collisions(dt, radius)?) as usize)
@@ -176,7 +176,7 @@ impl World {
                 self.largest_of_all([most])?[0]
             }
         };
-        Ok((most / MOST_COLLISIONS).ceil().clamp(1.0, MOST_FOR_FEW))
+        Ok((most / MAX_COLLISIONS).ceil().clamp(1.0, MAX_FOR_FEW))
     }
 
     /// The mean of a number of all particles, none negative; the same whatever their order and ranks.
@@ -350,8 +350,8 @@ impl<'a> StepBounds<'a> {
             .max_displacement()
             .min(self.spacing.max(self.particles.radii[index as usize]));
         let count = (displacement / f64::from(size)).ceil().max(1.0);
-        if count > MOST_CIRCLES {
-            return Err(Error::TooManyCandidates { limit: MOST_NEW });
+        if count > MAX_CIRCLES {
+            return Err(Error::TooManyCandidates { limit: MAX_NEW });
         }
         let interval = (end - time) / count;
         let radius = self.particles.radii[index as usize];
@@ -468,8 +468,8 @@ impl StepBounds<'_> {
                 });
                 pulse.check(work)?;
             }
-            if pairs.len() > MOST_NEW {
-                return Err(Error::TooManyCandidates { limit: MOST_NEW });
+            if pairs.len() > MAX_NEW {
+                return Err(Error::TooManyCandidates { limit: MAX_NEW });
             }
         }
         Ok(())

@@ -1,5 +1,5 @@
-//! What is kept from step to step beside the particles, for a distributed world: how each has moved, which sleep,
-//! and the impulses of resting contacts and of walls.
+//! Serialization of what the solver keeps of particles from step to step, for a distributed world: the impulses for
+//! warm starting, how each particle has moved, and which sleep.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,12 @@ use super::World;
 use super::asleep::Sleepers;
 use super::discs::Persistent;
 use super::islands::SleepingContact;
-use super::sleeping::Drift;
 use super::touches::WallImpulse;
-use crate::bytes::{Plain, damaged};
+use crate::bytes::{Plain, Reader, damaged};
 use crate::contacts::Contact;
-use crate::container::MAX_WALLS;
 use crate::error::Result;
 use crate::space::Id;
-use crate::table::sparse_value;
+use crate::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
 
 /// Stands for no own row.
 pub(super) const NONE: u32 = u32::MAX;
@@ -49,37 +47,52 @@ impl Resting {
     }
 }
 
-/// What is kept of a particle, with its id.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Kept {
-    pub(super) id: Id,
-    /// Impulses over mass of the sides of the container along the normals, and of friction.
-    pub(super) sides: [[f32; MAX_WALLS]; 2],
-    /// How it has moved.
-    pub(super) drift: Drift,
+/// Bytes of what is kept of a particle: its id and its row of [`Persistent`].
+pub(super) const KEPT: usize = u64::SIZE + Persistent::ROW_SIZE;
+
+/// Appends what is kept of the particle at an index, if it differs from that of a new particle.
+pub(super) fn put_kept(to: &mut Vec<u8>, id: Id, persistent: &Persistent, index: usize) {
+    let start = to.len();
+    to.extend((id as u64).to_le_bytes());
+    let mut row = PutRow { to, row: index, is_default: true };
+    persistent.visit(&mut row);
+    if row.is_default {
+        to.truncate(start);
+    }
 }
 
-impl Kept {
-    /// Bytes of it.
-    pub(super) const SIZE: usize = 64;
+/// Appends a row of all columns.
+struct PutRow<'a> {
+    to: &'a mut Vec<u8>,
+    row: usize,
+    is_default: bool,
+}
 
-    /// Appends it, if it differs from that of a new particle.
-    pub(super) fn put(&self, to: &mut Vec<u8>) {
-        if self.sides == [[0.0; MAX_WALLS]; 2] && self.drift == Drift::UNKNOWN {
-            return;
-        }
-        let start = to.len();
-        to.resize(start + Self::SIZE, 0);
-        (self.id as u64).store(&mut to[start..start + 8]);
-        self.sides.store(&mut to[start + 8..start + 40]);
-        [self.drift.before, self.drift.now].store(&mut to[start + 40..]);
+impl Visitor for PutRow<'_> {
+    fn column<V: Value>(&mut self, _about: Declared, column: &[V]) {
+        let value = sparse_value(column, self.row);
+        self.is_default &= value == V::default();
+        let start = self.to.len();
+        self.to.resize(start + V::SIZE, 0);
+        value.store(&mut self.to[start..]);
     }
+}
 
-    /// Reads it.
-    pub(super) fn get(from: &[u8]) -> Self {
-        let [before, now] = Plain::load(&from[40..]);
-        let sides = Plain::load(&from[8..40]);
-        Self { id: u64::load(&from[..8]) as Id, sides, drift: Drift { before, now } }
+/// Reads a row of all columns, which have `len` rows or are empty.
+struct GetRow<'a, 'b> {
+    from: &'a mut Reader<'b>,
+    row: usize,
+    len: usize,
+}
+
+impl VisitorMut for GetRow<'_, '_> {
+    fn column<V: Value>(&mut self, _about: Declared, column: &mut Vec<V>) -> Result<()> {
+        let value: V = self.from.get()?;
+        if value != V::default() {
+            column.resize(self.len, V::default());
+            column[self.row] = value;
+        }
+        Ok(())
     }
 }
 
@@ -128,7 +141,7 @@ impl Push {
 /// Bytes of the id of a sleeping particle and of the name of its island.
 pub(super) const MEMBER: usize = 16;
 
-/// What is kept of particles, as bytes: [`Kept`], [`Resting`], [`Push`], members of sleeping islands,
+/// What is kept of particles, as bytes: [`KEPT`], [`Resting`], [`Push`], members of sleeping islands,
 /// [`SleepingContact`].
 pub(super) type Parts<'a> = [&'a [u8]; 5];
 
@@ -179,7 +192,7 @@ impl World {
         let Some(domain) = &self.domain else { return bytes };
         let [kept, resting, pushes, members, touches] = &mut bytes;
         for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            kept_of(&self.persistent, domain.id(row), index).put(kept);
+            put_kept(kept, domain.id(row), &self.persistent, index);
         }
         let all = self.resting_of_own();
         all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| of.put(resting));
@@ -190,7 +203,7 @@ impl World {
         for island in self.asleep.islands().map(|number| &islands[number as usize]) {
             for at in island.particles.clone().map(|at| at as usize) {
                 let id = domain.id(discs.rows[at]);
-                kept_of(&discs.persistent, id, at).put(kept);
+                put_kept(kept, id, &discs.persistent, at);
                 members.extend((id as u64).to_le_bytes());
                 members.extend((island.name as u64).to_le_bytes());
             }
@@ -247,22 +260,11 @@ impl World {
         let row_of = |id: Id| rows.get(&id).copied().ok_or_else(unknown);
         let count = self.rows.len();
         let indices = self.indices().to_vec();
-        let Persistent { wall_pushes, wall_frictions, drifts } = &mut self.persistent;
-        for of in kept.chunks_exact(Kept::SIZE).map(Kept::get) {
-            let index = indices[row_of(of.id)? as usize] as usize;
-            let [pushes, frictions] = of.sides;
-            if pushes != [0.0; MAX_WALLS] {
-                wall_pushes.resize(count, Default::default());
-                wall_pushes[index] = pushes;
-            }
-            if frictions != [0.0; MAX_WALLS] {
-                wall_frictions.resize(count, Default::default());
-                wall_frictions[index] = frictions;
-            }
-            if of.drift != Drift::UNKNOWN {
-                drifts.resize(count, Drift::UNKNOWN);
-                drifts[index] = of.drift;
-            }
+        for of in kept.chunks_exact(KEPT) {
+            let mut from = Reader::without_head(of);
+            let row = row_of(from.get::<u64>()? as Id)?;
+            let index = indices[row as usize] as usize;
+            self.persistent.visit_mut(&mut GetRow { from: &mut from, row: index, len: count })?;
         }
         for push in pushes.chunks_exact(Push::SIZE).map(Push::get) {
             self.wall_impulses.push(push.of_row(row_of(push.id)?));
@@ -386,13 +388,6 @@ pub(super) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
     if of.pushes[0] > 0.0 {
         Push { impulses: [0.0; 2], ..Push::new(id, of) }.put(to);
     }
-}
-
-/// What is kept of the particle at an index.
-pub(super) fn kept_of(persistent: &Persistent, id: Id, index: usize) -> Kept {
-    let Persistent { wall_pushes, wall_frictions, drifts } = persistent;
-    let sides = [wall_pushes, wall_frictions].map(|column| sparse_value(column, index));
-    Kept { id, sides, drift: sparse_value(drifts, index) }
 }
 
 /// The contacts of sleeping islands with rows in place of ids, and the number of the island of each.

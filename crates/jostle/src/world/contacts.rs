@@ -1,5 +1,5 @@
-//! From candidate pairs to contacts: the neighbours for the events, and the contacts that are coloured and
-//! solved in the sub-steps.
+//! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
+//! and solved in the sub-steps.
 
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};

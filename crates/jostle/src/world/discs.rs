@@ -21,30 +21,36 @@ table! {
     /// no contact and an unknown motion.
     #[derive(Clone, Debug, Default)]
     pub(super) struct Persistent {
-        /// Warm starting: impulse over mass along the normal that each side of the container gave in the last
-        /// sub-step, at rest; empty if nothing can rest.
-        pub(super) wall_pushes: sparse [f32; MAX_WALLS],
-        /// The same of friction; empty if no particle has friction.
-        pub(super) wall_frictions: sparse [f32; MAX_WALLS],
+        pub(super) warm_start: nested WarmStart,
         /// Sleeping: how each particle moved in the last quarters of a second; empty if nothing may fall
         /// asleep.
         pub(super) drifts: sparse Drift,
     }
 }
 
-impl Persistent {
-    /// Removes the impulses of the sides of the container.
-    pub(super) fn forget_sides(&mut self) {
-        self.wall_pushes.clear();
-        self.wall_frictions.clear();
+table! {
+    /// Warm starting: impulses over mass that each side of the container gave in the last sub-step, at rest.
+    /// Those of other walls are in `World::wall_impulses`, those between particles in `World::contacts`.
+    #[derive(Clone, Debug, Default)]
+    pub(super) struct WarmStart {
+        /// Along the normals; empty if nothing can rest.
+        pub(super) normal: sparse [f32; MAX_WALLS],
+        /// Of friction; empty if no particle has friction.
+        pub(super) friction: sparse [f32; MAX_WALLS],
+    }
+}
+
+impl WarmStart {
+    /// Removes all impulses.
+    pub(super) fn clear(&mut self) {
+        self.normal.clear();
+        self.friction.clear();
     }
 
-    /// The same for one index.
-    pub(super) fn forget_sides_of(&mut self, index: usize) {
-        for column in [&mut self.wall_pushes, &mut self.wall_frictions] {
-            if let Some(pushes) = column.get_mut(index) {
-                *pushes = [0.0; MAX_WALLS];
-            }
+    /// Removes those of one index.
+    pub(super) fn clear_one(&mut self, index: usize) {
+        for column in [&mut self.normal, &mut self.friction] {
+            column.get_mut(index).into_iter().for_each(|own| *own = Default::default());
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Making a world the part of a distributed one that a rank has, and its own particles as records.
+//! Makes a world the part of a distributed world that a rank has, and writes its own particles as records.
 
 use std::collections::HashMap;
 use std::ops::Range;

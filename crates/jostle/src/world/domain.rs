@@ -26,8 +26,8 @@ const FEWEST_STEPS: u64 = 16;
 
 /// Domains are chosen anew if the rank with most work has more than this times the mean, or if there
 /// are more than this times as many ghosts as after the last time.
-const MOST_IMBALANCE: f64 = 1.15;
-const MOST_GHOSTS: f64 = 1.4;
+const MAX_IMBALANCE: f64 = 1.15;
+const MAX_GHOSTS: f64 = 1.4;
 
 /// Ghosts of a rank that are few whatever they were before.
 const FEW_GHOSTS: f64 = 32.0;
@@ -172,8 +172,8 @@ impl Domain {
         }
         let (most, sum) = (work.clone().fold(0.0, f64::max), work.clone().sum::<f64>());
         let few = FEW_GHOSTS * work.count() as f64;
-        self.is_stale |= most * self.received.len() as f64 > MOST_IMBALANCE * sum
-            || ghosts > (MOST_GHOSTS * self.usual_ghosts).max(few);
+        self.is_stale |= most * self.received.len() as f64 > MAX_IMBALANCE * sum
+            || ghosts > (MAX_GHOSTS * self.usual_ghosts).max(few);
     }
 
     /// Whether there are ghosts. Rows of own particles include those that sleep.

@@ -126,10 +126,21 @@ impl World {
             return Err(Error::Length { argument: "positions", found, expected });
         }
         copy.validate()?;
+        self.settings.container.check_fit(&copy.radii)?;
         let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
-        self.set_rows(rows, &Changes::from(copy))
+        copy.simplify();
+        self.wake_edited(rows, &before, &copy)?;
+        let (indices, len) = (self.indices_of(rows), self.rows.len());
+        for (nth, index) in indices.into_iter().enumerate() {
+            // Those that still sleep have not changed; their indices are behind those of all others.
+            if (index as usize) < len {
+                self.particles.put(len, index as usize, &copy, nth);
+            }
+        }
+        self.particles.drop_defaults();
+        Ok(())
     }
 
     fn set_rows(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {
@@ -137,25 +148,33 @@ impl World {
         if let Some(radii) = &changes.radii {
             radii.check(|radii| self.settings.container.check_fit(radii))?;
         }
-        self.wake_edited(rows, changes)?;
-        // Those that still sleep have not changed; their indices are behind those of all others.
+        if self.may_wake() {
+            let before = self.particles_in(rows);
+            let mut after = before.clone();
+            changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
+            self.wake_edited(rows, &before, &after)?;
+        }
+        // As above, sleeping particles are left out.
         let indices = self.indices_of(rows);
         changes.write(&mut self.particles, &indices);
         Ok(())
     }
 
+    /// Whether changes may wake particles, or concern those whose motion is observed.
+    fn may_wake(&self) -> bool {
+        !self.asleep.is_empty() || !self.persistent.drifts.is_empty() || self.domain.is_some()
+    }
+
     /// Wakes what changes concern, and forgets how the changed particles moved.
-    fn wake_edited(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {
-        let nothing_rests = self.asleep.is_empty() && self.persistent.drifts.is_empty();
-        if nothing_rests && self.domain.is_none() {
+    fn wake_edited(&mut self, rows: &[u32], before: &Particles, after: &Particles) -> Result<()> {
+        if !self.may_wake() {
             return Ok(());
         }
         let (mut driven, mut changed) = (Vec::new(), Vec::new());
-        for (nth, (&row, index)) in rows.iter().zip(self.indices_of(rows)).enumerate() {
-            let (all, at) = self.disc_at(index as usize);
-            match changes.effect(nth, all, at) {
+        for (nth, &row) in rows.iter().enumerate() {
+            match Effect::of(before, after, nth) {
                 Effect::None => {}
-                Effect::Velocity if !all.movable[at] => driven.push(row),
+                Effect::Velocity if !before.movable[nth] => driven.push(row),
                 _ => changed.push(row),
             }
         }

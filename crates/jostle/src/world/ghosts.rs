@@ -1,4 +1,4 @@
-//! Ghosts: copies of the particles of other ranks near own ones.
+//! Halo exchange: each rank gets ghosts, copies of the particles of other ranks near its own ones.
 
 use super::World;
 use super::asleep::Asleep;

@@ -1,4 +1,4 @@
-//! Accelerations that callers give, by forces of their own. They act until they are replaced. In a distributed
+//! Accelerations and forces that callers compute themselves. They act until they are replaced. In a distributed
 //! world all ranks make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;

@@ -11,7 +11,7 @@ use crate::memory;
 use crate::space::Id;
 
 /// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
-const MOST_RENUMBERED: usize = 1 << 27;
+const MAX_RENUMBERED: usize = 1 << 27;
 
 /// The ids of all rows, ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -141,7 +141,7 @@ impl World {
     pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
         let Some(merged) = &self.renumbered else { return Ok(None) };
         let len = self.ids.next as usize;
-        if len > MOST_RENUMBERED {
+        if len > MAX_RENUMBERED {
             return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
         }
         let mut new = memory::with_capacity(len)?;

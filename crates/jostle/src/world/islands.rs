@@ -1,4 +1,4 @@
-//! Islands of a distributed world, whose particles may be on several ranks.
+//! Distributed connected components: islands whose particles may be on several ranks.
 //!
 //! Each rank groups its particles and the ghosts that touch them. The groups with ghosts go to all ranks,
 //! with the groups that the ghosts have on their own ranks. So all ranks join the same groups, and decide

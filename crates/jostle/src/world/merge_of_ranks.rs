@@ -318,7 +318,7 @@ impl World {
             let (len, at, row) = (self.rows.len(), index as usize, self.rows[index as usize]);
             particles.put(len, at, &of.particle, 0);
             own_starts.put(len, at, starts, of.first);
-            persistent.forget_sides_of(at);
+            persistent.warm_start.clear_one(at);
             let pushes = of.pushes.iter().map(|push| push.of_row(row));
             wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
             exhausted.extend(of.is_exhausted.then_some(row));

@@ -1,11 +1,11 @@
-//! Moving particles to the ranks in whose domains they are, with what the solver keeps of them; adding
-//! and removing ghosts.
+//! Migration: particles move to the ranks in whose domains they are, with what the solver keeps of them. Ghosts
+//! are added and removed here too.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
 
 use super::World;
-use super::carried::{NONE, Resting, kept_of, put_push};
+use super::carried::{NONE, Resting, put_kept, put_push};
 use super::edits::retain_unless;
 use super::ids::Ids;
 use crate::bytes::Plain;
@@ -193,7 +193,7 @@ impl World {
             let row = self.rows[index];
             let name = self.name_of(domain, row);
             put_record(&mut leaving.records[destination], name, &self.particles, index);
-            kept_of(&self.persistent, name.0, index).put(&mut leaving.kept[destination]);
+            put_kept(&mut leaving.kept[destination], name.0, &self.persistent, index);
             if let Some(given) = &self.given {
                 let bytes = given[row as usize].iter().flat_map(|a| a.to_le_bytes());
                 leaving.given[destination].extend(bytes);

@@ -72,7 +72,7 @@ use record::Record;
 pub use record::{Collisions, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
-pub use sums::{Column, StateHash};
+pub use sums::StateHash;
 use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
 use undo::Before;
@@ -80,6 +80,8 @@ use undo::Before;
 /// The stages of a step, in the order of the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
+    /// The forces, before the other stages and in each sub-step; only if there are forces.
+    Forces,
     /// The bounds of every particle.
     Bounds,
     /// The tree of the bounds.
@@ -96,13 +98,12 @@ pub enum Stage {
     Correction,
     /// The new state, and what touched.
     Store,
-    /// The forces, before the other stages and in each sub-step; only if there are forces.
-    Forces,
 }
 
 impl Stage {
     /// All stages with their names, in the order of the data.
     pub const ALL: [(Self, &str); 9] = [
+        (Self::Forces, "forces"),
         (Self::Bounds, "bounds"),
         (Self::Build, "build"),
         (Self::Pairs, "pairs"),
@@ -111,7 +112,6 @@ impl Stage {
         (Self::Events, "events"),
         (Self::Correction, "correction"),
         (Self::Store, "store"),
-        (Self::Forces, "forces"),
     ];
 }
 
@@ -302,7 +302,7 @@ impl World {
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
-            self.persistent.forget_sides();
+            self.persistent.warm_start.clear();
             self.wall_impulses.clear();
             self.forget_domains();
         }

@@ -1,4 +1,4 @@
-//! Numbers of all ranks: sums, maxima, and what their particles require.
+//! Collective reductions: sums and maxima of numbers of all ranks, and what their particles require.
 
 use super::World;
 use crate::error::Result;

@@ -1,4 +1,4 @@
-//! The canonical order: all columns in the order of the tree.
+//! Sorts all columns into the canonical order, that of the tree.
 
 use super::World;
 use super::discs::Discs;

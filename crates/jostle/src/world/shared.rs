@@ -18,7 +18,7 @@
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
-use super::step::MOST_ATTEMPTS;
+use super::step::MAX_ATTEMPTS;
 use super::{Stats, Watch, World};
 use crate::decomposition::{digest, digest_all};
 use crate::error::{Error, Result};
@@ -30,7 +30,7 @@ use crate::parallel::locked;
 const NARROWING: f64 = 0.99;
 
 /// Factor of the margin with which a step begins, at most.
-const MOST_WIDENING: f64 = 8.0;
+const MAX_WIDENING: f64 = 8.0;
 
 /// What the ranks have computed for the particles that they share, compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +129,7 @@ impl World {
             self.drop_ghosts();
             match done? {
                 Agreement::Same => {
-                    self.wake_touched_of_ranks(attempt == MOST_ATTEMPTS)?;
+                    self.wake_touched_of_ranks(attempt == MAX_ATTEMPTS)?;
                     attempt += 1;
                     continue;
                 }
@@ -158,7 +158,7 @@ impl World {
         if let Some(domain) = &mut self.domain {
             domain.steps += 1;
             // The next steps need about as much.
-            domain.widening = (domain.widened * NARROWING).clamp(1.0, MOST_WIDENING);
+            domain.widening = (domain.widened * NARROWING).clamp(1.0, MAX_WIDENING);
             domain.has_contacts = self.contacts.has_impulses();
             if !domain.has_contacts {
                 domain.resting.clear();

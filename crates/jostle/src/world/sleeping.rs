@@ -13,6 +13,7 @@
 use super::asleep::{Island, Sleepers, run};
 use super::islands::SleepingContact;
 use super::{OnTouch, World, domain};
+use crate::bytes::Plain;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::Force;
@@ -63,6 +64,17 @@ impl Drift {
 impl Default for Drift {
     fn default() -> Self {
         Self::UNKNOWN
+    }
+}
+
+impl Plain for Drift {
+    const SIZE: usize = 24;
+    fn store(self, to: &mut [u8]) {
+        [self.before, self.now].store(to);
+    }
+    fn load(from: &[u8]) -> Self {
+        let [before, now] = Plain::load(from);
+        Self { before, now }
     }
 }
 
@@ -359,7 +371,7 @@ impl World {
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
         rests.extend(rows.iter().enumerate().map(|(index, &row)| {
-            let pushes = sparse_value(&persistent.wall_pushes, index);
+            let pushes = sparse_value(&persistent.warm_start.normal, index);
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));

@@ -19,7 +19,7 @@ pub(super) const MAX_CANDIDATES: usize = 1 << 25;
 const SPARE: f32 = 0.3;
 
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
-pub(super) const MOST_ATTEMPTS: usize = 4;
+pub(super) const MAX_ATTEMPTS: usize = 4;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
 const WORTH_SHARING: usize = 5000;
@@ -124,7 +124,7 @@ impl World {
                 self.cancel_waking();
                 return done;
             }
-            if attempt == MOST_ATTEMPTS {
+            if attempt == MAX_ATTEMPTS {
                 touched = self.asleep.islands().collect();
             }
             self.wake(&touched);

@@ -38,7 +38,7 @@ impl World {
             return Err(self.not_finite("contact_impulses", index, "inf"));
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
-        let (motions, wall_pushes) = (&scratch.motions, &self.persistent.wall_pushes);
+        let (motions, wall_pushes) = (&scratch.motions, &self.persistent.warm_start.normal);
         let any = AtomicBool::new(false);
         let chunks = || (0..).step_by(STORED);
         let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
@@ -75,7 +75,7 @@ impl World {
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |index: usize| self.scratch.motions.get(index as u32);
-        let wall_pushes = |index: usize| sparse_value(&self.persistent.wall_pushes, index);
+        let wall_pushes = |index: usize| sparse_value(&self.persistent.warm_start.normal, index);
         let spins = &self.scratch.spins;
         let spin = |index: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }

@@ -2,7 +2,7 @@
 //! collide in the order of time, then overlaps are corrected.
 
 use super::bounds::StepBounds;
-use super::discs::Persistent;
+use super::discs::WarmStart;
 use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
@@ -133,8 +133,8 @@ impl World {
         scratch.wall_impulses.clear();
         let on_walls = if may_rest { particles.len() } else { 0 };
         let with_friction = if has_friction { on_walls } else { 0 };
-        persistent.wall_pushes.resize(on_walls, Default::default());
-        persistent.wall_frictions.resize(with_friction, Default::default());
+        persistent.warm_start.normal.resize(on_walls, Default::default());
+        persistent.warm_start.friction.resize(with_friction, Default::default());
         if may_rest {
             scratch.resting.begin_step(contacts, particles, has_friction);
         } else {
@@ -207,7 +207,7 @@ impl World {
             shape: scratch.contact_shape,
             threads: of.threads,
         };
-        let Persistent { wall_pushes: normal, wall_frictions: friction, .. } = &mut self.persistent;
+        let WarmStart { normal, friction } = &mut self.persistent.warm_start;
         new.clear();
         let pushes = WallPushes { normal, friction, walls: new, impulses: wall_impulses };
         scratch.resting.support(&scene, &self.contacts, pushes, kicks)?;

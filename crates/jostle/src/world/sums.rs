@@ -1,11 +1,14 @@
 //! Sums over a world: momentum, energies, and a hash of its state.
 
+use std::ops::Range;
+
 use super::World;
 use super::force_step::{bodies, find_indices};
+use crate::bytes::Plain;
 use crate::error::Result;
 use crate::forces::{self, Attractor, Bodies, Force, Pole};
-use crate::particles::{Particles, Spin};
-use crate::shapes::Filter;
+use crate::particles::Particles;
+use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 
 impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.
@@ -106,30 +109,12 @@ impl World {
     pub fn state_hash(&self) -> u64 {
         let all = self.particles();
         let hash = StateHash::begin(all.len());
-        Column::ALL.into_iter().fold(hash, |hash, column| hash.and(&all, column)).0
+        StateHash::parts(&all).into_iter().fold(hash, |hash, part| hash.and(&all, part)).0
     }
 }
 
-/// The parts of a hash of particles, in their order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// Positions, velocities and all other dense columns.
-    Dense,
-    /// Friction and rotation.
-    Spins,
-    /// Categories and masks.
-    Filters,
-    /// Which are sensors.
-    Sensors,
-}
-
-impl Column {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Dense, Self::Spins, Self::Filters, Self::Sensors];
-}
-
-/// A hash of particles, which may be given in several parts: first a column of all parts, then the next
-/// one.
+/// A hash of particles, of one part of their columns after the other. Part 0 is all dense columns, row by row;
+/// part k is the k-th sparse column. Each part may be hashed in several calls with successive rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StateHash(pub u64);
 
@@ -141,47 +126,72 @@ impl StateHash {
         hash
     }
 
+    /// The parts that the hash of these particles has: sparse columns with default values alone are left out.
+    pub fn parts(all: &Particles) -> Vec<usize> {
+        let mut parts = Parts { found: vec![0], sparse: 0 };
+        all.visit(&mut parts);
+        parts.found
+    }
+
+    /// The hash with one part of some particles.
+    pub fn and(mut self, all: &Particles, part: usize) -> Self {
+        let len = all.len();
+        let count = if part == 0 { 1 } else { len.max(1) };
+        for first in (0..len).step_by(count) {
+            let rows = first..first + count;
+            all.visit(&mut HashedRows { hash: &mut self, rows, part, sparse: 0 });
+        }
+        self
+    }
+
     fn mix(&mut self, word: u32) {
         self.0 = (self.0 ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23);
     }
 
-    /// The hash with one column of some particles.
-    pub fn and(mut self, all: &Particles, column: Column) -> Self {
-        // All columns are named, so that none is forgotten.
-        #[rustfmt::skip]
-        let Particles {
-            positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
-        } = all;
-        let mut mix = |word: u32| self.mix(word);
-        match column {
-            Column::Dense => {
-                for row in 0..all.len() {
-                    let ([x, y], [u, v], [a, b]) =
-                        (positions[row], velocities[row], residuals[row]);
-                    let own = [radii[row], masses[row], restitutions[row]];
-                    [x, y, a, b, u, v].iter().chain(&own).for_each(|value| mix(value.to_bits()));
-                    mix(u32::from(movable[row]));
-                }
+    /// Mixes in the bytes of a value as words; the last one is filled up with 0.
+    fn mix_value<P: Plain>(&mut self, value: P) {
+        const LARGEST: usize = 16;
+        const { assert!(P::SIZE <= LARGEST) };
+        let mut bytes = [0; LARGEST];
+        value.store(&mut bytes[..P::SIZE]);
+        let (words, _) = bytes[..P::SIZE.next_multiple_of(4)].as_chunks::<4>();
+        words.iter().for_each(|word| self.mix(u32::from_le_bytes(*word)));
+    }
+}
+
+/// Lists the parts of a hash.
+struct Parts {
+    found: Vec<usize>,
+    /// Sparse columns so far.
+    sparse: usize,
+}
+
+impl Visitor for Parts {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        if about.kind == Kind::Sparse {
+            self.sparse += 1;
+            if !column.is_empty() {
+                self.found.push(self.sparse);
             }
-            Column::Spins => {
-                for Spin { friction, velocity, angle } in spins {
-                    let angle = angle.to_bits();
-                    let words = [
-                        friction.to_bits(),
-                        velocity.to_bits(),
-                        angle as u32,
-                        (angle >> 32) as u32,
-                    ];
-                    words.into_iter().for_each(&mut mix);
-                }
-            }
-            Column::Filters => {
-                for &Filter { category, mask } in filters {
-                    [category, mask].into_iter().for_each(&mut mix);
-                }
-            }
-            Column::Sensors => sensors.iter().for_each(|&is_sensor| mix(u32::from(is_sensor))),
         }
-        self
+    }
+}
+
+/// Adds some rows of one part to a hash.
+struct HashedRows<'a> {
+    hash: &'a mut StateHash,
+    rows: Range<usize>,
+    part: usize,
+    /// Sparse columns so far.
+    sparse: usize,
+}
+
+impl Visitor for HashedRows<'_> {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        let is_sparse = about.kind == Kind::Sparse;
+        self.sparse += usize::from(is_sparse);
+        if self.part == if is_sparse { self.sparse } else { 0 } {
+            self.rows.clone().for_each(|row| self.hash.mix_value(sparse_value(column, row)));
+        }
     }
 }

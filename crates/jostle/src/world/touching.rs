@@ -1,4 +1,4 @@
-//! The pairs that touch at the end of a step.
+//! Narrow phase at the end of a step: the pairs that touch then.
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! Values of new particles as bytes.
+//! Serialization of the values of new particles.
 
 use super::super::Defaults;
 use crate::bytes::{Reader, Writer};

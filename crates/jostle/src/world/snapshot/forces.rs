@@ -1,4 +1,4 @@
-//! Forces as bytes. They name particles by rows.
+//! Serialization of forces. They name particles by rows.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Ids as bytes.
+//! Serialization of ids.
 
 use super::super::ids::Ids;
 use crate::bytes::{Reader, Writer, damaged};

@@ -1,8 +1,7 @@
-//! A world as bytes. A world restored from them continues with the same bits.
+//! Serialization of a world. A restored world continues with the same bits.
 //!
-//! They contain everything that the next step depends on: settings, forces, particles in
-//! their canonical order, and the impulses of resting contacts with walls and particles; not the
-//! statistics of the last step. A column with the same value for all particles is stored as one value.
+//! The bytes contain everything that the next step depends on: settings, forces, particles in their canonical
+//! order, and the impulses for warm starting; not the statistics of the last step.
 
 mod defaults;
 mod forces;
@@ -11,6 +10,7 @@ mod parts;
 mod record;
 mod sleepers;
 
+use super::discs::WarmStart;
 use super::drive::check_walls;
 use super::ids::Ids;
 use super::sleeping::Drift;
@@ -21,10 +21,10 @@ use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::forces::{self as all_forces, Force};
-use crate::particles::{Particles, Spin, check_vectors};
+use crate::particles::{Particles, check_vectors};
 use crate::settings::{Method, Settings};
-use crate::shapes::Filter;
 use crate::space::Id;
+use crate::table::{Declared, Kind, Table, Value, Visitor, VisitorMut};
 use crate::walls::{FIRST, Wall};
 use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
@@ -62,14 +62,11 @@ impl World {
         to.put_count(self.asleep.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
-        put_wall_pushes(&mut to, &self.persistent.wall_pushes);
-        put_wall_pushes(&mut to, &self.persistent.wall_frictions);
+        put_warm_start(&mut to, &self.persistent.warm_start);
         put_contacts(&mut to, self.contacts.lasting().collect());
         put_wall_impulses(&mut to, &self.wall_impulses);
-        let drifts = &self.persistent.drifts;
-        to.put(u8::from(!drifts.is_empty()));
-        let drifts = drifts.iter().flat_map(|of| [of.before, of.now]);
-        to.put_all(&drifts.collect::<Vec<[f32; 3]>>());
+        to.put(!self.persistent.drifts.is_empty());
+        to.put_all(&self.persistent.drifts);
         put_sleepers(&mut to, &self.asleep.copy());
         to.put_count(self.forces.len());
         self.forces.iter().for_each(|force| put_force(&mut to, force));
@@ -104,12 +101,7 @@ impl World {
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
         world.rows = rows;
-        world.persistent.wall_pushes.resize(len, [0.0; MAX_WALLS]);
-        get_wall_pushes(&mut from, &mut world.persistent.wall_pushes, 0.0)?;
-        if version > 3 {
-            world.persistent.wall_frictions.resize(len, [0.0; MAX_WALLS]);
-            get_wall_pushes(&mut from, &mut world.persistent.wall_frictions, f32::MIN)?;
-        }
+        world.persistent.warm_start = get_warm_start(&mut from, len, version)?;
         world.contacts.recall(get_contacts(&mut from, len, version)?, len);
         if version > 3 {
             // Rows are checked below.
@@ -226,28 +218,50 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
 }
 
 fn put_particles(to: &mut Writer, all: &Particles) {
-    // All columns are named, so that none is forgotten.
-    #[rustfmt::skip]
-    let Particles {
-        positions, residuals, velocities, radii, masses, restitutions, movable, spins, filters, sensors,
-    } = all;
-    to.put_all(positions);
-    to.put_all(residuals);
-    to.put_all(velocities);
-    for column in [radii, masses, restitutions] {
-        let same = column.windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
-        to.put(u8::from(same));
-        to.put_all(&column[..if same { column.len().min(1) } else { column.len() }]);
+    all.visit(&mut Put(to));
+}
+
+/// Writes columns.
+struct Put<'a>(&'a mut Writer);
+
+impl Visitor for Put<'_> {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        match about.kind {
+            Kind::Dense => self.0.put_all(column),
+            Kind::Uniform => self.0.put_uniform(column),
+            Kind::Sparse => {
+                self.0.put(!column.is_empty());
+                self.0.put_all(column);
+            }
+        }
     }
-    let movable: Vec<u8> = movable.iter().map(|&movable| u8::from(movable)).collect();
-    to.put_all(&movable);
-    to.put(u8::from(!spins.is_empty()));
-    for Spin { friction, velocity, angle } in spins {
-        to.put([*friction, *velocity]);
-        to.put(*angle);
+}
+
+fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
+    let mut all = Particles::default();
+    all.visit_mut(&mut Get { from, len, version })?;
+    Ok(all)
+}
+
+/// Reads columns of `len` values. Those that the version did not have get default values.
+struct Get<'a, 'b> {
+    from: &'a mut Reader<'b>,
+    len: usize,
+    version: u32,
+}
+
+impl VisitorMut for Get<'_, '_> {
+    fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()> {
+        let is_known = self.version >= about.since;
+        *column = match about.kind {
+            Kind::Dense if is_known => self.from.get_all(self.len)?,
+            Kind::Uniform if is_known => self.from.get_uniform(self.len)?,
+            Kind::Dense | Kind::Uniform => vec![V::default(); self.len],
+            Kind::Sparse if is_known && self.from.get()? => self.from.get_all(self.len)?,
+            Kind::Sparse => Vec::new(),
+        };
+        Ok(())
     }
-    put_filters(to, filters);
-    put_sensors(to, sensors);
 }
 
 fn put_given(to: &mut Writer, given: &[[f32; 2]]) {
@@ -265,73 +279,22 @@ fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Option<Vec<[f32; 2]>>>
     Ok(Some(given))
 }
 
-fn put_filters(to: &mut Writer, filters: &[Filter]) {
-    to.put(u8::from(!filters.is_empty()));
-    let words: Vec<[u32; 2]> = filters.iter().map(|of| [of.category, of.mask]).collect();
-    to.put_all(&words);
-}
-
-fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
-    Ok(Particles {
-        positions: from.get_all(len)?,
-        residuals: if version > 2 { from.get_all(len)? } else { vec![[0.0; 2]; len] },
-        velocities: from.get_all(len)?,
-        radii: get_column(from, len)?,
-        masses: get_column(from, len)?,
-        restitutions: get_column(from, len)?,
-        movable: from.get_all::<u8>(len)?.into_iter().map(|movable| movable > 0).collect(),
-        spins: if version > 3 && from.get::<u8>()? > 0 { get_spins(from, len)? } else { vec![] },
-        filters: if version > 6 { get_filters(from, len)? } else { vec![] },
-        sensors: if version > 6 { get_sensors(from, len)? } else { vec![] },
-    })
-}
-
-/// The filters of `len` particles; empty if all have the default.
-fn get_filters(from: &mut Reader<'_>, len: usize) -> Result<Vec<Filter>> {
-    if from.get::<u8>()? == 0 {
-        return Ok(Vec::new());
+fn put_warm_start(to: &mut Writer, of: &WarmStart) {
+    for column in [&of.normal, &of.friction] {
+        let pushed = column.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
+        to.put_count(pushed.clone().count());
+        for (&pushes, index) in pushed {
+            to.put(index);
+            to.put(pushes);
+        }
     }
-    let words: Vec<[u32; 2]> = from.get_all(len)?;
-    Ok(words.into_iter().map(|[category, mask]| Filter { category, mask }).collect())
 }
 
-fn put_sensors(to: &mut Writer, sensors: &[bool]) {
-    to.put(u8::from(!sensors.is_empty()));
-    to.put_all(&sensors.iter().map(|&is_sensor| u8::from(is_sensor)).collect::<Vec<u8>>());
-}
-
-/// Which of `len` particles are sensors; empty if none is.
-fn get_sensors(from: &mut Reader<'_>, len: usize) -> Result<Vec<bool>> {
-    if from.get::<u8>()? == 0 {
-        return Ok(Vec::new());
-    }
-    Ok(from.get_all::<u8>(len)?.into_iter().map(|is_sensor| is_sensor > 0).collect())
-}
-
-fn get_spins(from: &mut Reader<'_>, len: usize) -> Result<Vec<Spin>> {
-    // As many bytes are there as the columns before need, so `len` is not too large.
-    let spin = |_| {
-        let ([friction, velocity], angle) = (from.get()?, from.get()?);
-        Ok(Spin { friction, velocity, angle })
-    };
-    (0..len).map(spin).collect()
-}
-
-fn get_column(from: &mut Reader<'_>, len: usize) -> Result<Vec<f32>> {
-    let same = from.get::<u8>()? > 0;
-    if !same || len == 0 {
-        return from.get_all(len);
-    }
-    Ok(vec![from.get()?; len])
-}
-
-fn put_wall_pushes(to: &mut Writer, pushes: &[[f32; MAX_WALLS]]) {
-    let pushed = pushes.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
-    to.put_count(pushed.clone().count());
-    for (&pushes, index) in pushed {
-        to.put(index);
-        to.put(pushes);
-    }
+/// The impulses of the sides of the container on `len` particles; version 3 had no friction.
+fn get_warm_start(from: &mut Reader<'_>, len: usize, version: u32) -> Result<WarmStart> {
+    let normal = get_wall_pushes(from, len, 0.0)?;
+    let friction = if version > 3 { get_wall_pushes(from, len, f32::MIN)? } else { Vec::new() };
+    Ok(WarmStart { normal, friction })
 }
 
 /// How `len` particles moved; unknown in version 5, which had other numbers.
@@ -340,11 +303,12 @@ fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Dri
         let _: Vec<[f32; 4]> = from.get_all(len)?;
         return Ok(vec![Drift::UNKNOWN; len]);
     }
-    let drifts: Vec<[f32; 3]> = from.get_all(len.saturating_mul(2))?;
-    Ok(drifts.chunks_exact(2).map(|two| Drift { before: two[0], now: two[1] }).collect())
+    from.get_all(len)
 }
 
-fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f32) -> Result<()> {
+/// Impulses that are at least `least`.
+fn get_wall_pushes(from: &mut Reader<'_>, len: usize, least: f32) -> Result<Vec<[f32; MAX_WALLS]>> {
+    let mut all = vec![[0.0; MAX_WALLS]; len];
     for _ in 0..from.get_count()? {
         let (index, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
         let to = all
@@ -355,7 +319,7 @@ fn get_wall_pushes(from: &mut Reader<'_>, all: &mut [[f32; MAX_WALLS]], least: f
         }
         *to = pushes;
     }
-    Ok(())
+    Ok(all)
 }
 
 fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {

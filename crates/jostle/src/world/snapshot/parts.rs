@@ -7,7 +7,7 @@ use crate::bytes::{Reader, checksum, damaged};
 use crate::decomposition::{RECORD, read_records};
 use crate::error::{Error, Result};
 use crate::space::Id;
-use crate::world::carried::{Kept, MEMBER, Push, Resting};
+use crate::world::carried::{KEPT, MEMBER, Push, Resting};
 use crate::world::islands::SleepingContact;
 
 /// The first bytes.
@@ -21,8 +21,7 @@ const CHUNK: u64 = 1 << 14;
 
 /// Bytes of the rows of a chunk: particles, what is kept of them, contacts at rest, pushes of walls, members
 /// of sleeping islands, and their contacts.
-const SIZES: [usize; 6] =
-    [RECORD, Kept::SIZE, Resting::SIZE, Push::SIZE, MEMBER, SleepingContact::SIZE];
+const SIZES: [usize; 6] = [RECORD, KEPT, Resting::SIZE, Push::SIZE, MEMBER, SleepingContact::SIZE];
 
 /// Whether bytes begin like such a file.
 pub(super) fn are_parts(bytes: &[u8]) -> bool {

@@ -1,4 +1,4 @@
-//! The record of collisions and touching pairs as bytes.
+//! Serialization of the record of collisions and touching pairs.
 
 use super::super::World;
 use super::super::record::{Collisions, Record};

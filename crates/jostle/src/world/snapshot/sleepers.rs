@@ -1,4 +1,4 @@
-//! Sleeping islands as bytes.
+//! Serialization of sleeping islands.
 
 use std::ops::Range;
 
@@ -6,11 +6,10 @@ use super::super::World;
 use super::super::asleep::{Island, Sleepers};
 use super::super::discs::Discs;
 use super::{
-    get_contacts, get_particles, get_wall_impulses, get_wall_pushes, put_contacts, put_particles,
-    put_wall_impulses, put_wall_pushes,
+    get_contacts, get_particles, get_wall_impulses, get_warm_start, put_contacts, put_particles,
+    put_wall_impulses, put_warm_start,
 };
 use crate::bytes::{Reader, Writer, damaged};
-use crate::container::MAX_WALLS;
 use crate::error::Result;
 use crate::particles::Spin;
 use crate::shapes::MOST_ROWS;
@@ -67,8 +66,7 @@ pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
     let Discs { particles, rows, persistent } = &all.discs;
     to.put_all(rows);
     put_particles(to, particles);
-    put_wall_pushes(to, &persistent.wall_pushes);
-    put_wall_pushes(to, &persistent.wall_frictions);
+    put_warm_start(to, &persistent.warm_start);
     put_contacts(to, all.contacts.iter().collect());
     put_wall_impulses(to, &all.wall_impulses);
 }
@@ -101,10 +99,7 @@ pub(super) fn get_sleepers(
     *rows = from.get_all(len)?;
     *particles = get_particles(from, len, version)?;
     particles.validate().map_err(|error| damaged(&error.to_string()))?;
-    persistent.wall_pushes = vec![[0.0; MAX_WALLS]; len];
-    get_wall_pushes(from, &mut persistent.wall_pushes, 0.0)?;
-    persistent.wall_frictions = vec![[0.0; MAX_WALLS]; len];
-    get_wall_pushes(from, &mut persistent.wall_frictions, f32::MIN)?;
+    persistent.warm_start = get_warm_start(from, len, version)?;
     all.contacts = get_contacts(from, total, version)?;
     all.wall_impulses = get_wall_impulses(from, total, version)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];
