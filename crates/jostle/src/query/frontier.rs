@@ -2,7 +2,7 @@
 //! traversal).
 
 use super::window::Window;
-use crate::geometry::Scalar;
+use crate::geometry::{Scalar, lanes};
 use crate::quadtree::Quadtree;
 use crate::simd::{LANES, Simd, block};
 
@@ -79,19 +79,17 @@ impl<T: Scalar> Frontier<T> {
     /// A bit for each node of a block with shapes that could touch the window.
     #[inline(always)]
     pub(super) fn lanes<S: Simd<T>>(&self, simd: S, window: &Window<T>, first: usize) -> u32 {
-        let x = self.gaps(simd, window, 0, first);
-        let y = self.gaps(simd, window, 1, first);
+        let gaps = [self.gaps(simd, window, 0, first), self.gaps(simd, window, 1, first)];
         let radius_sum = simd.add(simd.splat(window.radius), simd.load(block(&self.radius, first)));
-        !simd.less(simd.mul(radius_sum, radius_sum), simd.add(simd.mul(x, x), simd.mul(y, y)))
+        lanes::may_touch(simd, gaps, radius_sum)
     }
 
-    /// The gaps between the window and the nodes of a block along one axis, at least 0.
+    /// The gaps between the window and the nodes of a block along one axis.
     #[inline(always)]
     fn gaps<S: Simd<T>>(&self, simd: S, window: &Window<T>, axis: usize, first: usize) -> S::Block {
         let min = simd.load(block(&self.min[axis], first));
         let max = simd.load(block(&self.max[axis], first));
         let gap = window.gap_lanes(simd, axis, [min, max]);
-        let gap = simd.sub(gap, simd.load(block(&self.half_size[axis], first)));
-        simd.max(gap, simd.splat(T::ZERO))
+        simd.sub(gap, simd.load(block(&self.half_size[axis], first)))
     }
 }
