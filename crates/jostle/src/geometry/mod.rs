@@ -47,6 +47,12 @@ pub fn overlap<T: Scalar>(gaps: [T; 2], radius_sum: T) -> bool {
     (square_of_gaps(gaps) < radius_sum * radius_sum) | ((gaps[0] < T::ZERO) & (gaps[1] < T::ZERO))
 }
 
+/// [`overlap`] of two discs, from the offset of their centres.
+#[inline(always)]
+pub fn discs_overlap<T: Scalar>([x, y]: [T; 2], radius_sum: T) -> bool {
+    x * x + y * y < radius_sum * radius_sum
+}
+
 /// A rounded box with its filter. Its core extends from `min - half_size` to `max + half_size`.
 ///
 /// If a shape is given by its centre, both `min` and `max` are the centre. If it is given as a

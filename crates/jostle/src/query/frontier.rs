@@ -13,24 +13,24 @@ pub(super) const GROUP: usize = 16;
 const MAX_NODES: usize = 3 * LANES;
 
 /// Capacity: the children of the last node that is opened, and padding for a whole block.
-const ROOM: usize = MAX_NODES + 4 + LANES;
+const CAPACITY: usize = MAX_NODES + 4 + LANES;
 
 /// Nodes that contain all results of a group of queries, with their bounds in columns, so that a
 /// query tests a block of them at once.
 pub(super) struct Frontier<T> {
     pub(super) len: usize,
-    pub(super) nodes: [u32; ROOM],
-    min: [[T; ROOM]; 2],
-    max: [[T; ROOM]; 2],
-    half_size: [[T; ROOM]; 2],
-    radius: [T; ROOM],
+    pub(super) nodes: [u32; CAPACITY],
+    min: [[T; CAPACITY]; 2],
+    max: [[T; CAPACITY]; 2],
+    half_size: [[T; CAPACITY]; 2],
+    radius: [T; CAPACITY],
 }
 
 impl<T: Scalar> Default for Frontier<T> {
     fn default() -> Self {
-        let none = [[T::ZERO; ROOM]; 2];
+        let none = [[T::ZERO; CAPACITY]; 2];
         let (min, max, half_size) = (none, none, none);
-        Self { len: 0, nodes: [0; ROOM], min, max, half_size, radius: [T::ZERO; ROOM] }
+        Self { len: 0, nodes: [0; CAPACITY], min, max, half_size, radius: [T::ZERO; CAPACITY] }
     }
 }
 

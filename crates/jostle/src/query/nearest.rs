@@ -8,7 +8,7 @@ use std::collections::BinaryHeap;
 use std::mem;
 use std::ops::Range;
 
-use super::region::{MOST_IDS, selects};
+use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distances, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
@@ -400,11 +400,11 @@ pub fn check_nearest<T: Scalar>(
     max_distances.check_len("max_distance", points.len())?;
     max_distances.check(check_max_distances)?;
     let neighbors = k.saturating_mul(points.len().max(1));
-    if neighbors > MOST_IDS {
+    if neighbors > MAX_IDS {
         let of =
             if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
         let rule = format!(
-            "for {of} that is {neighbors} neighbours, more than {MOST_IDS}; ask for fewer at a time"
+            "for {of} that is {neighbors} neighbours, more than {MAX_IDS}; ask for fewer at a time"
         );
         return Err(Error::of("k", k, &rule));
     }
