@@ -10,7 +10,7 @@ mod scalars;
 mod shapes;
 
 use jostle::Scalar;
-use jostle::shapes::MOST_ROWS;
+use jostle::shapes::MAX_ROWS;
 use numpy::{
     Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
     PyUntypedArrayMethods, dtype,
@@ -118,8 +118,8 @@ impl<'py> Argument<'py> {
         let argument = Self { name, array, was_array };
         argument.check_type(kind, value)?;
         match argument.array.shape().first() {
-            Some(&rows) if rows > MOST_ROWS => {
-                let message = format!("{name} has {rows} rows; it may have at most {MOST_ROWS}");
+            Some(&rows) if rows > MAX_ROWS => {
+                let message = format!("{name} has {rows} rows; it may have at most {MAX_ROWS}");
                 Err(PyValueError::new_err(message))
             }
             _ => Ok(argument),

@@ -9,6 +9,13 @@ pub fn key(x: u32, y: u32) -> u32 {
     spread(x) | spread(y) << 1
 }
 
+/// As [`key`], of coordinates of 32 bits.
+#[inline(always)]
+pub fn wide_key(x: u32, y: u32) -> u64 {
+    let low = key(x & 0xffff, y & 0xffff);
+    u64::from(key(x >> 16, y >> 16)) << 32 | u64::from(low)
+}
+
 /// The coordinates of the cell with a key, the inverse of [`key`].
 pub fn cell(key: u32) -> [u32; 2] {
     [compact(key), compact(key >> 1)]
@@ -40,6 +47,15 @@ mod tests {
     fn keys_and_cells_are_inverse() {
         for v in [0, 1, 0x8000, 0xffff, 0x1234] {
             assert_eq!(cell(key(v, v >> 1)), [v, v >> 1]);
+        }
+    }
+
+    #[test]
+    fn the_bits_of_wide_keys_are_those_of_the_coordinates_in_turn() {
+        for [x, y] in [[0, 0], [1, 0], [0x8000_0000, 0x1234_5678], [u32::MAX, 0x0001_8001]] {
+            let bit = |of: u32, at: u64| u64::from(of >> at & 1);
+            let bits = (0..32).map(|at| bit(x, at) << (2 * at) | bit(y, at) << (2 * at + 1));
+            assert_eq!(wide_key(x, y), bits.sum());
         }
     }
 }

@@ -6,7 +6,7 @@
 //! was moved by -p. Both shapes have the same role, so the gap does not depend on their order.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape, gap, middle, overlap};
+use crate::geometry::{Scalar, Shape, middle, overlap};
 
 /// A number of periods along each axis.
 pub type Turns = [i32; 2];
@@ -154,17 +154,11 @@ impl<T: Scalar> Period<T> {
     /// The gaps between the cores of two shapes along each axis: as they are, and after the
     /// shape with the higher centre was moved by one period.
     fn gaps(&self, a: &Shape<T>, b: &Shape<T>) -> [[T; 2]; 2] {
-        let direct = gaps(a, b);
-        let [first, second] = self.lowered(a, b);
-        let (first, second) = (gaps(&first, b), gaps(a, &second));
+        let direct = a.gaps(b);
+        let (first, second) = (a.moved(self.0).gaps(b), a.gaps(&b.moved(self.0)));
         let (is_first, both) = (higher(a, b), [direct, first, second]);
         let wrapped = [0, 1].map(|axis| both[if is_first[axis] { 1 } else { 2 }][axis]);
         [direct, wrapped]
-    }
-
-    /// Each of two shapes, moved by minus one period.
-    fn lowered(&self, a: &Shape<T>, b: &Shape<T>) -> [Shape<T>; 2] {
-        [a.moved(self.0), b.moved(self.0)]
     }
 
     /// Whether two shapes overlap, with the smaller gap along each axis.
@@ -210,14 +204,6 @@ impl<T: Scalar> Period<T> {
 pub fn higher<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [bool; 2] {
     let (a, b) = (a.center(), b.center());
     [a[0] >= b[0], a[1] >= b[1]]
-}
-
-/// The gaps between the cores of two shapes along each axis.
-fn gaps<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> [T; 2] {
-    [0, 1].map(|axis| {
-        let between = gap([a.min[axis], a.max[axis]], [b.min[axis], b.max[axis]]);
-        between - (a.half_size[axis] + b.half_size[axis])
-    })
 }
 
 /// A coordinate modulo `side`, in `[0, side)`. The remainder is exact; only the addition to a

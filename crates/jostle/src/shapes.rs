@@ -39,7 +39,7 @@ impl Plain for Filter {
 }
 
 /// Maximum number of rows: row numbers fit into 31 bits.
-pub const MOST_ROWS: usize = u32::MAX as usize / 2;
+pub const MAX_ROWS: usize = u32::MAX as usize / 2;
 
 /// One value for all rows, or one value for each row.
 #[derive(Clone, Debug, PartialEq)]
@@ -203,7 +203,7 @@ impl<T: Scalar> Shapes<T> {
     /// Checks everything except the positions.
     fn validate(&self, rows: &'static str) -> Result<()> {
         let len = self.len();
-        if len > MOST_ROWS {
+        if len > MAX_ROWS {
             return Err(Error::of(rows, len, "there may be at most 2147483647 rows"));
         }
         self.radii.check_len("radii", len)?;

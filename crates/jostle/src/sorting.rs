@@ -4,6 +4,8 @@
 //! McIlroy, K. Bostic and M. D. McIlroy, *Engineering Radix Sort*, Computing Systems 6, 1993);
 //! short lists are sorted by comparison. [`counting_sort`] sorts by small integer keys.
 
+use std::ops::AddAssign;
+
 use crate::error::Result;
 use crate::interrupt::Pulse;
 
@@ -104,29 +106,32 @@ fn partition<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<
 }
 
 /// Replaces each count by the sum of the counts before it (exclusive prefix sum).
-pub fn prefix_sum(counts: &mut [u32]) {
-    let mut sum = 0;
+pub fn prefix_sum<N: Copy + Default + AddAssign>(counts: &mut [N]) {
+    let mut sum = N::default();
     for count in counts {
         sum += std::mem::replace(count, sum);
     }
 }
 
-/// Writes `items` into `to` in ascending order of their keys, stable. Keys are below
-/// `ends.len()`; the end of the items of each key is written into `ends`.
-pub fn counting_sort<V: Copy>(
-    items: &[V],
-    key: impl Fn(&V) -> usize,
+/// Writes the values of `items` into `to` in ascending order of their keys, stable. Keys are below
+/// `ends.len()`; the end of the values of each key is written into `ends`. Values of key 0 begin at
+/// 0, those of another key at the end of the key before it (compressed sparse rows).
+#[inline]
+pub fn counting_sort<I, V>(
+    items: impl Iterator<Item = I> + Clone,
+    key: impl Fn(&I) -> usize,
+    value: impl Fn(I) -> V,
     ends: &mut [u32],
     to: &mut [V],
 ) {
     ends.fill(0);
-    items.iter().for_each(|item| ends[key(item)] += 1);
+    items.clone().for_each(|item| ends[key(&item)] += 1);
     prefix_sum(ends);
-    for item in items {
-        let next = &mut ends[key(item)];
-        to[*next as usize] = *item;
+    items.for_each(|item| {
+        let next = &mut ends[key(&item)];
+        to[*next as usize] = value(item);
         *next += 1;
-    }
+    });
 }
 
 #[cfg(test)]
@@ -165,9 +170,9 @@ mod tests {
     #[test]
     fn counting_sort_is_stable() {
         let items = [[3, 0], [1, 1], [3, 2], [0, 3], [1, 4]];
-        let (mut ends, mut sorted) = ([9; 5], [[0; 2]; 5]);
-        counting_sort(&items, |item| item[0] as usize, &mut ends, &mut sorted);
-        assert_eq!(sorted, [[0, 3], [1, 1], [1, 4], [3, 0], [3, 2]]);
+        let (mut ends, mut sorted) = ([9; 5], [0; 5]);
+        counting_sort(items.iter(), |item| item[0], |item| item[1], &mut ends, &mut sorted);
+        assert_eq!(sorted, [3, 1, 4, 0, 2]);
         assert_eq!(ends, [1, 3, 3, 5, 5]);
     }
 

@@ -137,7 +137,7 @@ impl Limits {
 /// at most u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     let restitution = restitution_at_rest(restitution);
-    let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MOST_REST_SPEED);
+    let approach = ((1.0 - restitution) / (2.0 * restitution)).min(MAX_REST_SPEED);
     [approach, restitution * approach]
 }
 
@@ -152,7 +152,7 @@ pub fn restitution_at_rest(restitution: f64) -> f64 {
 }
 
 /// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.
-pub const MOST_REST_SPEED: f64 = 4.0;
+pub const MAX_REST_SPEED: f64 = 4.0;
 
 /// The motion of a point against another.
 #[derive(Clone, Copy, Debug)]

@@ -75,7 +75,7 @@ impl Colouring {
         ends.resize(1 << DIGIT, 0);
         for digit in 0..DIGITS {
             let digit_of = |of: &[u32; 2]| (of[0] >> (digit * DIGIT) & ((1 << DIGIT) - 1)) as usize;
-            counting_sort(order, digit_of, ends, spare);
+            counting_sort(order.iter(), |of| digit_of(of), |of| *of, ends, spare);
             std::mem::swap(order, spare);
         }
     }

@@ -10,6 +10,7 @@ use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
+use crate::sorting;
 pub use blocks::{Block, Blocks};
 use colouring::{Colouring, Edge, prioritize};
 
@@ -497,14 +498,12 @@ impl Contacts {
                 if starts.is_empty() {
                     starts.resize(indices + 1, 0);
                 }
-                starts[contact.indices[0] as usize + 1] += 1;
+                starts[contact.indices[0] as usize] += 1;
                 seconds.push(contact.indices[1]);
                 impulses.push([contact.impulse, contact.friction_impulse]);
             }
         }
-        for index in 1..starts.len() {
-            starts[index] += starts[index - 1];
-        }
+        sorting::prefix_sum(starts);
         overflow
     }
 

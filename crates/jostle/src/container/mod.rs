@@ -6,7 +6,7 @@ mod torus;
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
-pub use torus::{MOST_TOURS, minimum_image_within};
+pub use torus::{MAX_TOURS, NINE_IMAGES, minimum_image_within};
 
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

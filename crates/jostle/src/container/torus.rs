@@ -4,7 +4,11 @@ use super::Container;
 use crate::motion;
 
 /// Times that a particle may travel around a torus in a step at most.
-pub const MOST_TOURS: f32 = 125.0;
+pub const MAX_TOURS: f32 = 125.0;
+
+/// A position and its eight nearest images, as numbers of periods along each axis.
+pub const NINE_IMAGES: [[i8; 2]; 9] =
+    [[-1, -1], [0, -1], [1, -1], [-1, 0], [0, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
 
 impl Container {
     /// Width and height of a torus; none for other containers.

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::scale::{CELLS, Scale};
 use crate::container::Container;
+use crate::sorting;
 
 /// The first and the last coordinate along each axis.
 type Aabb = [[f64; 2]; 2];
@@ -115,7 +116,7 @@ const BLOCK: usize = 8;
 
 /// Maximum number of cells of the AABB of a block that is tested as a whole. In a larger block each circle is
 /// tested: the Morton curve jumps there, and its circles are far apart.
-const MOST_CELLS: usize = 16;
+const MAX_CELLS: usize = 16;
 
 /// Circles in Morton order, in blocks of successive ones, most of which are near each other.
 #[derive(Debug)]
@@ -189,7 +190,7 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
     /// The cells of an AABB, unless there are many.
     fn few_cells(&self, sides: &Aabb) -> Option<[[u16; 2]; 2]> {
         let range = self.grid.range_of(*sides);
-        (self.grid.count_of(range) <= MOST_CELLS).then_some(range)
+        (self.grid.count_of(range) <= MAX_CELLS).then_some(range)
     }
 
     fn indices(&self, block: usize) -> Range<usize> {
@@ -239,7 +240,7 @@ impl Marks {
 }
 
 /// The cells of runs.
-fn cells_of(runs: &[u8]) -> impl Iterator<Item = usize> {
+fn cells_of(runs: &[u8]) -> impl Iterator<Item = usize> + Clone {
     let (runs, _) = runs.as_chunks::<4>();
     runs.iter().flat_map(|&[a, b, c, d]| {
         usize::from(u16::from_le_bytes([a, b]))..=usize::from(u16::from_le_bytes([c, d]))
@@ -261,16 +262,9 @@ impl Near {
             others.flat_map(|(rank, runs)| cells_of(runs).map(move |cell| (rank, cell)))
         };
         let mut starts = vec![0; grid.cells() + 1];
-        marked().for_each(|(_, cell)| starts[cell + 1] += 1);
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        let mut next = starts.clone();
-        let mut ranks = vec![0; starts[grid.cells()] as usize];
-        for (rank, cell) in marked() {
-            ranks[next[cell] as usize] = rank;
-            next[cell] += 1;
-        }
+        let mut ranks = vec![0; marked().count()];
+        let (cell, rank) = (|of: &(u32, usize)| of.1, |of: (u32, usize)| of.0);
+        sorting::counting_sort(marked(), cell, rank, &mut starts[1..], &mut ranks);
         Self { starts, ranks }
     }
 
@@ -352,7 +346,7 @@ mod tests {
             let of = |k: usize| cells(&grid, circle(k).0, circle(k).1);
             let needing = || (0..300usize).filter(|k| k.is_multiple_of(3));
             assert!(needing().all(|k| of(k).iter().all(|&cell| marked[cell])));
-            // A block marks an AABB of at most `MOST_CELLS`, so not all cells.
+            // A block marks an AABB of at most `MAX_CELLS`, so not all cells.
             assert!(marked.iter().any(|&is_marked| !is_marked));
             let mut marks = [(); 2].map(|()| Marks::new(&grid));
             (0..3).for_each(|k| of(70 * k).iter().for_each(|&cell| marks[k % 2].set(cell)));

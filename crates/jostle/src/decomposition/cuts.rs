@@ -1,6 +1,7 @@
 //! Where the Morton curve is cut into the domains of the ranks.
 
 use super::scale::Scale;
+use crate::morton;
 
 /// Keys that each rank samples.
 pub const SAMPLES: usize = 256;
@@ -15,24 +16,9 @@ pub fn key(scales: &[Scale; 2], position: [f32; 2]) -> u64 {
     // A cast limits numbers that are out of range.
     let index = |k: usize| {
         let along = scales[k].share(f64::from(position[k])) * cells;
-        spread(along.min(cells - 1.0) as u64)
+        along.min(cells - 1.0) as u32
     };
-    index(0) | index(1) << 1
-}
-
-/// Inserts a 0 after each bit.
-#[inline(always)]
-fn spread(mut bits: u64) -> u64 {
-    for (shift, mask) in [
-        (16, 0x0000_ffff_0000_ffff),
-        (8, 0x00ff_00ff_00ff_00ff),
-        (4, 0x0f0f_0f0f_0f0f_0f0f),
-        (2, 0x3333_3333_3333_3333),
-        (1, 0x5555_5555_5555_5555),
-    ] {
-        bits = (bits | bits << shift) & mask;
-    }
-    bits
+    morton::wide_key(index(0), index(1))
 }
 
 /// Evenly spaced ones of some keys, which get sorted; none of no keys.

@@ -1,6 +1,8 @@
 //! Scales of coordinates by quantiles: as many particles are in each cell of a scale, so a particle far away
 //! from all others does not make the cells of these larger.
 
+use crate::sorting;
+
 /// Cells of a scale.
 pub const CELLS: usize = 256;
 
@@ -42,11 +44,9 @@ impl Scale {
         let mut scale = Self { edges, hints: vec![0; BUCKETS + 1], origin, per_length };
         for edge in 1..CELLS {
             let bucket = scale.bucket(scale.edges[edge]);
-            scale.hints[bucket + 1] += 1;
+            scale.hints[bucket] += 1;
         }
-        for bucket in 1..scale.hints.len() {
-            scale.hints[bucket] += scale.hints[bucket - 1];
-        }
+        sorting::prefix_sum(&mut scale.hints);
         scale
     }
 

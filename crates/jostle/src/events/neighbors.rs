@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use crate::cache;
 use crate::parallel;
+use crate::sorting;
 use crate::trajectory::Vector;
 
 /// Candidate pairs, with the image of the second discs.
@@ -144,43 +145,29 @@ impl NearBlock {
     /// Lists the neighbours of each disc.
     fn fill(&mut self, lists: &[PairList], codes: impl Fn(u32) -> u32) {
         let Self { first, len, inside, across, starts, all } = self;
-        starts.clear();
-        starts.resize(*len + 2, 0);
-        let runs = || {
-            inside.iter().map(|(list, range)| {
-                let pairs = &lists[*list as usize].1;
-                (&pairs[range.start as usize..range.end as usize], codes(*list))
-            })
-        };
+        let of_inside = inside.iter().flat_map(|(list, range)| {
+            let (pairs, code) = (&lists[*list as usize].1, codes(*list));
+            let pairs = &pairs[range.start as usize..range.end as usize];
+            pairs.iter().flat_map(move |&[a, b]| [(a, b, code), (b, a, opposite(code))])
+        });
         let offset = |disc: u32| disc.wrapping_sub(*first) as usize;
-        for &[a, b] in runs().flat_map(|(pairs, _)| pairs) {
-            starts[offset(a) + 2] += 1;
-            starts[offset(b) + 2] += 1;
-        }
-        let own = |[a, b]: [u32; 2]| if offset(a) < *len { a } else { b };
-        across.iter().for_each(|&(pair, _)| starts[offset(own(pair)) + 2] += 1);
-        for index in 2..starts.len() {
-            starts[index] += starts[index - 1];
-        }
-        all.resize(starts[*len + 1] as usize, Neighbor::default());
-        let mut put = |of: u32, index, image| {
-            let next = &mut starts[offset(of) + 1];
-            all[*next as usize] = Neighbor { index, image };
-            *next += 1;
-        };
-        for (pairs, code) in runs() {
-            for &[a, b] in pairs {
-                put(a, b, code);
-                put(b, a, opposite(code));
-            }
-        }
-        for &([a, b], code) in &*across {
-            if offset(a) < *len {
-                put(a, b, code);
-            } else {
-                put(b, a, opposite(code));
-            }
-        }
+        let of_across =
+            across.iter().map(
+                |&([a, b], code)| {
+                    if offset(a) < *len { (a, b, code) } else { (b, a, opposite(code)) }
+                },
+            );
+        let of_inside_len: usize = inside.iter().map(|(_, range)| 2 * range.len()).sum();
+        starts.resize(*len + 1, 0);
+        starts[0] = 0;
+        all.resize(of_inside_len + across.len(), Neighbor::default());
+        sorting::counting_sort(
+            of_inside.chain(of_across),
+            |&(disc, ..)| offset(disc),
+            |(_, index, image)| Neighbor { index, image },
+            &mut starts[1..],
+            all,
+        );
     }
 
     /// The neighbours of a disc of this block.

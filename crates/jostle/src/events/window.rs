@@ -2,7 +2,7 @@
 
 use super::Events;
 use super::flight::{Start, Window};
-use crate::container::MOST_TOURS;
+use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::parallel::locked;
 
@@ -58,7 +58,7 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
         }
     };
     let tours = |seconds: f64| container.tours(fastest * seconds as f32);
-    if tours(window.end) > 2.0 * MOST_TOURS {
+    if tours(window.end) > 2.0 * MAX_TOURS {
         let rule = "forces would make a particle circle the torus too often; take smaller steps";
         return Err(Error::of("dt", format!("{} s in a sub-step", window.end), rule));
     }

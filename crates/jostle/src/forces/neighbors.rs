@@ -10,7 +10,7 @@ use std::sync::Mutex;
 
 use super::Bodies;
 use super::sorted::Sorted;
-use crate::container::Container;
+use crate::container::{Container, NINE_IMAGES};
 use crate::parallel::{self, locked};
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
@@ -199,10 +199,8 @@ impl Search<'_> {
     fn list(&self, group: u32, list: &mut List) {
         list.near.clear();
         if let Container::Torus { size: [w, h] } = self.container {
-            for y in [-h, 0.0, h] {
-                for x in [-w, 0.0, w] {
-                    self.list_image(group, [x, y], list);
-                }
+            for [x, y] in NINE_IMAGES {
+                self.list_image(group, [f32::from(x) * w, f32::from(y) * h], list);
             }
             // Stable, so that the images of a block stay in order.
             if !list.near.is_sorted_by_key(|near| near.block) {

@@ -9,7 +9,7 @@ use crate::particles::FARTHEST;
 const POINTS: usize = 2049;
 
 /// Largest number of segments in which the corners of a force are looked for.
-const MOST_SEGMENTS: usize = 400;
+const MAX_SEGMENTS: usize = 400;
 
 /// Share of σ below which the Lennard-Jones force does not increase any more.
 const HARDEST: f64 = 0.5;
@@ -112,7 +112,7 @@ fn segments_with_corners(corners: [f64; 2]) -> usize {
         (along - along.round()).abs() < 1e-4
     };
     let fits = |&segments: &usize| corners.iter().all(|&corner| is_corner(segments, corner));
-    (2..MOST_SEGMENTS).find(fits).unwrap_or(MOST_SEGMENTS)
+    (2..MAX_SEGMENTS).find(fits).unwrap_or(MAX_SEGMENTS)
 }
 
 /// Refuses lengths that are not finite or not above 0.

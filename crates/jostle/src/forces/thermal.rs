@@ -5,7 +5,7 @@ use super::{check_distinct, check_number};
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
-use crate::walls::{FIRST, MOST_WALLS};
+use crate::walls::{FIRST, MAX_WORLD_WALLS};
 
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
@@ -36,7 +36,7 @@ impl ThermalWalls {
     /// Refuses numbers out of range, and a wall that is named twice.
     pub fn validate(&self) -> Result<()> {
         check_temperature(self.temperature)?;
-        if let Some(index) = self.walls.iter().position(|&wall| wall as usize >= MOST_WALLS) {
+        if let Some(index) = self.walls.iter().position(|&wall| wall as usize >= MAX_WORLD_WALLS) {
             return Err(Error::at("walls", index, self.walls[index], "no wall has this index"));
         }
         check_distinct("walls", &self.walls)?;

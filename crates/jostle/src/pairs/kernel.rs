@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::Filters;
 use super::output::Output;
 use crate::columns::{Columns, SPARE};
-use crate::geometry::{Bounds, Scalar, Shape};
+use crate::geometry::{Bounds, Scalar, Shape, filters_agree, lanes};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
@@ -349,9 +349,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         axis: usize,
     ) -> S::Block {
         let simd = self.simd;
-        let below = simd.sub(simd.splat(bounds.min[axis]), max);
-        let above = simd.sub(min, simd.splat(bounds.max[axis]));
-        let mut gap = simd.max(below, above);
+        let mut gap = lanes::gap(simd, [bounds.min[axis], bounds.max[axis]], [min, max]);
         if CORE != BOXES {
             // The distance of two centres is never negative.
             gap = simd.max(gap, simd.splat(T::ZERO));
@@ -389,11 +387,10 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         half_others: S::Block,
     ) -> S::Block {
         let simd = self.simd;
-        let min = simd.splat(min);
         let gap = match CORE {
-            POINTS => return simd.sub(min, min_others),
-            HALF_SIZES => simd.distance(min, min_others),
-            _ => simd.max(simd.sub(min_others, simd.splat(max)), simd.sub(min, max_others)),
+            POINTS => return simd.sub(simd.splat(min), min_others),
+            HALF_SIZES => simd.distance(simd.splat(min), min_others),
+            _ => lanes::gap(simd, [min, max], [min_others, max_others]),
         };
         simd.sub(gap, simd.add(simd.splat(half), half_others))
     }
@@ -402,19 +399,12 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// no effect.
     #[inline(always)]
     fn overlap<const CORE: u8>(&self, dx: S::Block, dy: S::Block, radius_sum: S::Block) -> u32 {
-        let simd = self.simd;
-        let zero = simd.splat(T::ZERO);
-        let radius_sum = simd.mul(radius_sum, radius_sum);
-        if CORE == POINTS {
-            return simd.less(simd.add(simd.mul(dx, dx), simd.mul(dy, dy)), radius_sum);
-        }
-        let (ex, ey) = (simd.max(dx, zero), simd.max(dy, zero));
-        let round = simd.less(simd.add(simd.mul(ex, ex), simd.mul(ey, ey)), radius_sum);
-        if CORE == BOXES {
+        match CORE {
+            POINTS => lanes::discs_overlap(self.simd, [dx, dy], radius_sum),
+            HALF_SIZES => lanes::overlap_by_centers(self.simd, [dx, dy], radius_sum),
             // The gap between sides at −0 and 0 may be −0, which is touching.
-            return round | (simd.less(dx, zero) & simd.less(dy, zero));
+            _ => lanes::overlap(self.simd, [dx, dy], radius_sum),
         }
-        round | simd.both_negative(dx, dy)
     }
 
     #[inline(always)]
@@ -669,13 +659,12 @@ fn allowed<T: Scalar>(
 ) -> u32 {
     let mut agreeing = 0;
     for_each_lane(bits, |lane| {
-        let (category, mask) = if others.has_filters() {
-            (others.category[row(lane)], others.mask[row(lane)])
+        let filter = if others.has_filters() {
+            [others.category[row(lane)], others.mask[row(lane)]]
         } else {
-            (DEFAULT_CATEGORY, DEFAULT_MASK)
+            [DEFAULT_CATEGORY, DEFAULT_MASK]
         };
-        let agree = (shape.category & mask) != 0 && (category & shape.mask) != 0;
-        agreeing |= u32::from(agree) << lane;
+        agreeing |= u32::from(filters_agree([shape.category, shape.mask], filter)) << lane;
     });
     agreeing
 }

@@ -405,7 +405,7 @@ pub fn sort_indices(
     memory::resize(ends, len, 0)?;
     spare.clear();
     memory::resize(spare, pairs.len(), [0; 2])?;
-    sorting::counting_sort(pairs, |pair| pair[0] as usize, ends, spare);
+    sorting::counting_sort(pairs.iter(), |pair| pair[0] as usize, |pair| *pair, ends, spare);
     std::mem::swap(pairs, spare);
     let mut from = 0;
     for &end in &*ends {

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::interrupt::Stop;
 use crate::memory;
 use crate::parallel;
-use crate::sorting::prefix_sum;
+use crate::sorting::counting_sort;
 
 /// Maximum number of chunks.
 const MAX_CHUNKS: usize = 8;
@@ -90,7 +90,6 @@ impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
         let chunk = chunk_of(len);
         memory::resize(keys, len, 0)?;
         memory::resize(items, len, Item::default())?;
-        ends.clear();
         memory::resize(ends, len.div_ceil(chunk) * blocks, 0)?;
         let chunks = keys[..len].chunks_mut(chunk).zip(items[..len].chunks_mut(chunk));
         let tasks = chunks.zip(ends.chunks_mut(blocks)).enumerate();
@@ -100,14 +99,9 @@ impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
             }
             let start = number * chunk;
             source.keys(start..start + keys.len(), keys);
-            let block = |key: u32| leading(key, 0, bits);
-            keys.iter().for_each(|&key| ends[block(key)] += 1);
-            prefix_sum(ends);
-            for (offset, &key) in keys.iter().enumerate() {
-                let next = &mut ends[block(key)];
-                items[*next as usize] = source.item(start + offset, key);
-                *next += 1;
-            }
+            let block = |&(_, key): &(usize, &u32)| leading(*key, 0, bits);
+            let item = |(index, &key): (usize, &u32)| source.item(index, key);
+            counting_sort((start..).zip(&*keys), block, item, ends, items);
         });
         stop.check()
     }

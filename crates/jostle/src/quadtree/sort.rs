@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel::{self, locked};
-use crate::sorting::prefix_sum;
+use crate::sorting::counting_sort;
 
 /// Up to this number of shapes a comparison sort is faster.
 const SMALL: usize = 256;
@@ -281,16 +281,9 @@ impl<T: Copy + Default> Blocks<'_, T> {
         let next = (group_bits - bits).min(max_bits);
         let precision = if bits + next < group_bits { Precision::Full } else { precision };
         let ends = &mut scratch.counts;
-        ends.clear();
         ends.resize(1 << next, 0);
-        let items = || self.0.pieces(block).flatten();
-        items().for_each(|item| ends[leading(item.key, bits, next)] += 1);
-        prefix_sum(ends);
-        for &item in items() {
-            let index = &mut ends[leading(item.key, bits, next)];
-            sorted[*index as usize] = item;
-            *index += 1;
-        }
+        let items = self.0.pieces(block).flatten();
+        counting_sort(items, |item| leading(item.key, bits, next), |item| *item, ends, sorted);
         let mut from = 0;
         for &end in &*ends {
             let end = end as usize;
@@ -361,13 +354,7 @@ fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<
     for pass in 0..3 {
         let digit = |item: &Item<T>| (item.key >> (pass * BITS)) as usize & ((1 << BITS) - 1);
         let mut ends = [0; 1 << BITS];
-        items.iter().for_each(|item| ends[digit(item)] += 1);
-        prefix_sum(&mut ends);
-        for &item in &*items {
-            let index = &mut ends[digit(&item)];
-            spare[*index as usize] = item;
-            *index += 1;
-        }
+        counting_sort(items.iter(), |item| digit(item), |item| *item, &mut ends, spare);
         std::mem::swap(items, spare);
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! The neighbours of every shape within a distance, in compressed sparse rows.
 
-use super::region::{Hits, MOST_IDS};
+use super::region::{Hits, MAX_IDS};
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::{Pulse, Stop};
@@ -20,9 +20,9 @@ pub fn neighbors<T: Scalar>(
     distance: T,
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
-    let found = pairs::near(tree, None, distance, mask, MOST_IDS / 2);
+    let found = pairs::near(tree, None, distance, mask, MAX_IDS / 2);
     let found = found.map_err(|error| match error {
-        Error::TooManyPairs { .. } => Error::TooManyIds { limit: MOST_IDS },
+        Error::TooManyPairs { .. } => Error::TooManyIds { limit: MAX_IDS },
         other => other,
     })?;
     neighbors_of_pairs(tree.len(), found, tree.settings().threads)
@@ -38,14 +38,12 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
     for pairs in pairs.chunks(ROWS) {
         pulse.check(2 * pairs.len())?;
         for &[i, j] in pairs {
-            next[i as usize + 1] += 1;
-            next[j as usize + 1] += 1;
+            next[i as usize] += 1;
+            next[j as usize] += 1;
         }
     }
-    for row in 0..len {
-        next[row + 1] += next[row];
-        offsets[row + 1] = next[row + 1] as usize;
-    }
+    sorting::prefix_sum(&mut next);
+    offsets.iter_mut().zip(&next).for_each(|(offset, &next)| *offset = next as usize);
     let mut ids: Vec<u32> = memory::zeroed(2 * pairs.len())?;
     for pairs in pairs.chunks(ROWS) {
         pulse.check(2 * pairs.len())?;

@@ -2,7 +2,7 @@
 //! traversal).
 
 use super::window::Window;
-use crate::geometry::Scalar;
+use crate::geometry::{Scalar, lanes};
 use crate::quadtree::Quadtree;
 use crate::simd::{LANES, Simd, block};
 
@@ -13,24 +13,24 @@ pub(super) const GROUP: usize = 16;
 const MAX_NODES: usize = 3 * LANES;
 
 /// Capacity: the children of the last node that is opened, and padding for a whole block.
-const ROOM: usize = MAX_NODES + 4 + LANES;
+const CAPACITY: usize = MAX_NODES + 4 + LANES;
 
 /// Nodes that contain all results of a group of queries, with their bounds in columns, so that a
 /// query tests a block of them at once.
 pub(super) struct Frontier<T> {
     pub(super) len: usize,
-    pub(super) nodes: [u32; ROOM],
-    min: [[T; ROOM]; 2],
-    max: [[T; ROOM]; 2],
-    half_size: [[T; ROOM]; 2],
-    radius: [T; ROOM],
+    pub(super) nodes: [u32; CAPACITY],
+    min: [[T; CAPACITY]; 2],
+    max: [[T; CAPACITY]; 2],
+    half_size: [[T; CAPACITY]; 2],
+    radius: [T; CAPACITY],
 }
 
 impl<T: Scalar> Default for Frontier<T> {
     fn default() -> Self {
-        let none = [[T::ZERO; ROOM]; 2];
+        let none = [[T::ZERO; CAPACITY]; 2];
         let (min, max, half_size) = (none, none, none);
-        Self { len: 0, nodes: [0; ROOM], min, max, half_size, radius: [T::ZERO; ROOM] }
+        Self { len: 0, nodes: [0; CAPACITY], min, max, half_size, radius: [T::ZERO; CAPACITY] }
     }
 }
 
@@ -79,19 +79,17 @@ impl<T: Scalar> Frontier<T> {
     /// A bit for each node of a block with shapes that could touch the window.
     #[inline(always)]
     pub(super) fn lanes<S: Simd<T>>(&self, simd: S, window: &Window<T>, first: usize) -> u32 {
-        let x = self.gaps(simd, window, 0, first);
-        let y = self.gaps(simd, window, 1, first);
+        let gaps = [self.gaps(simd, window, 0, first), self.gaps(simd, window, 1, first)];
         let radius_sum = simd.add(simd.splat(window.radius), simd.load(block(&self.radius, first)));
-        !simd.less(simd.mul(radius_sum, radius_sum), simd.add(simd.mul(x, x), simd.mul(y, y)))
+        lanes::may_touch(simd, gaps, radius_sum)
     }
 
-    /// The gaps between the window and the nodes of a block along one axis, at least 0.
+    /// The gaps between the window and the nodes of a block along one axis.
     #[inline(always)]
     fn gaps<S: Simd<T>>(&self, simd: S, window: &Window<T>, axis: usize, first: usize) -> S::Block {
         let min = simd.load(block(&self.min[axis], first));
         let max = simd.load(block(&self.max[axis], first));
         let gap = window.gap_lanes(simd, axis, [min, max]);
-        let gap = simd.sub(gap, simd.load(block(&self.half_size[axis], first)));
-        simd.max(gap, simd.splat(T::ZERO))
+        simd.sub(gap, simd.load(block(&self.half_size[axis], first)))
     }
 }

@@ -34,7 +34,7 @@ pub use ray_search::{
 };
 pub use rect::Rect;
 pub(crate) use region::search_here;
-pub use region::{Hits, MOST_IDS, Region, search, selects};
+pub use region::{Hits, MAX_IDS, Region, search, selects};
 
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
@@ -66,9 +66,8 @@ fn morton_order<T: Scalar>(
     positions: impl ExactSizeIterator<Item = [T; 2]> + Clone,
 ) -> Result<Vec<u32>> {
     let len = positions.len();
-    let queries: Vec<u32> = memory::collect(0..len as u32)?;
     if len <= QUERIES_PER_TASK {
-        return Ok(queries);
+        return memory::collect(0..len as u32);
     }
     let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for position in positions.clone() {
@@ -88,8 +87,10 @@ fn morton_order<T: Scalar>(
     // The order of queries in one of these cells does not matter, so the leading bits suffice.
     let bits = (len.ilog2() + 2).clamp(MIN_BITS, MAX_BITS);
     let mut order = memory::zeroed(len)?;
-    let cell_of = |&query: &u32| (keys[query as usize] >> (32 - bits)) as usize;
-    sorting::counting_sort(&queries, cell_of, &mut vec![0; 1 << bits], &mut order);
+    let queries = (0..).zip(&keys);
+    let cell_of = |&(_, key): &(u32, &u32)| (key >> (32 - bits)) as usize;
+    let mut ends = vec![0; 1 << bits];
+    sorting::counting_sort(queries, cell_of, |(query, _)| query, &mut ends, &mut order);
     Ok(order)
 }
 

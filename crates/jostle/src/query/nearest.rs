@@ -8,11 +8,11 @@ use std::collections::BinaryHeap;
 use std::mem;
 use std::ops::Range;
 
-use super::region::{MOST_IDS, selects};
+use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distances, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar, Shape, gap, length, square_of_gaps};
+use crate::geometry::{Bounds, Scalar, Shape, gap, lanes, length, square_of_gaps};
 use crate::interrupt::{Pulse, Stop};
 use crate::memory;
 use crate::parallel;
@@ -344,7 +344,7 @@ fn within<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     }
     let distance = simd.mul(distance, simd.splat(slack()));
     let max_square = simd.add(simd.mul(distance, distance), simd.splat(T::SMALLEST_SQUARE));
-    !simd.less(max_square, simd.add(simd.mul(x, x), simd.mul(y, y)))
+    !simd.less(max_square, lanes::square(simd, [x, y]))
 }
 
 /// The gaps between a point and the cores of a block along one axis, at least 0; in a periodic plane
@@ -373,11 +373,11 @@ fn core_gap<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
 /// The gaps between a coordinate and the intervals of a block; half sizes are not subtracted.
 #[inline(always)]
 fn gap_to<T: Scalar, S: Simd<T>>(simd: S, at: T, [min, max]: [&[T]; 2], first: usize) -> S::Block {
-    let (min, at) = (simd.load(block(min, first)), simd.splat(at));
+    let min = simd.load(block(min, first));
     if max.is_empty() {
-        return simd.distance(min, at);
+        return simd.distance(min, simd.splat(at));
     }
-    simd.max(simd.sub(min, at), simd.sub(at, simd.load(block(max, first))))
+    lanes::gap(simd, [at; 2], [min, simd.load(block(max, first))])
 }
 
 /// Distances and ids of the nearest shapes, `k` for each point.
@@ -400,11 +400,11 @@ pub fn check_nearest<T: Scalar>(
     max_distances.check_len("max_distance", points.len())?;
     max_distances.check(check_max_distances)?;
     let neighbors = k.saturating_mul(points.len().max(1));
-    if neighbors > MOST_IDS {
+    if neighbors > MAX_IDS {
         let of =
             if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
         let rule = format!(
-            "for {of} that is {neighbors} neighbours, more than {MOST_IDS}; ask for fewer at a time"
+            "for {of} that is {neighbors} neighbours, more than {MAX_IDS}; ask for fewer at a time"
         );
         return Err(Error::of("k", k, &rule));
     }

@@ -3,7 +3,7 @@
 use super::region::Region;
 use super::window::Window;
 use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar, Shape, square_of_gaps};
+use crate::geometry::{Bounds, Scalar, Shape, overlap, square_of_gaps};
 use crate::period::Period;
 use crate::shapes::tuple;
 
@@ -181,9 +181,8 @@ impl<T: Scalar> Region<T> for Polygon<T> {
     /// Tests the window, then the core (separating axis test), then the distance from the core.
     fn overlaps(&self, shape: &Shape<T>) -> bool {
         let [dx, dy] = self.window.gaps(shape);
-        let (x, y) = (dx.max(T::ZERO), dy.max(T::ZERO));
         let inside = (dx < T::ZERO) & (dy < T::ZERO);
-        if !inside && x * x + y * y >= shape.radius * shape.radius {
+        if !overlap([dx, dy], shape.radius) {
             return false;
         }
         let Shape { min, max, half_size, radius, category, mask } = *shape;

@@ -19,7 +19,7 @@ pub struct Ray<T> {
 }
 
 /// Maximum length of a ray in a periodic plane, in periods.
-const MOST_PERIODS: f64 = 1024.0;
+const MAX_PERIODS: f64 = 1024.0;
 
 impl<T: Scalar> Ray<T> {
     /// Rays: one for each row of an argument, or one. Directions may have any length except 0.
@@ -67,10 +67,10 @@ impl<T: Scalar> Ray<T> {
     pub fn in_period(rays: &[Self], period: &Period<T>) -> Result<Vec<Self>> {
         let sides = period.sides().map(T::to_f64);
         let shorter = sides.into_iter().filter(|&side| side > 0.0).fold(f64::INFINITY, f64::min);
-        let longest = MOST_PERIODS * shorter;
+        let longest = MAX_PERIODS * shorter;
         if let Some(row) = rays.iter().position(|ray| ray.max_distance.to_f64() > longest) {
             let rule = format!(
-                "with period={}, it must be at most {MOST_PERIODS} periods, {longest}",
+                "with period={}, it must be at most {MAX_PERIODS} periods, {longest}",
                 tuple(&period.sides())
             );
             let error = Error::at("max_distance", row, rays[row].max_distance, &rule);

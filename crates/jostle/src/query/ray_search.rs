@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::nearest::sort_farthest_first;
 use super::ray::{Ray, hit, normal};
-use super::region::{MOST_IDS, selects};
+use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::columns::Columns;
 use crate::error::{Error, Result};
@@ -503,8 +503,8 @@ pub fn all_hits_by<T: Scalar>(
     let mut indices = memory::filled(rays.len(), 0)?;
     order.iter().enumerate().for_each(|(index, &query)| indices[query as usize] = index);
     let count = found.iter().map(|(hits, _)| hits.len()).sum::<usize>();
-    if count > MOST_IDS {
-        return Err(Error::TooManyIds { limit: MOST_IDS });
+    if count > MAX_IDS {
+        return Err(Error::TooManyIds { limit: MAX_IDS });
     }
     let mut all = RayHits {
         ids: memory::with_capacity(count)?,

@@ -24,7 +24,7 @@ const CHUNK: usize = 1 << 14;
 const CACHED: usize = 1 << 15;
 
 /// Maximum number of ids in one answer: 1 GiB of them.
-pub const MOST_IDS: usize = 1 << 27;
+pub const MAX_IDS: usize = 1 << 27;
 
 /// A region of the plane.
 pub trait Region<T>: Sync {
@@ -159,8 +159,8 @@ fn search_in_order<T: Scalar>(
         T::with_widest(Search { tree, regions, exact, order, mask, count: &count, pulse, len: 0 })
     });
     let count = count.into_inner();
-    if count > MOST_IDS {
-        return Err(Error::TooManyIds { limit: MOST_IDS });
+    if count > MAX_IDS {
+        return Err(Error::TooManyIds { limit: MAX_IDS });
     }
     // A failed part reports its own size, the error that of all parts.
     let sizes = found.iter().filter_map(|hits| hits.as_ref().err().map(Error::bytes));
@@ -182,12 +182,10 @@ fn combine(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     let mut offsets = memory::filled(queries + 1, 0)?;
     for (part, hits) in answers() {
         for (index, &query) in part.iter().enumerate() {
-            offsets[query as usize + 1] = hits.of(index).len();
+            offsets[query as usize] = hits.of(index).len();
         }
     }
-    for query in 0..queries {
-        offsets[query + 1] += offsets[query];
-    }
+    sorting::prefix_sum(&mut offsets);
     let mut ids = memory::zeroed(offsets[queries])?;
     for (part, hits) in answers() {
         for (index, &query) in part.iter().enumerate() {
@@ -226,7 +224,7 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
             let windows = group.iter().map(|&query| self.regions.window(query));
             match windows.reduce(Window::join) {
                 // There are too many ids already: the other queries are skipped.
-                Some(_) if self.count.load(Ordering::Relaxed) > MOST_IDS => frontier.len = 0,
+                Some(_) if self.count.load(Ordering::Relaxed) > MAX_IDS => frontier.len = 0,
                 Some(window) => frontier.fill(self.tree, &window),
                 None => {}
             }

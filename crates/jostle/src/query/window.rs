@@ -1,7 +1,7 @@
 //! The window of a region: bounds that are tested against nodes and blocks of shapes.
 
 use crate::columns::Columns;
-use crate::geometry::{Bounds, Scalar, Shape, gap, middle, overlap, square_of_gaps};
+use crate::geometry::{Bounds, Scalar, Shape, gaps, lanes, middle, overlap, square_of_gaps};
 use crate::simd::{Simd, block};
 
 /// All points within `radius` of the rectangle from `min` to `max`.
@@ -33,11 +33,7 @@ impl<T: Scalar> Window<T> {
     /// The gaps between the core of a shape and the window along each axis; negative inside.
     #[inline(always)]
     pub(super) fn gaps(&self, shape: &Shape<T>) -> [T; 2] {
-        let along = |axis: usize| {
-            let own = [self.min[axis], self.max[axis]];
-            gap(own, [shape.min[axis], shape.max[axis]]) - shape.half_size[axis]
-        };
-        [along(0), along(1)]
+        gaps([self.min, self.max], [shape.min, shape.max], shape.half_size)
     }
 
     /// The bounds of both windows.
@@ -76,20 +72,16 @@ impl<T: Scalar> Window<T> {
         first: usize,
         (round, exact): (bool, bool),
     ) -> u32 {
-        let zero = simd.splat(T::ZERO);
         let dx = self.core_gap_lanes(simd, 0, [&shapes.x, shapes.max_x(), &shapes.half_x], first);
         let dy = self.core_gap_lanes(simd, 1, [&shapes.y, shapes.max_y(), &shapes.half_y], first);
-        let (x, y) = (simd.max(dx, zero), simd.max(dy, zero));
         let mut radius_sum = simd.splat(self.radius);
         if round {
             radius_sum = simd.add(radius_sum, simd.load(block(&shapes.radius, first)));
         }
-        let radius_square = simd.mul(radius_sum, radius_sum);
-        let distance_square = simd.add(simd.mul(x, x), simd.mul(y, y));
         if exact {
-            simd.less(distance_square, radius_square) | (simd.less(dx, zero) & simd.less(dy, zero))
+            lanes::overlap(simd, [dx, dy], radius_sum)
         } else {
-            !simd.less(radius_square, distance_square)
+            lanes::may_touch(simd, [dx, dy], radius_sum)
         }
     }
 
@@ -110,16 +102,14 @@ impl<T: Scalar> Window<T> {
         simd.sub(gap, simd.load(block(half_sizes, first)))
     }
 
-    /// [`gap`] between the window and the intervals of a block, along one axis.
+    /// The gaps between the window and the intervals of a block, along one axis.
     #[inline(always)]
     pub(super) fn gap_lanes<S: Simd<T>>(
         &self,
         simd: S,
         axis: usize,
-        [min, max]: [S::Block; 2],
+        corners: [S::Block; 2],
     ) -> S::Block {
-        let below = simd.sub(simd.splat(self.min[axis]), max);
-        let above = simd.sub(min, simd.splat(self.max[axis]));
-        simd.max(below, above)
+        lanes::gap(simd, [self.min[axis], self.max[axis]], corners)
     }
 }

@@ -29,7 +29,7 @@ use crate::flow::{Flow, Kick};
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::trajectory::{MOST_REST_SPEED, rest_speeds};
+use crate::trajectory::{MAX_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
 use pairs::Block;
 use start::{Counts, Limits, Starts};
@@ -41,7 +41,7 @@ const TOUCHING: f32 = 0.003;
 
 /// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
 /// forces give in the sub-step.
-const FARTHEST: f32 = MOST_REST_SPEED as f32 + 2.01;
+const FARTHEST: f32 = MAX_REST_SPEED as f32 + 2.01;
 
 /// Relaxation factor of a contact of equal masses, or with something that does not move.
 const RELAXATION: f32 = 1.9;

@@ -13,7 +13,7 @@ use crate::interrupt::Pulse;
 use crate::memory;
 
 /// A search ends without a position if more shapes than this are nearby, and there is none.
-const MOST_NEARBY: usize = 4096;
+const MAX_NEARBY: usize = 4096;
 
 /// Positions along the width of a round shape that are tried, from its left to its right side.
 const LINES_OF_ROUND: [f64; 7] = [-1.0, -0.87, -0.5, 0.0, 0.5, 0.87, 1.0];
@@ -77,7 +77,7 @@ impl<T: Scalar> Search<T> {
                 // Shapes beyond the range may be in the way of a position beyond it.
                 Some((free, distance)) if distance <= range => return Ok(Some(free)),
                 Some((_, distance)) if !all => range = distance.max(range + range),
-                _ if self.nearby.len() > MOST_NEARBY => return Ok(None),
+                _ if self.nearby.len() > MAX_NEARBY => return Ok(None),
                 _ if all && rules.bounds.is_some() => return Ok(None),
                 Some((_, distance)) => range = distance.max(range + range),
                 None => range = range + range,

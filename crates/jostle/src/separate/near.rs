@@ -122,18 +122,10 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
     /// Counting sort of the pairs by both of their shapes.
     fn list(&mut self, found: &[[u32; 2]], len: usize) -> Result<()> {
         let Self { ends, others, .. } = self;
-        ends.clear();
         memory::resize(ends, len, 0)?;
-        found.as_flattened().iter().for_each(|&index| ends[index as usize] += 1);
-        sorting::prefix_sum(ends);
         memory::resize(others, 2 * found.len(), 0)?;
-        for &[i, j] in found {
-            for [own, other] in [[i, j], [j, i]] {
-                let end = &mut ends[own as usize];
-                others[*end as usize] = other;
-                *end += 1;
-            }
-        }
+        let both = found.iter().flat_map(|&[i, j]| [[i, j], [j, i]]);
+        sorting::counting_sort(both, |pair| pair[0] as usize, |pair| pair[1], ends, others);
         // The order in which the pairs were found may depend on threads.
         let mut start = 0;
         for &end in &*ends {

@@ -2,7 +2,7 @@
 
 use super::Separation;
 use super::bodies::Body;
-use crate::geometry::{Scalar, overlap};
+use crate::geometry::{Scalar, discs_overlap, overlap};
 
 /// Factor of over-relaxation: each pair is moved this much farther than it overlaps. In the first
 /// [`EXACT`] rounds it is 1, so that a pair far from others moves no farther than needed.
@@ -42,13 +42,10 @@ impl<T: Scalar> Pusher<T> {
     /// of `b` from the centre of `a`. With `ROUND` both are discs, and the test is quicker.
     #[inline(always)]
     pub fn overlaps<const ROUND: bool>(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> bool {
-        let [x, y] = offset;
         if ROUND {
-            let radius_sum = self.radius_sum(a, b);
-            return x * x + y * y < radius_sum * radius_sum;
+            return discs_overlap(offset, self.radius_sum(a, b));
         }
-        let gaps = [x.abs() - (a.half[0] + b.half[0]), y.abs() - (a.half[1] + b.half[1])];
-        overlap(gaps, self.radius_sum(a, b))
+        overlap(gaps(offset, half_sizes(a, b)), self.radius_sum(a, b))
     }
 
     /// The factor by which shapes are moved farther apart than touching.
@@ -68,8 +65,8 @@ impl<T: Scalar> Pusher<T> {
             return self.push_along(axis, a, b, offset);
         }
         let sign = |axis: usize| if offset[axis] < T::ZERO { -T::ONE } else { T::ONE };
-        let halves = [a.half[0] + b.half[0], a.half[1] + b.half[1]];
-        let gaps = [offset[0].abs() - halves[0], offset[1].abs() - halves[1]];
+        let halves = half_sizes(a, b);
+        let gaps = gaps(offset, halves);
         let radius_sum = self.radius_sum(a, b);
         let [x, y] = [gaps[0].max(T::ZERO), gaps[1].max(T::ZERO)];
         let distance = (x * x + y * y).sqrt();
@@ -125,6 +122,18 @@ impl<T: Scalar> Pusher<T> {
         }
         halves + square.max(T::ZERO).sqrt()
     }
+}
+
+/// The sums of the half sizes of two shapes.
+#[inline(always)]
+fn half_sizes<T: Scalar>(a: &Body<T>, b: &Body<T>) -> [T; 2] {
+    [a.half[0] + b.half[0], a.half[1] + b.half[1]]
+}
+
+/// The gaps between the cores of two shapes along each axis.
+#[inline(always)]
+fn gaps<T: Scalar>(offset: [T; 2], half_sizes: [T; 2]) -> [T; 2] {
+    [offset[0].abs() - half_sizes[0], offset[1].abs() - half_sizes[1]]
 }
 
 /// A unit vector that depends on the difference of two indices, for discs with the same centre.

@@ -24,7 +24,7 @@ pub const DEFAULT_MAX_SLIDES: usize = 4;
 
 /// The largest [`SlideRules::max_slides`]. A shape between two walls at a sharp angle meets them in
 /// turn, without end.
-pub const MOST_SLIDES: usize = 1000;
+pub const MAX_SLIDES: usize = 1000;
 
 /// How shapes slide.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +50,8 @@ impl<T: Scalar> SlideRules<T> {
         floor_angle: f64,
         one_way: u32,
     ) -> Result<Self> {
-        if max_slides > MOST_SLIDES {
-            let rule = format!("it must be at most {MOST_SLIDES}");
+        if max_slides > MAX_SLIDES {
+            let rule = format!("it must be at most {MAX_SLIDES}");
             return Err(Error::of("max_slides", max_slides, &rule));
         }
         if !(up[0].is_finite() && up[1].is_finite()) {

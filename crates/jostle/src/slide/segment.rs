@@ -5,7 +5,7 @@
 //! segment itself, whose sides face in both directions.
 
 use super::cast::into_disc;
-use crate::geometry::{Scalar, Shape, gap};
+use crate::geometry::{self, Scalar, Shape, length};
 
 /// The corners of the hexagon, counterclockwise, relative to the centre of the shape. Some coincide
 /// if the shape is a disc or the segment is along an axis.
@@ -74,7 +74,7 @@ fn sides<T: Scalar>(hexagon: &Hexagon<T>) -> impl Iterator<Item = Side<T>> {
     (0..6).filter_map(|index| {
         let (start, end) = (hexagon[index], hexagon[(index + 1) % 6]);
         let d = [end[0] - start[0], end[1] - start[1]];
-        let length = crate::geometry::length(d[0].abs(), d[1].abs());
+        let length = length(d[0].abs(), d[1].abs());
         let is_along = index % 3 == 1;
         (length > T::ZERO).then(|| Side { is_along, start, along: d.map(|v| v / length), length })
     })
@@ -92,7 +92,7 @@ fn distance<T: Scalar>(hexagon: &Hexagon<T>) -> (T, [T; 2]) {
     }
     let corner = hexagon[0].map(|v| T::ZERO - v);
     let offsets = sides(hexagon).map(|side| side.offset()).chain([corner]);
-    let measured = offsets.map(|v| (crate::geometry::length(v[0].abs(), v[1].abs()), v));
+    let measured = offsets.map(|v| (length(v[0].abs(), v[1].abs()), v));
     let nearest = measured.reduce(|a, b| if b.0 < a.0 { b } else { a });
     match nearest {
         Some((distance, [x, y])) if distance > T::ZERO => (distance, [x / distance, y / distance]),
@@ -119,10 +119,8 @@ pub fn contact<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> ([T; 2], T) {
 
 /// The gaps between the core of a shape and the bounding box of a segment along each axis.
 fn gaps<T: Scalar>(body: &Shape<T>, [a, b]: &[[T; 2]; 2]) -> [T; 2] {
-    [0, 1].map(|axis| {
-        let box_of = [a[axis].min(b[axis]), a[axis].max(b[axis])];
-        gap([body.min[axis], body.max[axis]], box_of) - body.half_size[axis]
-    })
+    let corners = [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]];
+    geometry::gaps([body.min, body.max], corners, body.half_size)
 }
 
 /// As [`cast::enters`](super::cast::enters), for a segment.

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::cast::enters;
 use super::segment;
-use crate::geometry::{self, Scalar, Shape, gap, overlap};
+use crate::geometry::{self, Scalar, Shape, overlap};
 use crate::period::{Period, Turns};
 
 /// An obstacle's geometry.
@@ -80,7 +80,7 @@ impl<T: Scalar> Solid<T> {
     #[inline(always)]
     pub fn overlaps(&self, body: &Shape<T>) -> bool {
         match self {
-            Self::Shape(shape) => overlap(gaps(body, shape), body.radius + shape.radius),
+            Self::Shape(shape) => overlap(body.gaps(shape), body.radius + shape.radius),
             Self::Segment(ends) => segment::overlaps(body, ends),
         }
     }
@@ -99,7 +99,7 @@ impl<T: Scalar> Solid<T> {
     pub fn span(&self, body: &Shape<T>) -> T {
         match self {
             Self::Shape(shape) => {
-                let [x, y] = gaps(body, shape);
+                let [x, y] = body.gaps(shape);
                 x.max(T::ZERO) + y.max(T::ZERO)
             }
             Self::Segment([a, b]) => {
@@ -136,15 +136,4 @@ impl<T: Scalar> Solid<T> {
             Self::Segment([a, b]) => [T::ONE, a[0], a[1], b[0], b[1], T::ZERO, T::ZERO, T::ZERO],
         }
     }
-}
-
-/// The gaps between the cores of two shapes along each axis.
-#[inline(always)]
-fn gaps<T: Scalar>(body: &Shape<T>, obstacle: &Shape<T>) -> [T; 2] {
-    let along = |axis: usize| {
-        let own = [body.min[axis], body.max[axis]];
-        gap(own, [obstacle.min[axis], obstacle.max[axis]])
-            - (body.half_size[axis] + obstacle.half_size[axis])
-    };
-    [along(0), along(1)]
 }

@@ -15,7 +15,7 @@ const ATTEMPTS: usize = 8;
 
 /// The least share of a displacement along the normal of an obstacle with which a shape is moved back
 /// along its path. Otherwise shapes that move along a floor would lose a part of their displacement.
-const LEAST_APPROACH: f64 = 0.6;
+const MIN_APPROACH: f64 = 0.6;
 
 /// A shape is not moved out of an obstacle along a surface if the way is longer than this, in lengths
 /// of the shortest way out.
@@ -279,8 +279,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let back = path.map(|v| v * (out / approach));
         let new = [center[0] - back[0], center[1] - back[1]];
         let displacement = [new[0] - self.body.min[0], new[1] - self.body.min[1]];
-        if approach > length(path) * T::from_f64(LEAST_APPROACH)
-            && dot(displacement, path) >= T::ZERO
+        if approach > length(path) * T::from_f64(MIN_APPROACH) && dot(displacement, path) >= T::ZERO
         {
             return new;
         }

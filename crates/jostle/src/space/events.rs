@@ -7,7 +7,7 @@ use super::Space;
 use super::keys::{Key, slots_of};
 use super::layers::Layers;
 use super::slots::Id;
-use super::touching::MOST_PAIRS;
+use super::touching::MAX_PAIRS;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
@@ -47,10 +47,10 @@ impl<T: Scalar> Space<T> {
     /// The pairs that entered and left since the last update. If the shapes that changed have
     /// more than `max_pairs` pairs, nothing is done.
     pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
-        let max_pairs = max_pairs.min(MOST_PAIRS);
+        let max_pairs = max_pairs.min(MAX_PAIRS);
         let any_removed = self.slots.len() < self.slots.count();
         let present = self.changes.present(&self.layers, any_removed)?;
-        let front = match self.layers.layer_of(&present) {
+        let front = match self.layers.common_layer(&present) {
             Some(layer) => Some(layer),
             None => {
                 // Fresh shapes have changed; usually they are all that have.
@@ -88,7 +88,7 @@ impl<T: Scalar> Space<T> {
         let Some(front) = front else { return Ok(found) };
         let mut scratch = JoinScratch::default();
         scratch.keep(std::mem::take(&mut self.changes.found));
-        let all_changed = self.layers.alive(front) == present.len();
+        let all_changed = self.layers.len_of(front) == present.len();
         let changed = (!all_changed).then_some(&self.changes.changed[..]);
         for other in self.layers.indices() {
             self.layers.join_changed([front, other], changed, most, &mut scratch, &mut found)?;

@@ -1,10 +1,13 @@
 //! Trees over parts of a space: shapes that change often are in small trees, others in large
-//! ones. This needs no hint from the caller.
+//! ones. The caller does not have to say which shapes change.
 //!
-//! A shape that changes leaves its tree, which keeps the old shape as a dead one, and becomes
-//! *fresh*. Fresh shapes are built into a tree of their own. Other trees are merged into it only
-//! if there would be too many of about its size, or if most shapes of a tree are dead. So a tree
-//! of shapes that do not change is not rebuilt while others move.
+//! A shape that changes leaves its tree and becomes *fresh*; its old copy in the tree is ignored.
+//! Fresh shapes are built into a tree of their own. Other trees are merged into it only if there
+//! would be too many of about its size, or if most shapes have left a tree. So a tree of shapes
+//! that do not change is not rebuilt while others move.
+//!
+//! J. L. Bentley and J. B. Saxe, *Decomposable Searching Problems I: Static-to-Dynamic
+//! Transformation*, Journal of Algorithms 1 (1980), for trees of growing sizes that are merged.
 
 use std::mem;
 
@@ -23,30 +26,30 @@ use crate::shapes::Shapes;
 /// Pairs converted between two checks for an interruption.
 const CHUNK: usize = 1 << 14;
 
-/// The home of a slot without a shape.
-const NOWHERE: u8 = u8::MAX;
+/// Instead of a layer: there is no shape in the slot.
+const NO_SHAPE: u8 = u8::MAX;
 
-/// The home of a shape that is in no layer.
+/// Instead of a layer: the shape is in none.
 const FRESH: u8 = u8::MAX - 1;
 
-/// Layers that may be up to [`RATIO`] times as large as a new one, the new one among them.
-const MOST_ALIKE: usize = 4;
+/// Maximum number of layers up to [`RATIO`] times as large as a new one, with the new one.
+const MAX_SIMILAR: usize = 4;
 
-/// As above: so there are at most [`MOST_ALIKE`] layers for each factor of this in size, and
-/// 64 layers in all.
+/// Layers are similar in size up to this factor. So there are at most [`MAX_SIMILAR`] layers for
+/// each factor of this in size, and 64 layers in all.
 const RATIO: usize = 4;
 
-/// Leaves of a layer hold as many shapes, of the capacity that was given, as the layer has
-/// of all shapes: so they are about as wide as those of a large layer, and one of each meets few
-/// of the other. They hold no fewer than this.
-const FEWEST: usize = 2;
+/// Minimum leaf capacity of a layer. The capacity is that of the settings times the layer's share of
+/// all shapes: so the leaves of all layers are about equally wide, and a leaf overlaps few leaves of
+/// another layer.
+const MIN_LEAF_CAPACITY: usize = 2;
 
-/// If all shapes of a layer change but one of so many, the next one of about its size has leaves
-/// [`LARGER`] times as large. It is built and searched for pairs faster, and queries take about as
-/// long.
+/// If at most one of this number of shapes has not left a layer, the next layer of about its size has
+/// leaves [`LARGER`] times as large. It is built and searched for pairs faster, and queries take
+/// about as long.
 const SHORT_LIVED: usize = 16;
 
-/// As above.
+/// Factor of the leaf capacity of layers that most shapes leave soon.
 const LARGER: usize = 3;
 
 /// A tree over some slots.
@@ -55,14 +58,14 @@ struct Layer<T> {
     tree: Quadtree<T>,
     /// The slot of each row of the tree.
     slots: Vec<u32>,
-    /// How many of them have their home here.
-    alive: usize,
+    /// Number of these slots whose shapes have not left the layer.
+    len: usize,
 }
 
 impl<T: Scalar> Layer<T> {
     /// Whether no shape has left it.
-    fn is_alive(&self) -> bool {
-        self.alive == self.slots.len()
+    fn is_complete(&self) -> bool {
+        self.len == self.slots.len()
     }
 
     /// The slot of the shape at an index of the tree.
@@ -74,22 +77,22 @@ impl<T: Scalar> Layer<T> {
 
 impl<T: Scalar> Default for Layer<T> {
     fn default() -> Self {
-        Self { tree: Quadtree::default(), slots: Vec::new(), alive: 0 }
+        Self { tree: Quadtree::default(), slots: Vec::new(), len: 0 }
     }
 }
 
 /// Every shape of a space, in one layer or fresh.
 #[derive(Clone, Debug)]
 pub(super) struct Layers<T> {
-    /// Some may be empty: a slot knows its layer by its index.
+    /// Some may be empty, because slots refer to layers by their indices.
     layers: Vec<Layer<T>>,
-    /// The layer that each slot is in.
-    home: Vec<u8>,
-    /// Slots that were fresh since the last fold; some may not be any more.
+    /// The index of the layer of each slot, [`FRESH`] or [`NO_SHAPE`].
+    layer_of: Vec<u8>,
+    /// Slots of shapes that became fresh after the last layer was built; some may be fresh no longer.
     fresh: Vec<u32>,
-    /// Whether a slot is among them.
+    /// Whether each slot is in `fresh`.
     listed: Vec<bool>,
-    /// How many of them are fresh.
+    /// Number of slots in `fresh` whose shapes are still fresh.
     fresh_len: usize,
     shapes: Shapes<T>,
 }
@@ -99,7 +102,7 @@ impl<T: Scalar> Layers<T> {
     pub(super) fn of(period: Period<T>) -> Self {
         Self {
             layers: Vec::new(),
-            home: Vec::new(),
+            layer_of: Vec::new(),
             fresh: Vec::new(),
             listed: Vec::new(),
             fresh_len: 0,
@@ -107,9 +110,9 @@ impl<T: Scalar> Layers<T> {
         }
     }
 
-    /// Makes room for so many slots.
+    /// Increases the number of slots to `slots`.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
-        memory::lengthen(&mut self.home, slots, NOWHERE)?;
+        memory::lengthen(&mut self.layer_of, slots, NO_SHAPE)?;
         memory::lengthen(&mut self.listed, slots, false)
     }
 
@@ -121,36 +124,36 @@ impl<T: Scalar> Layers<T> {
     /// Removes a new or a changed shape from its layer.
     pub(super) fn freshen(&mut self, slot: u32) {
         self.leave(slot);
-        self.home[slot as usize] = FRESH;
+        self.layer_of[slot as usize] = FRESH;
         self.fresh_len += 1;
         if !mem::replace(&mut self.listed[slot as usize], true) {
             self.fresh.push(slot);
         }
     }
 
-    /// Forgets a shape.
+    /// Removes a shape.
     pub(super) fn remove(&mut self, slot: u32) {
         self.leave(slot);
-        self.home[slot as usize] = NOWHERE;
+        self.layer_of[slot as usize] = NO_SHAPE;
     }
 
     fn leave(&mut self, slot: u32) {
-        let home = self.home[slot as usize];
-        if home == FRESH {
+        let index = self.layer_of[slot as usize];
+        if index == FRESH {
             self.fresh_len -= 1;
-        } else if let Some(layer) = self.layers.get_mut(usize::from(home)) {
-            layer.alive -= 1;
+        } else if let Some(layer) = self.layers.get_mut(usize::from(index)) {
+            layer.len -= 1;
         }
     }
 
     /// Whether there is a shape in `slot`.
     pub(super) fn has(&self, slot: u32) -> bool {
-        self.home[slot as usize] != NOWHERE
+        self.layer_of[slot as usize] != NO_SHAPE
     }
 
     /// Whether the shape in `slot` is fresh.
     fn is_fresh(&self, slot: u32) -> bool {
-        self.home[slot as usize] == FRESH
+        self.layer_of[slot as usize] == FRESH
     }
 
     /// Number of fresh shapes.
@@ -168,19 +171,20 @@ impl<T: Scalar> Layers<T> {
         self.fresh.iter().copied().filter(|&slot| self.is_fresh(slot))
     }
 
-    /// The tree of a layer, and what tells the slot of a row of it; none where the shape is dead.
+    /// The tree of a layer, and a function that returns the slot of a row of it; None if the shape
+    /// has left the layer.
     pub(super) fn layer(&self, index: usize) -> (&Quadtree<T>, impl Fn(u32) -> Option<u32> + Sync) {
         let Layer { tree, slots, .. } = &self.layers[index];
         let slot = move |row: u32| {
             let slot = slots[row as usize];
-            self.is_home(slot, index).then_some(slot)
+            self.is_in(slot, index).then_some(slot)
         };
         (tree, slot)
     }
 
-    /// Indices of the layers with anything in them.
+    /// Indices of the layers with shapes.
     pub(super) fn indices(&self) -> impl Iterator<Item = usize> {
-        (0..self.layers.len()).filter(|&index| self.layers[index].alive > 0)
+        (0..self.layers.len()).filter(|&index| self.layers[index].len > 0)
     }
 
     /// The bounds of all shapes; none if there are none.
@@ -190,22 +194,22 @@ impl<T: Scalar> Layers<T> {
         layers.copied().chain(fresh).reduce(Bounds::join)
     }
 
-    /// Whether an index of a layer still holds the shape in its slot.
+    /// Whether the shape in a slot is in a layer.
     #[inline(always)]
-    fn is_home(&self, slot: u32, layer: usize) -> bool {
-        usize::from(self.home[slot as usize]) == layer
+    fn is_in(&self, slot: u32, layer: usize) -> bool {
+        usize::from(self.layer_of[slot as usize]) == layer
     }
 
-    /// The layer in which all of these shapes are, if they are in one that holds few others.
-    pub(super) fn layer_of(&self, slots: &[u32]) -> Option<usize> {
-        let index = usize::from(self.home[*slots.first()? as usize]);
+    /// The layer that contains all shapes in these slots; None if there is none, or it has many others.
+    pub(super) fn common_layer(&self, slots: &[u32]) -> Option<usize> {
+        let index = usize::from(self.layer_of[*slots.first()? as usize]);
         let layer = self.layers.get(index)?;
-        let together = slots.iter().all(|&slot| self.is_home(slot, index));
-        (together && layer.alive <= RATIO * slots.len()).then_some(index)
+        let together = slots.iter().all(|&slot| self.is_in(slot, index));
+        (together && layer.len <= RATIO * slots.len()).then_some(index)
     }
 
-    /// Puts all fresh shapes into a layer; returns its index, none where nothing was fresh.
-    /// If it fails, the shapes of all layers that were to be merged are fresh.
+    /// Builds a layer of all fresh shapes and returns its index; None if no shape is fresh. After an
+    /// error the shapes of all layers that were to be merged are fresh.
     pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Result<Option<usize>> {
         let mut rows = self.take_fresh();
         let any = !rows.is_empty();
@@ -218,7 +222,7 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Adds the shapes of the layers that are merged into a new one of `rows`; returns the
-    /// largest of these layers, for its memory.
+    /// largest of these layers, whose memory is reused.
     fn absorb(&mut self, rows: &mut Vec<u32>) -> Result<Layer<T>> {
         let mut old = Layer::default();
         loop {
@@ -227,11 +231,11 @@ impl<T: Scalar> Layers<T> {
                 return Ok(old);
             }
             for index in absorbed {
-                memory::reserve(rows, self.layers[index].alive)?;
+                memory::reserve(rows, self.layers[index].len)?;
                 let layer = mem::take(&mut self.layers[index]);
-                if layer.alive > 0 {
-                    let alive = layer.slots.iter().filter(|&&slot| self.is_home(slot, index));
-                    rows.extend(alive);
+                if layer.len > 0 {
+                    let current = layer.slots.iter().filter(|&&slot| self.is_in(slot, index));
+                    rows.extend(current);
                 }
                 if layer.slots.len() > old.slots.len() {
                     old = layer;
@@ -243,7 +247,7 @@ impl<T: Scalar> Layers<T> {
     /// Marks all `rows`, which have left their layers, as fresh.
     fn undo(&mut self, rows: Vec<u32>, error: Error) -> Error {
         for &slot in &rows {
-            self.home[slot as usize] = FRESH;
+            self.layer_of[slot as usize] = FRESH;
             self.listed[slot as usize] = true;
         }
         self.fresh_len = rows.len();
@@ -258,7 +262,8 @@ impl<T: Scalar> Layers<T> {
         slots: &Slots<T>,
         settings: Settings,
     ) -> Result<Option<usize>> {
-        let mut is_rest: Vec<bool> = memory::collect(self.home.iter().map(|&h| h != NOWHERE))?;
+        let mut is_rest: Vec<bool> =
+            memory::collect(self.layer_of.iter().map(|&layer| layer != NO_SHAPE))?;
         let mut all: Vec<u32> = memory::with_capacity(slots.len())?;
         let present = (0..).zip(&is_rest).filter(|(_, present)| **present);
         all.extend(present.map(|(slot, _)| slot));
@@ -288,17 +293,18 @@ impl<T: Scalar> Layers<T> {
         rows
     }
 
-    /// The layers that a new one of `len` shapes takes in.
+    /// The layers that are merged into a new one of `len` shapes.
     fn to_absorb(&self, len: usize) -> Vec<usize> {
         let used = |index: &usize| !self.layers[*index].slots.is_empty();
         let all = || (0..self.layers.len()).filter(used);
-        let alike = |index: &usize| self.layers[*index].slots.len() <= RATIO * len;
-        let crowded = len > 0 && all().filter(alike).count() >= MOST_ALIKE;
-        let worn = |index: &usize| 2 * self.layers[*index].alive < self.layers[*index].slots.len();
-        all().filter(|index| worn(index) || crowded && alike(index)).collect()
+        let similar = |index: &usize| self.layers[*index].slots.len() <= RATIO * len;
+        let crowded = len > 0 && all().filter(similar).count() >= MAX_SIMILAR;
+        let outdated =
+            |index: &usize| 2 * self.layers[*index].len < self.layers[*index].slots.len();
+        all().filter(|index| outdated(index) || crowded && similar(index)).collect()
     }
 
-    /// Builds a layer of `rows` in the memory of an old one. If it fails, they are fresh.
+    /// Builds a layer of `rows` in the memory of an old one. After an error they are fresh.
     fn build(
         &mut self,
         mut old: Layer<T>,
@@ -313,14 +319,14 @@ impl<T: Scalar> Layers<T> {
         if old.slots.len() > RATIO * rows.len() {
             old = Layer::default();
         }
-        // What replaces a tree that almost all shapes have left is not used for long either.
+        // Shapes probably leave this layer as soon as the one that it replaces.
         let is_like = old.slots.len() >= rows.len() / 2;
-        let larger = if is_like && old.alive <= old.slots.len() / SHORT_LIVED { LARGER } else { 1 };
+        let larger = if is_like && old.len <= old.slots.len() / SHORT_LIVED { LARGER } else { 1 };
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
         let capacity = settings.leaf_capacity.saturating_mul(larger);
         let fitting = capacity.saturating_mul(rows.len()) / slots.len();
-        let settings = Settings { leaf_capacity: fitting.max(FEWEST), ..settings };
+        let settings = Settings { leaf_capacity: fitting.max(MIN_LEAF_CAPACITY), ..settings };
         let gathered = slots.gather(&rows, &mut self.shapes);
         if let Err(error) = gathered.and_then(|()| old.tree.fill_unordered(&self.shapes, settings))
         {
@@ -335,13 +341,13 @@ impl<T: Scalar> Layers<T> {
             self.layers.len() - 1
         });
         assert!(index < usize::from(FRESH), "there are {index} layers");
-        rows.iter().for_each(|&slot| self.home[slot as usize] = index as u8);
+        rows.iter().for_each(|&slot| self.layer_of[slot as usize] = index as u8);
         self.fresh_len = 0;
-        self.layers[index] = Layer { tree: old.tree, alive: rows.len(), slots: rows };
+        self.layers[index] = Layer { tree: old.tree, len: rows.len(), slots: rows };
         Ok(Some(index))
     }
 
-    /// The tree of a layer with radii larger by half of `distance`; none if this is 0.
+    /// The tree of a layer with radii larger by half of `distance`; None if this is 0.
     pub(super) fn grown(&self, index: usize, distance: T) -> Result<Option<Quadtree<T>>> {
         let tree = &self.layers[index].tree;
         (distance != T::ZERO).then(|| tree.grown(distance)).transpose()
@@ -371,7 +377,7 @@ impl<T: Scalar> Layers<T> {
             memory::reserve(found, rows.len())?;
             let slots =
                 rows.iter().map(|&[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
-            found.extend(slots.filter(|&[i, j]| self.is_home(i, a) && self.is_home(j, b)));
+            found.extend(slots.filter(|&[i, j]| self.is_in(i, a) && self.is_in(j, b)));
         }
         Ok(())
     }
@@ -395,7 +401,7 @@ impl<T: Scalar> Layers<T> {
             pairs::indices_between(&first.tree, &second.tree, shift, filters, left, scratch)
         };
         let mut pairs = indices.map_err(|error| of_all(error, max_pairs))?.pairs;
-        let all_alive = first.is_alive() && second.is_alive();
+        let are_complete = first.is_complete() && second.is_complete();
         let mut pulse = Pulse::current();
         let mut kept = 0;
         for start in (0..pairs.len()).step_by(CHUNK) {
@@ -404,9 +410,9 @@ impl<T: Scalar> Layers<T> {
                 let [i, j] = pairs[index];
                 let (i, j) = (first.slot_at(i), second.slot_at(j));
                 pairs[kept] = [i, j];
-                let alive = all_alive || self.is_home(i, a) && self.is_home(j, b);
+                let both = are_complete || self.is_in(i, a) && self.is_in(j, b);
                 let wanted = changed.is_none_or(|of| of[i as usize] || of[j as usize]);
-                kept += usize::from(alive && wanted);
+                kept += usize::from(both && wanted);
             }
         }
         pairs.truncate(kept);
@@ -420,20 +426,20 @@ impl<T: Scalar> Layers<T> {
     }
 
     /// Number of shapes of a layer.
-    pub(super) fn alive(&self, index: usize) -> usize {
-        self.layers[index].alive
+    pub(super) fn len_of(&self, index: usize) -> usize {
+        self.layers[index].len
     }
 
     /// Bytes of memory that they keep, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let of_layer = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
-        let words = self.fresh.capacity() * 4 + self.home.capacity() + self.listed.capacity();
+        let words = self.fresh.capacity() * 4 + self.layer_of.capacity() + self.listed.capacity();
         let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
         let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();
         self.layers.iter().map(of_layer).sum::<usize>() + words + shapes
     }
 
-    /// Says what is wrong, if anything is: every shape has one home, and its layer knows.
+    /// Checks that every shape is in one layer or fresh, and that all counts are right.
     pub(super) fn check(&self, slots: &Slots<T>) -> std::result::Result<(), String> {
         let mut seen = 0;
         for (number, layer) in self.layers.iter().enumerate() {
@@ -441,7 +447,7 @@ impl<T: Scalar> Layers<T> {
             let mut count = 0;
             for (index, &row) in layer.tree.rows().iter().enumerate() {
                 let slot = layer.slots[row as usize];
-                if !self.is_home(slot, number) {
+                if !self.is_in(slot, number) {
                     continue;
                 }
                 count += 1;
@@ -449,8 +455,8 @@ impl<T: Scalar> Layers<T> {
                     return Err(format!("layer {number} holds an old shape of slot {slot}"));
                 }
             }
-            if count != layer.alive {
-                return Err(format!("{count} of layer {number} are alive, not {}", layer.alive));
+            if count != layer.len {
+                return Err(format!("layer {number} holds {count} shapes, not {}", layer.len));
             }
             seen += count;
         }

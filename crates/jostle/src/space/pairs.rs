@@ -7,7 +7,7 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::pairs::{Found, Overlaps};
-use crate::query::{self, Hits, MOST_IDS};
+use crate::query::{self, Hits, MAX_IDS};
 use crate::shapes::half_of;
 use crate::sorting;
 
@@ -59,9 +59,9 @@ impl<T: Scalar> Space<T> {
     /// For each id in the order of [`Space::ids`], the ids of all shapes whose gap to it is below
     /// `distance`, ascending, itself left out.
     pub fn neighbors(&mut self, distance: T, mask: Option<u32>) -> Result<Hits<Id>> {
-        let wanted = Wanted { distance, mask, max_pairs: MOST_IDS / 2 };
+        let wanted = Wanted { distance, mask, max_pairs: MAX_IDS / 2 };
         let mut pairs = self.pairs_of_slots(&wanted).map_err(|error| match error {
-            Error::TooManyPairs { .. } => Error::TooManyIds { limit: MOST_IDS },
+            Error::TooManyPairs { .. } => Error::TooManyIds { limit: MAX_IDS },
             other => other,
         })?;
         let ids = self.slots.ids()?;

@@ -9,7 +9,7 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::query::{
-    self, Hits, Images, MOST_IDS, Nearest, Neighbors, Ray, RayHits, RayPath, Region, selects,
+    self, Hits, Images, MAX_IDS, Nearest, Neighbors, Ray, RayHits, RayPath, Region, selects,
 };
 use crate::shapes::Each;
 use crate::sorting;
@@ -74,8 +74,8 @@ impl<T: Scalar> Space<T> {
                     memory::push(&mut all.ids, self.slots.id(slot))?;
                 }
             }
-            if all.ids.len() > MOST_IDS {
-                return Err(Error::TooManyIds { limit: MOST_IDS });
+            if all.ids.len() > MAX_IDS {
+                return Err(Error::TooManyIds { limit: MAX_IDS });
             }
             sorting::sort(&mut all.ids[start..], &mut pulse)?;
             all.offsets.push(all.ids.len());

@@ -7,7 +7,7 @@ use crate::memory;
 const NONE: u32 = u32::MAX;
 
 /// Riders of riders, up to this number of times, are pushed by a floor.
-const MOST_STACKED: u32 = 64;
+const MAX_STACKED: u32 = 64;
 
 /// Walkers by their indices in the island, each with the floor on which it stands.
 #[derive(Debug, Default)]
@@ -83,7 +83,7 @@ impl Riders {
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);
         loop {
             let mut rider = self.first.get(lowest).copied().unwrap_or(NONE);
-            while rider != NONE && depth < MOST_STACKED {
+            while rider != NONE && depth < MAX_STACKED {
                 memory::push(above, Rider { index: rider, floor, depth })?;
                 rider = self.next[rider as usize];
             }
@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn a_tall_stack_is_listed_up_to_a_limit() {
         let floors: Vec<_> = (0..100usize).map(|index| index.checked_sub(1)).collect();
-        assert_eq!(above(&floors, 0).len(), MOST_STACKED as usize);
+        assert_eq!(above(&floors, 0).len(), MAX_STACKED as usize);
         assert_eq!(above(&floors, 90).len(), 9);
     }
 }

@@ -13,9 +13,7 @@ use crate::geometry::Scalar;
 use crate::memory;
 use crate::period::Period;
 use crate::settings::Settings;
-use crate::shapes::{
-    Each, MOST_ROWS, check_boxes, check_each_half_size, check_finite, check_radii,
-};
+use crate::shapes::{Each, MAX_ROWS, check_boxes, check_each_half_size, check_finite, check_radii};
 
 /// The columns of a space, with a row for each slot, and the state of its last update.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,7 +103,7 @@ fn is_consistent<T>(saved: &Saved<T>) -> bool {
         && (saved.filters.is_empty() || fits(saved.filters.len()));
     let exists = |&slot: &u32| (slot as usize) < count;
     let lists = [&saved.free, &saved.changed, &saved.leaving];
-    if !same || count > MOST_ROWS || !lists.iter().all(|list| list.iter().all(exists)) {
+    if !same || count > MAX_ROWS || !lists.iter().all(|list| list.iter().all(exists)) {
         return false;
     }
     let is_vacant = |slot: u32| saved.generations[slot as usize] & VACANT != 0;

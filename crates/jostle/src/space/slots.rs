@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape};
 use crate::interrupt::Pulse;
 use crate::memory;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MOST_ROWS, Shapes, corners, middle_of};
+use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of};
 use crate::sorting;
 
 /// The id of a shape in a space, or of a particle in a world; at least 0.
@@ -228,7 +228,7 @@ impl<T: Scalar> Slots<T> {
 
     /// Refuses more shapes than there can be.
     pub(super) fn check_room(&self, more: usize) -> Result<()> {
-        if more <= self.free.len() || self.count() + (more - self.free.len()) <= MOST_ROWS {
+        if more <= self.free.len() || self.count() + (more - self.free.len()) <= MAX_ROWS {
             return Ok(());
         }
         Err(Error::of("centers", more, "a space has room for 2147483647 shapes in all"))

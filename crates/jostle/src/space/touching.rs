@@ -11,7 +11,7 @@ use crate::memory;
 
 /// Most pairs of the shapes that change at a time: half of what numbers of records can tell
 /// apart, so that as many others fit beside them.
-pub(super) const MOST_PAIRS: usize = 1 << 31;
+pub(super) const MAX_PAIRS: usize = 1 << 31;
 
 /// A list is linked if the shapes that changed have fewer than one of so many pairs.
 const LINKED_BELOW: usize = 16;
@@ -21,7 +21,7 @@ const LINKED_BELOW: usize = 16;
 const LISTED_ABOVE: usize = 8;
 
 /// Changes of fewer linked pairs take less than 0.1 s and are not interrupted; more are not made.
-const MOST_LINKED: usize = 1 << 20;
+const MAX_LINKED: usize = 1 << 20;
 
 /// Pairs of slots.
 #[derive(Clone, Debug, Default)]
@@ -74,8 +74,8 @@ impl Touching {
         let memory = std::mem::take(&mut self.spare);
         let found = keys::sorted(found, is_changed.len(), &mut self.starts, memory)?;
         if let Some(links) = &self.links {
-            let most = MOST_LINKED.min(links.len() / LISTED_ABOVE).checked_sub(found.len());
-            let is_fit = !links.is_wasteful() && links.len() <= MOST_PAIRS;
+            let most = MAX_LINKED.min(links.len() / LISTED_ABOVE).checked_sub(found.len());
+            let is_fit = !links.is_wasteful() && links.len() <= MAX_PAIRS;
             if let Some(most) = most.filter(|_| is_fit)
                 && let Some(old) = links.of_changed(slots, is_changed, most)?
             {
@@ -89,14 +89,14 @@ impl Touching {
         }
         let [old, rest] = keys::parted(&self.list, is_changed)?;
         let changing = old.len() + found.len();
-        let most = MOST_LINKED.min(self.list.len() / LINKED_BELOW);
-        if changing >= most || self.list.len() > MOST_PAIRS {
+        let most = MAX_LINKED.min(self.list.len() / LINKED_BELOW);
+        if changing >= most || self.list.len() > MAX_PAIRS {
             return self.compare_list(&old, &rest, found);
         }
         self.links = Some(Links::of(&self.list, is_changed.len())?);
         self.forget_list();
         let links = self.links.as_ref().expect("they were made");
-        let old = links.of_changed(slots, is_changed, MOST_LINKED)?.expect("they are few");
+        let old = links.of_changed(slots, is_changed, MAX_LINKED)?.expect("they are few");
         self.compare_linked(old, found)
     }
 

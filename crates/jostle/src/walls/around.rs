@@ -23,7 +23,7 @@ const ROUNDING: f32 = 1e-6;
 const PART: f64 = 32.0;
 
 /// Parts of a trajectory at most.
-const MOST_PARTS: f64 = 256.0;
+const MAX_PARTS: f64 = 256.0;
 
 thread_local! {
     /// Scratch of [`Around::each`], which many threads call.
@@ -171,7 +171,7 @@ impl Around<'_> {
             });
             return search.first;
         }
-        let parts = if is_long { parts.min(MOST_PARTS).ceil() } else { 1.0 };
+        let parts = if is_long { parts.min(MAX_PARTS).ceil() } else { 1.0 };
         for part in 1..=parts as u32 {
             let end = start + (until - start) / (parts - f64::from(part - 1));
             let bounds = bounds(segment, [start, end], gravity);

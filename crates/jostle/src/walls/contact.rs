@@ -10,7 +10,7 @@ use crate::trajectory::{Vector, dot, vector};
 const SAME: f64 = 1.0 - 1e-9;
 
 /// Pushes of a disc out of walls in one call, at most.
-const MOST_PUSHES: usize = 8;
+const MAX_PUSHES: usize = 8;
 
 /// Two normals whose cosine is below this are those of walls at an acute angle. Out of such a spike a
 /// disc is pushed along both walls at once: pushes out of one wall after the other would push it
@@ -111,7 +111,7 @@ impl Around<'_> {
         };
         let mut position = to;
         let mut left = most;
-        for _ in 0..MOST_PUSHES {
+        for _ in 0..MAX_PUSHES {
             let contact = |of: &(u32, Vector)| self.walls.contact(of.0, seen(of, position), radius);
             let contacts = || walls.iter().map(contact);
             let deepest = least(contacts(), |of| of.gap);

@@ -38,7 +38,7 @@ pub const FIRST: u32 = MAX_WALLS as u32;
 const LEAF_CAPACITY: usize = 12;
 
 /// Walls of a world at most.
-pub const MOST_WALLS: usize = 1 << 24;
+pub const MAX_WORLD_WALLS: usize = 1 << 24;
 
 /// A line segment that discs cannot cross.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -373,8 +373,8 @@ fn are_elastic(all: &[Wall]) -> bool {
 
 /// Refuses the first wall that is not finite, too large, or without length.
 fn validate(all: &[Wall]) -> Result<()> {
-    if all.len() > MOST_WALLS {
-        let rule = format!("a world holds at most {MOST_WALLS} walls");
+    if all.len() > MAX_WORLD_WALLS {
+        let rule = format!("a world holds at most {MAX_WORLD_WALLS} walls");
         return Err(Error::of("walls", format!("{} walls", all.len()), &rule));
     }
     for (index, wall) in all.iter().enumerate() {

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::pairs::{self, Filters, JoinScratch, LineSegment};
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
+use crate::sorting;
 use crate::trajectory::Vector;
 
 /// Relative size of the rounding of bounds in float32, with a large reserve.
@@ -33,7 +34,9 @@ pub struct Near {
     pub(super) max_displacements: Vec<f32>,
     /// Displacements after which discs certainly touch no wall yet; at most these distances.
     pub(super) free: Vec<f32>,
+    /// Walls and discs that were found, and the same sorted by discs.
     found: Vec<[u32; 2]>,
+    sorted: Vec<[u32; 2]>,
     join: JoinScratch,
 }
 
@@ -96,23 +99,19 @@ impl Near {
     /// Sorts the walls that were found by discs, and finds the displacements after which these touch
     /// none yet.
     fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, max_displacements: &[f32]) {
-        self.starts.resize(bounds.len() + 2, 0);
-        self.found.iter().for_each(|&[_, index]| self.starts[index as usize + 2] += 1);
-        for index in 2..self.starts.len() {
-            self.starts[index] += self.starts[index - 1];
-        }
-        self.walls.resize(self.found.len(), NearWall::default());
-        let offsets = if walls.torus.is_some() { self.found.len() } else { 0 };
-        self.offsets.resize(offsets, [0.0; 2]);
-        for &[wall, index] in &self.found {
-            let next = &mut self.starts[index as usize + 1];
+        let Self { starts, walls: near, offsets, free, found, sorted, .. } = self;
+        starts.resize(bounds.len() + 1, 0);
+        sorted.resize(found.len(), [0; 2]);
+        let disc = |pair: &&[u32; 2]| pair[1] as usize;
+        sorting::counting_sort(found.iter(), disc, |pair| *pair, &mut starts[1..], sorted);
+        offsets.clear();
+        for &[wall, index] in &*sorted {
             let image = &walls.images[walls.tree.rows()[wall as usize] as usize];
             let (number, segment) = (FIRST + image.wall, walls.segments.at(wall));
-            self.walls[*next as usize] = NearWall { number, segment };
-            if let Some(offset) = self.offsets.get_mut(*next as usize) {
-                *offset = image.offset;
+            near.push(NearWall { number, segment });
+            if walls.torus.is_some() {
+                offsets.push(image.offset);
             }
-            *next += 1;
             let (line, at) = (&walls.lines[wall as usize], index as usize);
             let Columns { x, y, radius, .. } = bounds.columns();
             let center = [x[at], y[at]].map(f64::from);
@@ -121,7 +120,7 @@ impl Near {
                 line.contact_distance(f64::from(radius[at]) - f64::from(max_displacements[at]));
             let distance = line.distance(less(center, walls.offset_at(wall)));
             let left = distance - radius * (1.0 + MARGIN) - line.displacement_length;
-            self.free[at] = self.free[at].min(left as f32);
+            free[at] = free[at].min(left as f32);
         }
     }
 

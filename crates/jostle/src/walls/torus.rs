@@ -4,7 +4,7 @@
 //! its bounds. Farther away the position of a disc is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
-use crate::container::{Container, ROUNDING, size};
+use crate::container::{Container, NINE_IMAGES, ROUNDING, size};
 use crate::error::{Error, Result};
 use crate::trajectory::{Vector, dot, vector};
 
@@ -106,9 +106,8 @@ impl Walls {
         let [a, b] = self.line(wall - FIRST).ends;
         // No image of a wall is farther than one from that whose middle is nearest.
         let tile = |k: usize| ((position[k] - 0.5 * (a[k] + b[k])) / sides[k]).round();
-        let around = [-1.0, 0.0, 1.0].map(|y| [-1.0, 0.0, 1.0].map(|x| [x, y]));
-        let all = around.as_flattened().iter();
-        let all = all.map(|step| own(vector(|k| (tile(k) + step[k]) * sides[k])));
+        let offset = |image: &[i8; 2]| vector(|k| (tile(k) + f64::from(image[k])) * sides[k]);
+        let all = NINE_IMAGES.iter().map(|image| own(offset(image)));
         let least = all.clone().map(|of| of.gap).fold(f64::INFINITY, f64::min);
         let most = least + ROUNDING * size(position, radius);
         let speed = |of: &Contact| dot(of.normal, velocity);

@@ -7,7 +7,7 @@ use super::sleeping::Drift;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
-use crate::shapes::MOST_ROWS;
+use crate::shapes::MAX_ROWS;
 use crate::space::Id;
 use crate::table::{Table, dense};
 
@@ -19,7 +19,7 @@ impl World {
         self.settings.container.check_fit(&particles.radii)?;
         particles.simplify();
         let (old, new) = (self.len(), self.len() + particles.len());
-        if new > MOST_ROWS {
+        if new > MAX_ROWS {
             return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
         }
         let ids = self.ids.add(particles.len())?;

@@ -2,7 +2,7 @@
 
 use super::bounds::largest;
 use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
-use crate::container::MOST_TOURS;
+use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::interrupt;
@@ -185,7 +185,7 @@ impl World {
     pub(super) fn check_displacements(&self, dt: f32) -> Result<()> {
         let longest = self.longest_displacement(dt);
         let tours = self.settings.container.tours(longest);
-        if longest <= FARTHEST && tours <= MOST_TOURS {
+        if longest <= FARTHEST && tours <= MAX_TOURS {
             return Ok(());
         }
         let id = self.id_of(longest, |index| self.displacement(index, dt));

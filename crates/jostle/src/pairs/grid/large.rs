@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::geometry::Scalar;
 use crate::memory;
 use crate::quadtree::partition::Item;
+use crate::sorting;
 
 /// Maximum number of entries of all lists for each shape of the grid: more would need too much memory.
 const MAX_ENTRIES: usize = 4;
@@ -47,36 +48,27 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         items.clear();
         cells.clear();
         lists.clear();
-        ends.clear();
         let len = pieces.clone().map(<[Item<T, SIZES>]>::len).sum();
         memory::reserve(items, len)?;
         memory::reserve(cells, len)?;
-        // Until the sums are formed, `ends[band + 1]` counts the shapes of `band`. Then `ends[band]` is the
-        // index of its next entry.
-        memory::resize(ends, layout.bands + 1, 0)?;
+        memory::resize(ends, layout.bands, 0)?;
+        let mut total = 0;
         pieces.for_each(|piece| items.extend_from_slice(piece));
         for item in &*items {
             let half_extent = half_extent_of(&item.sizes);
             let distance = [0, 1].map(|k| (half_extent[k].to_f64() + small[k].to_f64()) * SLACK);
             let around = layout.around(item.center.map(T::to_f64), distance);
             cells.push(around);
-            bands_of(layout, &around).for_each(|band| ends[band + 1] += 1);
-        }
-        let mut total = 0;
-        for end in &mut *ends {
-            total += *end as usize;
+            total += bands_of(layout, &around).len();
             if total > MAX_ENTRIES * of {
                 return Ok(false);
             }
-            *end = total as u32;
         }
         memory::resize(lists, total, 0)?;
-        for (index, cells) in cells.iter().enumerate() {
-            for band in bands_of(layout, cells) {
-                lists[ends[band] as usize] = index as u32;
-                ends[band] += 1;
-            }
-        }
+        let entries = (0..)
+            .zip(&*cells)
+            .flat_map(|(index, cells)| bands_of(layout, cells).map(move |band| (band, index)));
+        sorting::counting_sort(entries, |entry| entry.0, |entry| entry.1, ends, lists);
         Ok(true)
     }
 

@@ -6,7 +6,7 @@ use super::band::Band;
 use super::large::Large;
 use super::layout::Layout;
 use super::sizes::{CIRCLES, EQUAL, RECTANGLES};
-use crate::geometry::Scalar;
+use crate::geometry::{Scalar, lanes};
 use crate::pairs::output::Output;
 use crate::quadtree::partition::Item;
 use crate::simd::{HALF, LANES, Simd, Work, block, first_lanes};
@@ -304,23 +304,18 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         let Self { simd, squared, .. } = *self;
         let [x, y] = [simd.splat(one.center[0]), simd.splat(one.center[1])];
         if SIZES == EQUAL || SIZES == CIRCLES {
-            let (dx, dy) = (simd.sub(x, others.x), simd.sub(y, others.y));
-            let distance = simd.add(simd.mul(dx, dx), simd.mul(dy, dy));
+            let offsets = [simd.sub(x, others.x), simd.sub(y, others.y)];
             if SIZES == EQUAL {
-                return simd.less(distance, simd.splat(squared));
+                return simd.less(lanes::square(simd, offsets), simd.splat(squared));
             }
-            return simd.less(distance, self.squared_sum(one, others));
+            return lanes::discs_overlap(simd, offsets, self.radius_sum(one, others));
         }
         let dx = simd.sub(simd.distance(x, others.x), self.sum(one, others, 0));
         let dy = simd.sub(simd.distance(y, others.y), self.sum(one, others, 1));
-        let overlap = simd.both_negative(dx, dy);
         if SIZES == RECTANGLES {
-            return overlap;
+            return simd.both_negative(dx, dy);
         }
-        let zero = simd.splat(T::ZERO);
-        let (ex, ey) = (simd.max(dx, zero), simd.max(dy, zero));
-        let distance = simd.add(simd.mul(ex, ex), simd.mul(ey, ey));
-        overlap | simd.less(distance, self.squared_sum(one, others))
+        lanes::overlap_by_centers(simd, [dx, dy], self.radius_sum(one, others))
     }
 
     /// The sums of a size of one shape and of those of others.
@@ -329,11 +324,10 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         self.simd.add(self.simd.splat(one.sizes[k]), others.sizes[k])
     }
 
-    /// The squares of the sums of the radii.
+    /// The sums of the radii.
     #[inline(always)]
-    fn squared_sum(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> S::Block {
-        let sum = self.sum(one, others, SIZES.saturating_sub(1));
-        self.simd.mul(sum, sum)
+    fn radius_sum(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> S::Block {
+        self.sum(one, others, SIZES.saturating_sub(1))
     }
 
     /// The block of shapes from an index.

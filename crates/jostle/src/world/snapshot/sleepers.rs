@@ -12,7 +12,7 @@ use super::{
 use crate::bytes::{Reader, Writer, damaged};
 use crate::error::Result;
 use crate::particles::Spin;
-use crate::shapes::MOST_ROWS;
+use crate::shapes::MAX_ROWS;
 
 impl World {
     /// Refuses restored drifts and sleeping particles that no world can have.
@@ -103,7 +103,7 @@ pub(super) fn get_sleepers(
     all.contacts = get_contacts(from, total, version)?;
     all.wall_impulses = get_wall_impulses(from, total, version)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];
-    if ends.map(|end| end as usize) != found || total > MOST_ROWS {
+    if ends.map(|end| end as usize) != found || total > MAX_ROWS {
         return Err(damaged("the sizes of its islands are wrong"));
     }
     Ok(all)

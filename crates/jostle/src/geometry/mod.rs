@@ -2,165 +2,32 @@
 //!
 //! A shape is a rounded box: every point within `radius` of its core, an axis-aligned box. The
 //! core is given as `center ± half_size`, or as `min` and `max`. [`overlap`] is the only
-//! formula for the overlap of two shapes, in the arithmetic of the caller's type; cores given
-//! as `min` and `max` are compared exactly. [`Bounds`] of a set of shapes are tested with the
-//! same formula. Rounding is monotone, so if bounds do not overlap, none of their shapes
-//! does; no tolerance is needed.
+//! formula for the overlap of two shapes, in the arithmetic of the caller's type; [`lanes`] has it
+//! for blocks of shapes. Cores given as `min` and `max` are compared exactly. [`Bounds`] of a set
+//! of shapes are tested with the same formula. Rounding is monotone, so if bounds do not overlap,
+//! none of their shapes does; no tolerance is needed.
 //!
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapters 4.2 (AABBs) and 4.4.2
 //! (swept spheres).
 
-use std::cmp::Ordering;
-use std::fmt::{Debug, Display, LowerExp};
-use std::ops::Neg;
+mod scalar;
+pub mod lanes;
 
-use crate::simd::Number;
-
-/// The arithmetic of a tree: `f32` or `f64`.
-pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {
-    /// Zero.
-    const ZERO: Self;
-    /// One.
-    const ONE: Self;
-    /// Infinity.
-    const INFINITY: Self;
-    /// The largest half size. Sums of four are finite, so [`overlap`] never subtracts
-    /// infinity from infinity.
-    const MAX_SIZE: Self;
-    /// The smallest radius above 0, and the largest: the square of the sum of two neither
-    /// overflows nor loses precision.
-    const RADII: [Self; 2];
-    /// The difference between 1 and the next larger number.
-    const EPSILON: Self;
-    /// The smallest positive normal number: smaller squares lose precision.
-    const SMALLEST_SQUARE: Self;
-    /// Squares of numbers above the first may overflow, squares of numbers below the second may
-    /// underflow. A division or a multiplication by the third, a power of two, prevents both
-    /// without rounding.
-    const RANGE: [Self; 3];
-    /// The absolute value.
-    fn abs(self) -> Self;
-    /// The square root, correctly rounded.
-    fn sqrt(self) -> Self;
-    /// Whether the value is neither infinite nor NaN.
-    fn is_finite(self) -> bool;
-    /// The value as a float64, exactly.
-    fn to_f64(self) -> f64;
-    /// The nearest value of this type.
-    fn from_f64(value: f64) -> Self;
-    /// One divided by the value.
-    fn recip(self) -> Self;
-    /// The remainder of a division, exact, with the sign of the value.
-    fn remainder(self, divisor: Self) -> Self;
-    /// The total order of IEEE 754, in which −0 precedes 0.
-    fn total_order(&self, other: &Self) -> Ordering;
-    /// The smaller of two numbers.
-    #[inline(always)]
-    fn min(self, other: Self) -> Self {
-        if other < self { other } else { self }
-    }
-    /// The larger of two numbers.
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        if other > self { other } else { self }
-    }
-}
-
-macro_rules! scalar {
-    ($t:ty, $radii:expr, $range:expr) => {
-        impl Scalar for $t {
-            const ZERO: Self = 0.0;
-            const ONE: Self = 1.0;
-            const INFINITY: Self = <$t>::INFINITY;
-            const MAX_SIZE: Self = <$t>::MAX / 8.0;
-            const RADII: [Self; 2] = $radii;
-            const EPSILON: Self = <$t>::EPSILON;
-            const SMALLEST_SQUARE: Self = <$t>::MIN_POSITIVE;
-            const RANGE: [Self; 3] = $range;
-            #[inline(always)]
-            fn abs(self) -> Self {
-                <$t>::abs(self)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                <$t>::sqrt(self)
-            }
-            #[inline(always)]
-            fn is_finite(self) -> bool {
-                <$t>::is_finite(self)
-            }
-            #[inline(always)]
-            fn to_f64(self) -> f64 {
-                f64::from(self)
-            }
-            #[inline(always)]
-            fn from_f64(value: f64) -> Self {
-                value as $t
-            }
-            #[inline(always)]
-            fn total_order(&self, other: &Self) -> Ordering {
-                self.total_cmp(other)
-            }
-            #[inline(always)]
-            fn recip(self) -> Self {
-                1.0 / self
-            }
-            #[inline(always)]
-            fn remainder(self, divisor: Self) -> Self {
-                self % divisor
-            }
-        }
-    };
-}
-scalar!(f32, [1e-18, 1e18], [two_to(50) as f32, two_to(-50) as f32, two_to(90) as f32]);
-scalar!(f64, [1e-150, 1e150], [two_to(500), two_to(-500), two_to(600)]);
-
-/// A power of two.
-const fn two_to(exponent: i64) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
-}
-
-/// The factor for numbers up to `largest` that prevents overflow and underflow of their squares,
-/// and its inverse.
-#[inline(always)]
-pub fn into_range<T: Scalar>(largest: T) -> [T; 2] {
-    let [large, small, step] = T::RANGE;
-    if largest > large {
-        [step.recip(), step]
-    } else if largest < small {
-        [step, step.recip()]
-    } else {
-        [T::ONE; 2]
-    }
-}
-
-/// √(x² + y²) of two numbers that are at least 0, without overflow or underflow. Monotone in both.
-#[inline(always)]
-pub fn length<T: Scalar>(x: T, y: T) -> T {
-    let [into, back] = into_range(x.max(y));
-    let (x, y) = (x * into, y * into);
-    (x * x + y * y).sqrt() * back
-}
-
-/// Whether √(x² + y²) ≤ radius, for two numbers that are at least 0 and a radius that is valid
-/// for a shape. With radius 0 both numbers must be 0.
-#[inline(always)]
-pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
-    if radius == T::ZERO { x.max(y) == T::ZERO } else { x * x + y * y <= radius * radius }
-}
-
-/// The midpoint of `min` and `max`, rounded once, never outside of them.
-#[inline(always)]
-pub fn middle<T: Scalar>(min: T, max: T) -> T {
-    let half = T::from_f64(0.5);
-    let sum = min + max;
-    if sum.is_finite() { sum * half } else { min * half + max * half }
-}
+pub use scalar::{Scalar, into_range, length, middle, within};
 
 /// The gap between two intervals `[min, max]`; negative if they overlap.
 #[inline(always)]
 pub fn gap<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
     (b[0] - a[1]).max(a[0] - b[1])
+}
+
+/// The gaps along each axis between two boxes, given by their lower and upper corners, that are
+/// enlarged by half sizes with this sum.
+#[inline(always)]
+pub fn gaps<T: Scalar>(a: [[T; 2]; 2], b: [[T; 2]; 2], half_sizes: [T; 2]) -> [T; 2] {
+    let along =
+        |axis: usize| gap([a[0][axis], a[1][axis]], [b[0][axis], b[1][axis]]) - half_sizes[axis];
+    [along(0), along(1)]
 }
 
 /// The squared distance of two cores from the gaps between them along each axis, of which
@@ -172,12 +39,18 @@ pub fn square_of_gaps<T: Scalar>([x, y]: [T; 2]) -> T {
 }
 
 /// Whether two rounded boxes overlap, from the gaps between their cores along each axis and the
-/// sum of their radii. The gap of an axis is that between `min` and `max` of both ([`gap`]; the
-/// distance of the centres if these are equal) minus the sum of the half sizes. Touching is
-/// not overlapping.
+/// sum of their radii. The gap of an axis is that between `min` and `max` of both (the distance of
+/// the centres if these are equal) minus the sum of the half sizes, as in [`gaps`]. Touching is not
+/// overlapping.
 #[inline(always)]
 pub fn overlap<T: Scalar>(gaps: [T; 2], radius_sum: T) -> bool {
     (square_of_gaps(gaps) < radius_sum * radius_sum) | ((gaps[0] < T::ZERO) & (gaps[1] < T::ZERO))
+}
+
+/// [`overlap`] of two discs, from the offset of their centres.
+#[inline(always)]
+pub fn discs_overlap<T: Scalar>([x, y]: [T; 2], radius_sum: T) -> bool {
+    x * x + y * y < radius_sum * radius_sum
 }
 
 /// A rounded box with its filter. Its core extends from `min - half_size` to `max + half_size`.
@@ -230,7 +103,7 @@ impl<T: Scalar> Shape<T> {
     /// Whether the filters of two shapes let them pair.
     #[inline(always)]
     pub fn may_pair(&self, other: &Self) -> bool {
-        (self.category & other.mask) != 0 && (other.category & self.mask) != 0
+        filters_agree([self.category, self.mask], [other.category, other.mask])
     }
 
     /// Whether the core is a point.
@@ -246,11 +119,27 @@ impl<T: Scalar> Shape<T> {
     /// The gaps between a point and the core along each axis; negative inside.
     #[inline(always)]
     pub fn gaps_to(&self, point: [T; 2]) -> [T; 2] {
-        let gap_along = |axis: usize| {
-            gap([point[axis]; 2], [self.min[axis], self.max[axis]]) - self.half_size[axis]
-        };
-        [gap_along(0), gap_along(1)]
+        gaps([point; 2], [self.min, self.max], self.half_size)
     }
+
+    /// The gaps between the cores of two shapes along each axis; negative where they overlap.
+    #[inline(always)]
+    pub fn gaps(&self, other: &Self) -> [T; 2] {
+        let half_sizes = sum(self.half_size, other.half_size);
+        gaps([self.min, self.max], [other.min, other.max], half_sizes)
+    }
+}
+
+/// Whether the filters of two shapes let them pair: the mask of each contains a category of the
+/// other.
+#[inline(always)]
+pub fn filters_agree([category, mask]: [u32; 2], [other_category, other_mask]: [u32; 2]) -> bool {
+    (category & other_mask) != 0 && (other_category & mask) != 0
+}
+
+#[inline(always)]
+fn sum<T: Scalar>(a: [T; 2], b: [T; 2]) -> [T; 2] {
+    [a[0] + b[0], a[1] + b[1]]
 }
 
 /// Bounds of a set of shapes: the bounding box of their `min` and `max`, the largest half sizes
@@ -310,17 +199,16 @@ impl<T: Scalar> Bounds<T> {
     #[inline(always)]
     pub fn overlaps(&self, other: &Self, shift: [T; 2], min_gap: T) -> bool {
         self.overlaps_unfiltered(other, shift, min_gap)
-            && (self.category & other.mask) != 0
-            && (other.category & self.mask) != 0
+            && filters_agree([self.category, self.mask], [other.category, other.mask])
     }
 
     /// As [`overlaps`](Self::overlaps), without the filters.
     #[inline(always)]
     pub fn overlaps_unfiltered(&self, other: &Self, shift: [T; 2], min_gap: T) -> bool {
+        let half_sizes = sum(self.half_size, other.half_size);
         let gap_along = |axis: usize| {
             let own = [self.min[axis] - shift[axis], self.max[axis] - shift[axis]];
-            let gap = gap(own, [other.min[axis], other.max[axis]]).max(min_gap);
-            gap - (self.half_size[axis] + other.half_size[axis])
+            gap(own, [other.min[axis], other.max[axis]]).max(min_gap) - half_sizes[axis]
         };
         overlap([gap_along(0), gap_along(1)], self.radius + other.radius)
     }
@@ -329,10 +217,7 @@ impl<T: Scalar> Bounds<T> {
     /// most; negative if they overlap.
     #[inline(always)]
     pub fn gaps_to(&self, min: [T; 2], max: [T; 2]) -> [T; 2] {
-        let gap_along = |axis: usize| {
-            gap([self.min[axis], self.max[axis]], [min[axis], max[axis]]) - self.half_size[axis]
-        };
-        [gap_along(0), gap_along(1)]
+        gaps([self.min, self.max], [min, max], self.half_size)
     }
 }
 
@@ -345,10 +230,7 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
     let above = [b.min[0] - a.max[0], b.min[1] - a.max[1]];
     let below = [a.min[0] - b.max[0], a.min[1] - b.max[1]];
     let sign = |axis: usize| if above[axis] < below[axis] { -T::ONE } else { T::ONE };
-    let d = [
-        above[0].max(below[0]) - (a.half_size[0] + b.half_size[0]),
-        above[1].max(below[1]) - (a.half_size[1] + b.half_size[1]),
-    ];
+    let d = a.gaps(b);
     let radius_sum = a.radius + b.radius;
     let e = [d[0].max(T::ZERO), d[1].max(T::ZERO)];
     let length = length(e[0], e[1]);
@@ -406,15 +288,6 @@ mod tests {
         assert!(!overlapping(first, box_of([step, 0.0, 1.0, 1.0])));
         assert!(overlapping(box_of([0.0, 0.0, next, 1.0]), box_of([step, 0.0, 1.0, 1.0])));
         assert!(overlapping(first, box_of([-1e30, 0.5, 1e30, 0.6])));
-    }
-
-    #[test]
-    fn the_middle_is_between() {
-        for (min, max) in [(0.0, 0.1), (-1e38, 3e38), (3e38, 3.2e38), (0.0, 1e-45), (-0.0, -0.0)] {
-            let middle: f32 = middle(min, max);
-            assert!(min <= middle && middle <= max, "{min} {middle} {max}");
-            assert_eq!(super::middle(max, max).to_bits(), max.to_bits());
-        }
     }
 
     #[test]
