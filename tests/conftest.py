@@ -20,6 +20,7 @@ BESIDE_THE_LIBRARY = [
     "test_emitters.py",
     "test_exact_step.py",
     "test_examples.py",
+    "test_fluid.py",
     "test_gas.py",
     "test_interrupt.py",
     "test_inlined.py",

@@ -20,6 +20,7 @@ from mpi_worlds import (
     of_rank,
     scattered,
     unevenly,
+    up_to,
 )
 
 import jostle
@@ -63,6 +64,7 @@ def check_merged(name: str, ours: jostle.mpi.World, world: jostle.World) -> None
         check_events(name, ours, world)
 
 
+@up_to(3)
 def test_merging() -> None:
     """Particles of different ranks that touch merge."""
     rows = np.arange(400)

@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 from mpi_worlds import (
-    all_on_first,
-    all_on_last,
     check_asleep,
     check_asleep_now,
     check_events,
@@ -22,6 +20,7 @@ from mpi_worlds import (
     scattered,
     sleepers,
     unevenly,
+    up_to,
 )
 
 import jostle
@@ -29,19 +28,23 @@ import jostle.mpi
 import jostle.mpi.storage
 
 
+@up_to(3)
 def test_sleeping() -> None:
     """Islands that several ranks have fall asleep and wake as in one process."""
-    for where in (evenly, all_on_first, unevenly):
-        world = sleepers()
-        ours = scattered(world, where, every=7)
-        counts = []
-        for _ in range(14):
-            world.step(1 / 30, 12)
-            ours.step(1 / 30, 12)
-            check_asleep("sleeping", ours, world)
-            counts.append(int(world.asleep.sum()))
-        # Some wake when discs fall on them.
-        assert max(counts) > 30 and np.diff(counts).min() < 0, counts
+    world = sleepers()
+    ours = scattered(world, unevenly, every=7)
+    counts = []
+    for _ in range(14):
+        world.step(1 / 30, 12)
+        ours.step(1 / 30, 12)
+        check_asleep("sleeping", ours, world)
+        counts.append(int(world.asleep.sum()))
+    # Some wake when discs fall on them.
+    assert max(counts) > 30 and np.diff(counts).min() < 0, counts
+
+
+def test_sleeping_beside_others() -> None:
+    """Sleeping particles beside walls, and beside immovable particles."""
     walls = jostle.polyline([(0, 3), (9, 5), (30, 4)])
     tracked = sleepers(walls=walls, track_events=True)
     ours = scattered(tracked, unevenly)
@@ -133,26 +136,25 @@ def resting(**options: Any) -> jostle.World:
 def test_edits() -> None:
     """Particles that are added, removed and changed while others sleep."""
     folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
-    for where in (evenly, all_on_last)[: 1 if comm().size > 2 else 2]:
-        world = resting(track_events=True)
-        ours = scattered(world, where, every=5)
-        counts = set()
-        for number, (name, change) in enumerate(edits()):
-            for _ in range(2):
-                world.step(1 / 30, 16)
-                ours.step(1 / 30, 16)
-            check_asleep(f"before {name}", ours, world)
-            check_events(name, ours, world)
-            change(world, lambda rows: rows)
-            change(ours, of_rank)
-            check_asleep_now(f"after {name}", ours, world)
-            counts.add(int(world.asleep.sum()))
-            if name in ("removed", "obstacles") and where is evenly:
-                check_saved(folder / str(number), ours, world, 0)
-        world.step(1 / 30, 16)
-        ours.step(1 / 30, 16)
-        check_asleep("the last", ours, world)
-        assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
+    world = resting(track_events=True)
+    ours = scattered(world, evenly, every=5)
+    counts = set()
+    for number, (name, change) in enumerate(edits()):
+        for _ in range(2):
+            world.step(1 / 30, 16)
+            ours.step(1 / 30, 16)
+        check_asleep(f"before {name}", ours, world)
+        check_events(name, ours, world)
+        change(world, lambda rows: rows)
+        change(ours, of_rank)
+        check_asleep_now(f"after {name}", ours, world)
+        counts.add(int(world.asleep.sum()))
+        if name in ("removed", "obstacles"):
+            check_saved(folder / str(number), ours, world, 0)
+    world.step(1 / 30, 16)
+    ours.step(1 / 30, 16)
+    check_asleep("the last", ours, world)
+    assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
     comm().Barrier()
     if comm().rank == 0:
         shutil.rmtree(folder)

@@ -1,6 +1,6 @@
 """Running a test on all numbers of ranks in one start of four processes.
 
-All four have the test first, then three of them beside a single one, then two.
+All four have the test first, then three of them, two, and one.
 """
 
 import sys
@@ -11,14 +11,12 @@ from collections.abc import Callable
 from mpi4py import MPI
 
 ALL = MPI.COMM_WORLD
-GROUPS = ((0, 0, 0, 0), (0, 0, 0, 1), (0, 0, None, None))  # of four ranks, one after another
 
 
 def on_each_number_of_ranks(act: Callable[[MPI.Comm], object]) -> None:
-    """Call `act` in each group with its communicator; in a group of all, unless there are four."""
-    for colours in GROUPS if ALL.size == 4 else ((0,) * ALL.size,):
-        colour = colours[ALL.rank]
-        comm = ALL.Split(MPI.UNDEFINED if colour is None else colour)
+    """Call `act` with communicators of 4, 3, 2 and 1 ranks; of all ranks, unless there are four."""
+    for size in range(4, 0, -1) if ALL.size == 4 else (ALL.size,):
+        comm = ALL.Split(0 if ALL.rank < size else MPI.UNDEFINED)
         if comm != MPI.COMM_NULL:
             act(comm)
             comm.Free()

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -41,26 +42,36 @@ needs_mpi = pytest.mark.skipif(why_not() is not None, reason=why_not() or "")
 
 
 def run_ranks(
-    ranks: int, *program: str | Path, is_right: bool = True, folder: Path | None = None
+    ranks: int,
+    *program: str | Path,
+    is_right: bool = True,
+    folder: Path | None = None,
+    seconds: float = SECONDS,
 ) -> str:
     """Run ``python program...`` on some ranks; returns what they print.
 
-    Fails with the output if the exit status is not 0, or, unless `is_right`, if it is.
+    Fails with the output if the exit status is not 0, or, unless `is_right`, if it is. After some
+    `seconds` the launcher and all ranks are killed.
     """
     command = [LAUNCHER, "-n", str(ranks), sys.executable, *map(str, program)]
-    try:
-        done = subprocess.run(
-            command,
-            env={**os.environ, **ENVIRONMENT},
-            cwd=folder,
-            timeout=SECONDS,
-            text=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            check=False,
-        )
-    except subprocess.TimeoutExpired as error:
-        printed = (error.stdout or b"").decode(errors="replace")
-        pytest.fail(f"not done after {SECONDS} s; printed until then:\n{printed}")
-    assert (done.returncode == 0) == is_right, f"status {done.returncode}\n{done.stdout}"
-    return done.stdout
+    with subprocess.Popen(
+        command,
+        env={**os.environ, **ENVIRONMENT},
+        cwd=folder,
+        text=True,
+        errors="replace",
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+    ) as launcher:
+        try:
+            printed, _ = launcher.communicate(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            os.killpg(launcher.pid, signal.SIGKILL)
+            printed, _ = launcher.communicate()
+            pytest.fail(f"not done after {seconds} s; printed until then:\n{printed}")
+        except BaseException:  # Ctrl-C, which processes of another session do not get
+            os.killpg(launcher.pid, signal.SIGKILL)
+            raise
+    assert (launcher.returncode == 0) == is_right, f"status {launcher.returncode}\n{printed}"
+    return printed

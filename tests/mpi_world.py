@@ -1,7 +1,7 @@
 """A program of test_mpi_world: compares distributed worlds with those of one process.
 
 `mpiexec -n 4 python mpi_world.py NAME...` calls `test_NAME` of a module `mpi_cases_*`, or all tests
-of the module NAME that begin on any number of ranks.
+of the module NAME, on each number of ranks up to the largest on which a test differs.
 """
 
 import importlib
@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterator
 
 import mpi_worlds
 from mpi4py import MPI
-from mpi_groups import on_each_number_of_ranks, run
+from mpi_groups import ALL, on_each_number_of_ranks, run
+from mpi_worlds import most_ranks
 
 #: Cases that have a number of ranks of their own.
 ALONE = ("killed", "long", "many")
@@ -40,6 +41,8 @@ def main() -> None:
     def act(ranks: MPI.Intracomm) -> None:
         mpi_worlds.use(ranks)
         for case, test in tests:
+            if ranks.size > most_ranks(test) and ALL.size == 4:
+                continue
             if ranks.rank == 0:
                 print(f"{case} on {ranks.size}", end="", flush=True)
             start = time.perf_counter()

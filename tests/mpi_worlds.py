@@ -26,6 +26,25 @@ def use(ranks: MPI.Intracomm) -> None:
     _ranks = ranks
 
 
+def up_to(ranks: int) -> Callable[[Callable[[], None]], Callable[[], None]]:
+    """Let a case run on up to so many ranks, because one more makes a difference there.
+
+    A case without it runs on one rank and on two. With more ranks than cores each message waits for
+    a rank that has a core.
+    """
+
+    def with_most(case: Callable[[], None]) -> Callable[[], None]:
+        case.most_ranks = ranks
+        return case
+
+    return with_most
+
+
+def most_ranks(case: Callable[[], None]) -> int:
+    """The number of ranks that `up_to` has given to a case."""
+    return getattr(case, "most_ranks", 2)
+
+
 #: The modules of cases.
 CASES = sorted(path.stem for path in Path(__file__).parent.glob("mpi_cases_*.py"))
 

@@ -292,30 +292,30 @@ def test_queries_are_those_of_min_and_max(
     dtype = rows.dtype
     point, size, r = np.array(at, dtype), np.array(size, dtype), dtype.type(radius)
     for radii in (np.zeros(len(rows), dtype), np.full(len(rows), r)):
-        asked: Any
+        index: Any
         if in_space:
-            asked = jostle.Space(dtype=dtype.name, leaf_capacity=2)
-            asked.add(boxes=rows, radii=radii)
+            index = jostle.Space(dtype=dtype.name, leaf_capacity=2)
+            index.add(boxes=rows, radii=radii)
         else:
-            asked = jostle.Quadtree(boxes=rows, radii=radii, leaf_capacity=2)
+            index = jostle.Quadtree(boxes=rows, radii=radii, leaf_capacity=2)
         rect = np.concatenate([point, point + size])
         in_rect = open_overlap(gaps(rows, rect[:2], rect[2:]), radii)
-        assert asked.query_rect(rect).tolist() == np.flatnonzero(in_rect).tolist()
+        assert index.query_rect(rect).tolist() == np.flatnonzero(in_rect).tolist()
 
         gap = gaps(rows, point, point)
         in_circle = open_overlap(gap, radii + r)
-        assert asked.query_circle(point, r).tolist() == np.flatnonzero(in_circle).tolist()
+        assert index.query_circle(point, r).tolist() == np.flatnonzero(in_circle).tolist()
 
         outside = np.maximum(gap, 0)
         squares = outside[:, 0] ** 2 + outside[:, 1] ** 2
         half_open = ((point >= rows[:, :2]) & (point < rows[:, 2:])).all(axis=1)
         flat = (rows[:, :2] == rows[:, 2:]).all(axis=1)
         within = np.where((radii > 0) | flat, squares <= radii**2, half_open)
-        assert asked.query_point(point).tolist() == np.flatnonzero(within).tolist()
+        assert index.query_point(point).tolist() == np.flatnonzero(within).tolist()
 
         distances = np.maximum(np.sqrt(squares) - radii, 0)
         order = np.lexsort((np.arange(len(rows)), distances))[:5]
-        far, ids = asked.nearest(point, 5)
+        far, ids = index.nearest(point, 5)
         assert ids[: len(order)].tolist() == order.tolist()
         assert far[: len(order)].tolist() == distances[order].tolist()
 
@@ -325,7 +325,7 @@ def test_queries_are_those_of_min_and_max(
         for thrown in (dtype.type(0), r):
             with np.errstate(all="ignore"):
                 hits = along_ray(rows, radii, point, direction, thrown)
-            hit = asked.circle_cast(point, direction, thrown)
+            hit = index.circle_cast(point, direction, thrown)
             if len(rows) and np.isfinite(hits).any():
                 assert hit == (int(np.argmin(hits)), hits.min())
             else:

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -149,20 +150,33 @@ main()
 """
 
 
-def command(*arguments: str, **options: object) -> subprocess.Popen[str]:
-    """Start the command where Ctrl-C is not ignored."""
-    return subprocess.Popen(
-        [sys.executable, "-c", CHILD, *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-        **options,
-    )
+@pytest.fixture
+def command() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start the command where Ctrl-C is not ignored; processes that still run are killed."""
+    started = []
+
+    def start(*arguments: str, **options: object) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", CHILD, *arguments],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            **options,
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("moments", [[(1, 0.0), (1, 0.05), (1, 0.2)], [(2, 0.0), (2, 0.3)]])
-def test_the_command_ends_without_output_during_imports_and_in_a_window(moments) -> None:
+def test_the_command_ends_without_output_during_imports_and_in_a_window(
+    command: Callable[..., subprocess.Popen[str]], moments: list[tuple[int, float]]
+) -> None:
     """A moment is a number of changes of the handler, and seconds after the last of them."""
     environment = {**os.environ, **A_DISPLAY}
     processes = [command("run", "gas", "-n", "50", env=environment) for _ in moments]
@@ -177,17 +191,20 @@ def test_the_command_ends_without_output_during_imports_and_in_a_window(moments)
         assert said.replace("handled\n", "") == ""
 
 
-def test_a_film_that_is_stopped_can_be_played(tmp_path: Path) -> None:
+def test_a_film_that_is_stopped_can_be_played(
+    command: Callable[..., subprocess.Popen[str]], tmp_path: Path
+) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    process = command("run", "gas", "-n", "20", "--headless", cwd=tmp_path)
+    options = ("--headless", "--steps", "1000000")  # so many that it never ends by itself
+    process = command("run", "gas", "-n", "20", *options, cwd=tmp_path)
     film, patience = tmp_path / "out" / "gas.mp4", time.monotonic() + 60
-    while not film.exists() and time.monotonic() < patience:
+    while not film.exists() or film.stat().st_size == 0:  # ffmpeg has got frames
+        assert process.poll() is None and time.monotonic() < patience
         time.sleep(0.02)
-    time.sleep(0.1)
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 130 and "Traceback" not in said, said
     assert "Stopped." in said
-    if film.exists():
-        reader = imageio_ffmpeg.read_frames(str(film))
-        assert next(reader)["size"] == (1280, 720) and next(reader)
+    reader = imageio_ffmpeg.read_frames(str(film))
+    assert next(reader)["size"] == (1280, 720)
+    assert sum(len(frame) == 1280 * 720 * 3 for frame in reader) > 0

@@ -270,9 +270,11 @@ def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
         rect = Rect(0, 0, 9, 9)
 
     things = [Strange([50, 50, 9, 9]), Named("s", Rect(50, 0, 9, 9))]
-    asked = [Rect(0, 0, 5, 5), Rect(52, 52, 5, 5), FRect(50.5, 0, 1, 1)]
-    assert ours.collide_rect_lists(asked, things) == [rect.collidelistall(things) for rect in asked]
-    assert ours.collide_rect_lists(asked, things) == [[], [0], [1]]
+    queries = [Rect(0, 0, 5, 5), Rect(52, 52, 5, 5), FRect(50.5, 0, 1, 1)]
+    assert ours.collide_rect_lists(queries, things) == [
+        rect.collidelistall(things) for rect in queries
+    ]
+    assert ours.collide_rect_lists(queries, things) == [[], [0], [1]]
 
 
 # ---- masks and the user's functions -----------------------------------------------------------
@@ -303,18 +305,18 @@ def test_masks(kind: str) -> None:
 
 
 def test_masks_are_asked_only_where_they_may_meet() -> None:
-    asked = []
+    called = []
 
     class Mask(pygame.Mask):
         def overlap(self, *arguments: Any) -> Any:
-            asked.append(arguments)
+            called.append(arguments)
             return super().overlap(*arguments)
 
     sprites = [Named(f"s{x}", Rect(x, 0, 1, 1)) for x in range(0, 1000, 10)]
     for sprite in sprites:
         sprite.mask = Mask((8, 8), fill=True)
     assert ours.selfcollide(sprites, collide_mask) == []
-    assert asked == []
+    assert called == []
 
 
 @pytest.mark.parametrize("collided", [odd, lambda left, right: False, collide_circle])
@@ -726,15 +728,15 @@ def test_radii_of_numpy_are_computed_as_numpy_does() -> None:
 
 
 @given(some_rects, ints | halves | anything)
-def test_query_rect(rects: list[Any], asked: Any) -> None:
+def test_query_rect(rects: list[Any], query: Any) -> None:
     sprites = [Named(f"s{row}", rect) for row, rect in enumerate(rects)]
     group = ours.Group(sprites)
-    want = [sprite for sprite in sprites if asked.colliderect(sprite.rect)]
-    assert group.query_rect(asked) == want
+    want = [sprite for sprite in sprites if query.colliderect(sprite.rect)]
+    assert group.query_rect(query) == want
     for sprite in sprites:
         sprite.rect = Rect(0, 0, 3, 3)
-    want = sprites if asked.colliderect((0, 0, 3, 3)) else []
-    assert group.query_rect(asked) == want
+    want = sprites if query.colliderect((0, 0, 3, 3)) else []
+    assert group.query_rect(query) == want
     assert isinstance(group, theirs.Group) and isinstance(group.copy(), ours.Group)
 
 
@@ -830,10 +832,10 @@ def test_many_points_and_rays_at_once(rects: list[Any], points: list[Any], k: in
     directions = [(1 + row, -row) for row in range(len(points))]
     near = [group.nearest(point, k, max_distance=4) for point in points]
     rays = [group.raycast(*ray) for ray in zip(points, directions, strict=True)]
-    for asked in (group, now):
+    for index in (group, now):
         for many in (points, np.reshape(points, (-1, 2)), vectors):
-            assert asked.nearest(many, k, max_distance=4) == near
-            hits, distances = asked.raycast(many, directions)
+            assert index.nearest(many, k, max_distance=4) == near
+            hits, distances = index.raycast(many, directions)
             assert list(zip(hits, distances.tolist(), strict=True)) == rays
     if points:
         hits, distances = group.raycast(points[0], [(1, 0), (0, 1)])
@@ -841,31 +843,31 @@ def test_many_points_and_rays_at_once(rects: list[Any], points: list[Any], k: in
 
 
 @given(some_rects, st.lists(ints | halves | anything, max_size=4))
-def test_query_many_rects(rects: list[Any], asked: list[Any]) -> None:
+def test_query_many_rects(rects: list[Any], queries: list[Any]) -> None:
     group = ours.Group(Named(f"s{row}", rect) for row, rect in enumerate(rects))
-    want = [group.query_rect(rect) for rect in asked]
-    assert group.query_rect(asked) == group.query_rect(tuple(asked)) == want
-    assert group.query_rect([Named("x", rect) for rect in asked]) == want
-    if all(isinstance(rect, FRect) for rect in asked):
-        rows = [tuple(rect) for rect in asked]
+    want = [group.query_rect(rect) for rect in queries]
+    assert group.query_rect(queries) == group.query_rect(tuple(queries)) == want
+    assert group.query_rect([Named("x", rect) for rect in queries]) == want
+    if all(isinstance(rect, FRect) for rect in queries):
+        rows = [tuple(rect) for rect in queries]
         assert group.query_rect(rows) == group.query_rect(np.reshape(rows, (-1, 4))) == want
 
 
 @given(some_rects, st.lists(ints | halves | anything, min_size=1, max_size=4))
-def test_a_snapshot_answers_as_the_group_did(rects: list[Any], asked: list[Any]) -> None:
+def test_a_snapshot_answers_as_the_group_did(rects: list[Any], queries: list[Any]) -> None:
     assume(all(math.isfinite(side) for rect in rects for side in rect))
     sprites = [Named(f"s{row}", rect.copy()) for row, rect in enumerate(rects)]
     group = ours.Group(sprites)
-    want = group.query_rect(asked), group.nearest((0, 0), 3), group.raycast((0, 0), (1, 2))
+    want = group.query_rect(queries), group.nearest((0, 0), 3), group.raycast((0, 0), (1, 2))
     then = group.snapshot()
     for sprite in sprites:
         sprite.rect.update(7, 7, 1, 1)
     group.add(Named("late", Rect(0, 0, 5, 5)))
     if sprites:
         sprites[0].kill()
-    got = then.query_rect(asked), then.nearest((0, 0), 3), then.raycast((0, 0), (1, 2))
+    got = then.query_rect(queries), then.nearest((0, 0), 3), then.raycast((0, 0), (1, 2))
     assert got == want
-    assert then.query_rect(asked[0]) == want[0][0]
+    assert then.query_rect(queries[0]) == want[0][0]
     assert len(then) == len(sprites)
 
 
@@ -888,9 +890,9 @@ def test_a_snapshot_answers_as_the_group_did(rects: list[Any], asked: list[Any])
 )
 def test_what_a_group_refuses_is_named(call: Any, message: str) -> None:
     group = ours.Group(one_place(2))
-    for asked in (group, group.snapshot()):
+    for index in (group, group.snapshot()):
         with pytest.raises((TypeError, ValueError), match=message):
-            call(asked)
+            call(index)
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ boxes = st.tuples(numbers, numbers, numbers, numbers) | st.tuples(numbers, numbe
 # Equal objects, identical objects, and objects that are not hashable.
 ITEMS: list[Any] = [1, 1.0, "duck", [1], [1], {}, None, (1000,), 10**30, 10**30 + 0]
 steps = st.tuples(
-    st.sampled_from(["insert"] * 5 + ["remove", "remove", "ask", "ask many"]),
+    st.sampled_from(["insert"] * 5 + ["remove", "remove", "query", "query many"]),
     st.integers(0, len(ITEMS) - 1),
     boxes,
 )
@@ -61,7 +61,7 @@ class Both:
         nan = any(value != value for value in box)
         assert refused in ([], [self.theirs, self.ours]) or (nan and refused == [self.ours])
 
-    def ask(self, box: Any) -> None:
+    def query(self, box: Any) -> None:
         expected = Counter(map(id, self.theirs.intersect(box)))
         found = self.ours.intersect(box)
         assert Counter(map(id, found)) == expected
@@ -80,15 +80,15 @@ def test_the_same_calls_give_the_same_answers(
             both.insert(ITEMS[which], box)
         elif act == "remove" and both.inserted:
             both.remove(*both.inserted[which % len(both.inserted)])
-        elif act == "ask":
-            both.ask(box)
+        elif act == "query":
+            both.query(box)
         else:
-            asked = [box, last, *(box for _, box in both.inserted)]
-            assert both.ours.intersect_many(asked) == [both.ours.intersect(b) for b in asked]
+            queries = [box, last, *(box for _, box in both.inserted)]
+            assert both.ours.intersect_many(queries) == [both.ours.intersect(b) for b in queries]
     for _ in range(6):  # before and after the tree is built again
-        both.ask(last)
+        both.query(last)
     for _, box in both.inserted:
-        both.ask(box)
+        both.query(box)
 
 
 @pytest.mark.parametrize("unit", [1.0, 0.1, 0.3])
@@ -101,7 +101,7 @@ def test_many_boxes_on_a_grid(unit: float) -> None:
     for number, box in enumerate(table.tolist()):
         both.insert(number, box)
     for box in table[::3].tolist():
-        both.ask(box)
+        both.query(box)
     assert both.ours.intersect_many(table.tolist()) == [
         sorted(both.theirs.intersect(box)) for box in table.tolist()
     ]
@@ -138,7 +138,7 @@ def test_changes_and_questions_in_turn() -> None:
     table = np.hstack([corners, corners + rng.uniform(-1, 1, (2_000, 2))]).round(1).tolist()
     for number, box in enumerate(table):
         both.insert(number, box)
-        both.ask(table[number // 2])
+        both.query(table[number // 2])
         if number % 3 == 0:
             both.remove(number // 3, table[number // 3])
     assert len(both.ours) == 2_000 - 667

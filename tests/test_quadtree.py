@@ -129,7 +129,7 @@ def test_the_tree_keeps_its_own_copy() -> None:
     np.testing.assert_array_equal(tree.pairs(), before)
 
 
-def test_several_threads_may_ask_at_the_same_time() -> None:
+def test_several_threads_may_query_at_the_same_time() -> None:
     tree = jostle.Quadtree(uniform(20_000), 0.5)
     alone = tree.pairs()
     with ThreadPoolExecutor(4) as pool:
@@ -547,17 +547,17 @@ def test_max_pairs_is_exact(threads: int) -> None:
     assert len(tree.pairs(max_pairs=within)) == within
     assert len(tree.contacts(max_pairs=within).pairs) == within
     assert len(tree.pairs(tree, max_pairs=between)) == between
-    for ask in (
+    for query in (
         lambda: tree.pairs(max_pairs=within - 1),
         lambda: tree.contacts(max_pairs=within - 1),
         lambda: tree.pairs(tree, max_pairs=between - 1),
     ):
         with pytest.raises(ValueError, match=r"more than max_pairs = \d+ pairs overlap"):
-            ask()
+            query()
 
 
 def test_too_many_pairs_stop_the_search() -> None:
     tree = jostle.Quadtree(np.zeros((50_000, 2)), 1.0)  # more than a thousand million pairs
-    for ask in (tree.pairs, tree.contacts):
+    for query in (tree.pairs, tree.contacts):
         with pytest.raises(ValueError, match="more than max_pairs = 10000 pairs overlap"):
-            ask(max_pairs=10_000)
+            query(max_pairs=10_000)

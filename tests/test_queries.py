@@ -35,7 +35,7 @@ def scaled(shapes: Shapes, scale: Any) -> Shapes:
 
 
 @st.composite
-def asked(draw: st.DrawFn) -> tuple[Shapes, NDArray[Any] | None, int | None, NDArray[Any], Any]:
+def searches(draw: st.DrawFn) -> tuple[Shapes, NDArray[Any] | None, int | None, NDArray[Any], Any]:
     """Shapes, their categories, a mask, points of the same dtype, and a tree."""
     shapes = draw(any_shapes())
     scale = shapes.centers.dtype.type(draw(st.sampled_from(SCALES)))
@@ -77,35 +77,35 @@ def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.b
 # ---- regions -------------------------------------------------------------------------------------
 
 
-@given(asked(), st.lists(st.tuples(sizes, sizes), min_size=6, max_size=6))
-def test_query_rect(asked: Any, spans: Any) -> None:
-    shapes, categories, mask, points, tree = asked
+@given(searches(), st.lists(st.tuples(sizes, sizes), min_size=6, max_size=6))
+def test_query_rect(search: Any, spans: Any) -> None:
+    shapes, categories, mask, points, tree = search
     spans = np.array(spans[: len(points)], np.float64).astype(points.dtype)
     rects = np.hstack([points, points + spans])
     ours = selected(shapes, categories, mask)
     expected = [oracle.in_rect(shapes, rect) & ours for rect in rects]
-    ask = lambda rects: tree.query_rect(rects, mask=mask)  # noqa: E731
-    assert_hits(lambda q: ask(rects[q]), ask, rects, expected)
+    query = lambda rects: tree.query_rect(rects, mask=mask)  # noqa: E731
+    assert_hits(lambda q: query(rects[q]), query, rects, expected)
 
 
-@given(asked(), st.lists(sizes, min_size=6, max_size=6))
-def test_query_circle(asked: Any, radii: Any) -> None:
-    shapes, categories, mask, points, tree = asked
+@given(searches(), st.lists(sizes, min_size=6, max_size=6))
+def test_query_circle(search: Any, radii: Any) -> None:
+    shapes, categories, mask, points, tree = search
     radii = np.array(radii[: len(points)], np.float64).astype(points.dtype)
     ours = selected(shapes, categories, mask)
     expected = [oracle.in_circle(shapes, *disc) & ours for disc in zip(points, radii, strict=True)]
-    ask = lambda points, radii: tree.query_circle(points, radii, mask=mask)  # noqa: E731
-    one = lambda q: ask(points[q], radii[q])  # noqa: E731
-    assert_hits(one, lambda points: ask(points, radii), points, expected)
+    query = lambda points, radii: tree.query_circle(points, radii, mask=mask)  # noqa: E731
+    one = lambda q: query(points[q], radii[q])  # noqa: E731
+    assert_hits(one, lambda points: query(points, radii), points, expected)
 
 
-@given(asked())
-def test_query_point(asked: Any) -> None:
-    shapes, categories, mask, points, tree = asked
+@given(searches())
+def test_query_point(search: Any) -> None:
+    shapes, categories, mask, points, tree = search
     ours = selected(shapes, categories, mask)
     expected = [oracle.at_point(shapes, point) & ours for point in points]
-    ask = lambda points: tree.query_point(points, mask=mask)  # noqa: E731
-    assert_hits(lambda q: ask(points[q]), ask, points, expected)
+    query = lambda points: tree.query_point(points, mask=mask)  # noqa: E731
+    assert_hits(lambda q: query(points[q]), query, points, expected)
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -145,9 +145,9 @@ def test_an_axis_parallel_polygon_is_a_rectangle() -> None:
 # ---- neighbours ----------------------------------------------------------------------------------
 
 
-@given(asked(), st.integers(1, 12), sizes | st.just(np.inf))
-def test_nearest(asked: Any, k: int, max_distance: float) -> None:
-    shapes, categories, mask, points, tree = asked
+@given(searches(), st.integers(1, 12), sizes | st.just(np.inf))
+def test_nearest(search: Any, k: int, max_distance: float) -> None:
+    shapes, categories, mask, points, tree = search
     max_distance = float(points.dtype.type(max_distance))
     ours = selected(shapes, categories, mask)
     found = tree.nearest(points, k, max_distance=max_distance, mask=mask)
@@ -166,9 +166,9 @@ def test_nearest(asked: Any, k: int, max_distance: float) -> None:
 def test_nearest_equals_scipy() -> None:
     scipy_spatial = pytest.importorskip("scipy.spatial")
     rng = np.random.default_rng(1)
-    points, asked = rng.random((5000, 2)), rng.random((500, 2))
-    far, ids = scipy_spatial.cKDTree(points).query(asked, 8)
-    found = jostle.Quadtree(points).nearest(asked, 8)
+    points, queries = rng.random((5000, 2)), rng.random((500, 2))
+    far, ids = scipy_spatial.cKDTree(points).query(queries, 8)
+    found = jostle.Quadtree(points).nearest(queries, 8)
     np.testing.assert_array_equal(found.ids, ids)
     np.testing.assert_allclose(found.distances, far, rtol=1e-12)
 
@@ -187,13 +187,13 @@ def test_equal_distances_go_to_the_smaller_row() -> None:
 
 
 @given(
-    asked(),
+    searches(),
     st.lists(directions, min_size=6, max_size=6),
     st.just(0.0) | sizes,
     sizes | st.just(np.inf),
 )
-def test_rays_and_thrown_discs(asked: Any, ways: Any, radius: float, reach: float) -> None:
-    shapes, categories, mask, points, tree = asked
+def test_rays_and_thrown_discs(search: Any, ways: Any, radius: float, reach: float) -> None:
+    shapes, categories, mask, points, tree = search
     dtype = points.dtype.type
     ways = np.array(ways[: len(points)], np.float64).astype(dtype)
     radius, reach = float(dtype(radius)), float(dtype(reach))

@@ -166,7 +166,7 @@ class LivingSpace(RuleBasedStateMachine):
         assert found.tolist() == [list(pair) for pair in expected]
 
     @rule(at=points, size=st.floats(0.125, 8), mask=masks)
-    def ask(self, at: Any, size: float, mask: int | None) -> None:
+    def query(self, at: Any, size: float, mask: int | None) -> None:
         """A tree of the same shapes has the same answers."""
         ids, shapes, own, wanted = self.columns()
         tree = jostle.Quadtree(*shapes, categories=own, masks=wanted)
@@ -187,13 +187,13 @@ class LivingSpace(RuleBasedStateMachine):
         np.testing.assert_array_equal(found.offsets, expected.offsets)
         np.testing.assert_array_equal(found.ids, named[expected.ids])
         for k in (1, 5):
-            near, expected = (asked.nearest(at, k, mask=mask) for asked in (self.space, tree))
+            near, expected = (index.nearest(at, k, mask=mask) for index in (self.space, tree))
             np.testing.assert_array_equal(near.distances, expected.distances)
             np.testing.assert_array_equal(near.ids, named[expected.ids])
             assert near.distances.dtype == self.dtype
         for cast in ("raycast", "circle_cast"):
             way = (at, (1, -size), *([size] if cast == "circle_cast" else []))
-            hit, expected = (getattr(asked, cast)(*way, mask=mask) for asked in (self.space, tree))
+            hit, expected = (getattr(index, cast)(*way, mask=mask) for index in (self.space, tree))
             assert (hit.id, hit.distance) == (named[expected.id], expected.distance)
 
     @rule(data=st.data(), last=st.sampled_from([-1, 1 << 40, (1 << 63) - 1, 1 << 32]))
