@@ -286,7 +286,7 @@ class Runner:
     def scale_time(self, factor: float) -> None:
         scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
-        self._messages.say(f"Speed × {scale:.4g}")
+        self._messages.say(f"Time scale × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         self.paused = not self.paused

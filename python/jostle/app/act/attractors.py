@@ -146,7 +146,7 @@ def as_text(gravity: Point) -> str:
     x, y = gravity
     strength = math.hypot(x, y)
     if strength == 0:
-        return "No gravity"
+        return "Zero gravity"
     if x and y:
         return f"Gravity x {x:.4g}, y {y:.4g}"
     direction = ("down" if y > 0 else "up") if y else ("to the right" if x > 0 else "to the left")

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.containers import bounds, diagonal, wall_images
+from jostle.app.simulate.containers import are_inside, bounds, diagonal, wall_images
 from jostle.app.simulate.engine import REFUSALS, Engine, message_of
 from jostle.app.simulate.placement import (
     Floats,
@@ -24,7 +24,7 @@ from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simula
 from jostle.app.simulate.wall_segments import nearest
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone
-PARTY_SPEED = 0.4  # largest speed, in diagonals of the view per second
+TOP_SPEED = 0.4  # largest random speed, in diagonals of the view per second
 DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
 PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no other
 
@@ -130,19 +130,19 @@ class Commands:
         """Move every particle to a random position inside the container."""
         self._scatter()
 
-    def dance(self) -> None:
+    def randomise(self) -> None:
         """Give every particle a random position, velocity and density, and so a random colour."""
-        self._scatter(party=True)
+        self._scatter(all_columns=True)
 
-    def _scatter(self, *, party: bool = False) -> None:
+    def _scatter(self, *, all_columns: bool = False) -> None:
         """Move every movable particle to a random position."""
 
         def work(simulation: Simulation) -> None:
             frame, view, rng = simulation.frame(), simulation.view, self._rng
             radii = frame.radii[frame.movable]
             columns = {"positions": scatter(rng, frame.container, view, radii)}
-            if party:
-                speeds = rng.uniform(0, PARTY_SPEED * diagonal(view), (len(radii), 1))
+            if all_columns:
+                speeds = rng.uniform(0, TOP_SPEED * diagonal(view), (len(radii), 1))
                 columns["velocities"] = speeds * directions(rng, len(radii))
                 columns["densities"] = np.rint(rng.uniform(*DENSITIES, len(radii)))
             simulation.change(frame.tags[frame.movable], **columns)
@@ -234,19 +234,14 @@ def _places_beside(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return positions for copies, and which copies have one."""
     places = frame.positions[rows] + _beside(frame, rows)
-    there, walls = np.ones(len(rows), np.bool_), bounds(frame.container)
-    if walls is None:
-        return places, there
     radii = frame.radii[rows].astype(np.float64)
-    low, high = np.array(walls[:2]) + radii[:, None], np.array(walls[2:]) - radii[:, None]
-    beyond = np.flatnonzero(((places < low) | (places > high)).any(axis=1))
-    within = np.setdiff1d(np.arange(len(rows)), beyond)
+    there = are_inside(places, radii, frame.container)
+    beyond = np.flatnonzero(~there)
     free, found = free_positions(
-        np.concatenate([frame.positions, places[within]]),
-        np.concatenate([frame.radii, radii[within]]),
+        np.concatenate([frame.positions, places[there]]),
+        np.concatenate([frame.radii, radii[there]]),
         radii[beyond], frame.container, view, len(frame), frame.walls,
     )  # fmt: skip
-    there[beyond] = False
     places[beyond[found]], there[beyond[found]] = free, True
     return places, there
 

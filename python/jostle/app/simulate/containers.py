@@ -141,9 +141,10 @@ def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floa
         away = positions - np.array(container.center)
         distance = np.sqrt(away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1])
         farthest = np.maximum(container.radius - radii, 0.0)
-        share = np.where(distance > farthest, farthest / np.maximum(distance, 1e-30), 1.0)
-        near: Floats = np.array(container.center) + away * share[:, None]
-        return near
+        share = farthest / np.maximum(distance, 1e-30)
+        near = np.array(container.center) + away * share[:, None]
+        # Those inside are not computed from their offset, whose rounding would move them.
+        return np.where((distance > farthest)[:, None], near, positions)
     if isinstance(container, jostle.Torus):
         wrapped: Floats = np.mod(positions, np.array([container.width, container.height]))
         return wrapped
@@ -153,3 +154,9 @@ def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floa
         middle = (low + high) / 2
         return np.clip(positions, np.minimum(low, middle), np.maximum(high, middle))
     return positions
+
+
+def are_inside(positions: Floats, radii: Floats, container: Container) -> NDArray[np.bool_]:
+    """Return which positions are inside the container."""
+    inside: NDArray[np.bool_] = moved_inside(positions, radii, container) == positions
+    return inside.all(axis=1)

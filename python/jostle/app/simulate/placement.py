@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
-from jostle.app.simulate.containers import bounds, moved_inside, wall_images
+from jostle.app.simulate.containers import are_inside, bounds, moved_inside, wall_images
 from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.wall_segments import Ends, clear_of
 
@@ -84,7 +84,7 @@ def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:
     """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
     radii = np.full(len(places), radius)
     images, _ = wall_images(frame.container, frame.walls, radius)
-    free = (moved_inside(places, radii, frame.container) == places).all(axis=1)
+    free = are_inside(places, radii, frame.container)
     free &= _clear_of(
         places, radii, frame.positions.astype(np.float64), frame.radii.astype(np.float64)
     )

@@ -74,6 +74,7 @@ class StepStats:
     pairs_tested: int = 0
     touching: int = 0
     asleep: int = 0
+    substeps: int = 1  # more than the setting, if contacts needed them
     nodes: int = 0
     depth: int = 0
     kinetic_energy: float = 0.0

@@ -66,6 +66,7 @@ def _stats(world: jostle.World) -> StepStats:
         pairs_tested=stats.tests,
         touching=len(world.contacts.pairs),
         asleep=int(np.count_nonzero(world.asleep)),
+        substeps=stats.substeps,
         nodes=stats.nodes,
         depth=stats.depth,
         kinetic_energy=world.kinetic_energy,
