@@ -12,12 +12,12 @@ pygame = pytest.importorskip("pygame")
 from app_interaction import Driver, article_with, world_of  # noqa: E402
 
 import jostle  # noqa: E402
-from jostle.app.act.brush import REACH  # noqa: E402
+from jostle.app.act.commands import REACH  # noqa: E402
 from jostle.app.act.interaction import Tool  # noqa: E402
 from jostle.app.act.view import draw_preview  # noqa: E402
 from jostle.app.draw.palette import KINDS  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
-from jostle.app.simulate.placement import free_among  # noqa: E402
+from jostle.app.simulate.containers import free_among  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 

@@ -15,7 +15,7 @@ import controls  # noqa: E402
 from app_interaction import Driver, world_of  # noqa: E402
 
 from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
-from jostle.app.gui.keymap import (  # noqa: E402
+from jostle.app.gui.input import (  # noqa: E402
     COMMANDS,
     GROUPS,
     HANDLERS,

@@ -16,13 +16,13 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app.draw import marks, trails  # noqa: E402
+from jostle.app.draw import marks  # noqa: E402
 from jostle.app.draw.base_layers import WallDiscs, draw_discs  # noqa: E402
+from jostle.app.draw.marks import Trails  # noqa: E402
 from jostle.app.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE  # noqa: E402
 from jostle.app.draw.picture import Picture  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.draw.subsampling import subset  # noqa: E402
-from jostle.app.draw.trails import Trails  # noqa: E402
 from jostle.app.draw.tree_overlay import draw_heat, draw_outline  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, ViewOptions  # noqa: E402
 from jostle.app.simulate.simulation import Attractor  # noqa: E402
@@ -313,7 +313,7 @@ def test_trails_show_as_many_as_are_cheap() -> None:
     places = np.random.default_rng(2).uniform(10, 230, (1_000, 2))
     path, notes = Trails(), Notes()
     said = path.draw(notes, frame_of(places), np.zeros(1_000, np.uint8), camera_of_pixels())
-    assert said == f"trails: {trails.MOST:,} of 1,000 shown"
+    assert said == f"trails: {marks.MOST_TRAILS:,} of 1,000 shown"
 
 
 def test_going_back_in_time_begins_trails_anew() -> None:

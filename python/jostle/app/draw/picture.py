@@ -11,10 +11,10 @@ import jostle
 from jostle.app.draw import base_layers, marks, tree_overlay
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
+from jostle.app.draw.marks import Trails
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.scene_overlays import SceneOverlays
 from jostle.app.draw.text import EDGE, Card, Legend, draw_cards
-from jostle.app.draw.trails import Trails
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.simulation import Frame, FrameRequest

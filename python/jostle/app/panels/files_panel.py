@@ -27,8 +27,7 @@ from jostle.app.panels.widgets import (
     wrapped,
 )
 from jostle.app.session import Session
-from jostle.app.storage.encoder import FORMATS
-from jostle.app.storage.recording import Recording
+from jostle.app.storage.video import FORMATS, Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points

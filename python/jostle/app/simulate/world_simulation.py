@@ -16,6 +16,7 @@ from jostle.app.simulate.containers import (
     bounds,
     center_of,
     diagonal,
+    free_positions,
     minimum_image,
     moved_inside,
 )
@@ -30,8 +31,6 @@ from jostle.app.simulate.packing import (
     particles_of,
     unpack,
 )
-from jostle.app.simulate.particle_table import ParticleTable
-from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
     PLAIN,
@@ -45,7 +44,7 @@ from jostle.app.simulate.simulation import (
 )
 from jostle.app.simulate.validation import Fields, fields_of, or_none, read, rect, shown
 from jostle.app.simulate.wall_segments import WallSegments
-from jostle.app.simulate.world_frame import frame_of
+from jostle.app.simulate.world_frame import ParticleTable, frame_of
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor

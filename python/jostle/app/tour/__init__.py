@@ -2,7 +2,6 @@
 
 ======================= ========================================================================
 scripted_user           scripted input in a window without a display
-stops                   the stops of the tour, and the input at each
-tour                    the run over all stops, its progress bar and its table
+tour                    the stops, the input at each, and the run over all of them
 ======================= ========================================================================
 """
