@@ -32,7 +32,6 @@ class Picture:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()  # the colour of each particle
         self.trails = Trails()  # the past positions of particles
-        self._wall_discs = base_layers.WallDiscs()
         self._extras = SceneOverlays()
 
     @staticmethod
@@ -68,7 +67,7 @@ class Picture:
             marks.draw_springs(painter, frame, camera)
             base_layers.draw_discs(painter, frame, shades, camera)
             marks.draw_spins(painter, frame, camera)
-            self._wall_discs.draw(painter, frame, camera)
+            base_layers.draw_wall_discs(painter, frame, camera)
             base_layers.draw_walls(painter, frame.walls, frame.container, camera)
             if options.tree is TreeView.OUTLINE:
                 _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
