@@ -16,11 +16,11 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.measure import Statistics
 from jostle.app.race import Race, refusal
-from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.article_simulation import NO_WALLS, Simulation
 from jostle.app.simulate.engine import Engine, Hooks, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.start import (
     Create,
     LoadedScene,

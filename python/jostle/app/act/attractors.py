@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.simulation import Attractor, Point, Simulation, Tags
+from jostle.app.simulate.simulation import Attractor, Point, Tags
 from jostle.app.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.article_simulation import NO_WALLS, Simulation
 from jostle.app.simulate.containers import (
     Floats,
     are_inside,
@@ -24,7 +24,7 @@ from jostle.app.simulate.containers import (
 )
 from jostle.app.simulate.engine import REFUSALS, Engine, message_of
 from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline
-from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
+from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Tags
 from jostle.app.simulate.wall_segments import nearest
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone

@@ -12,9 +12,10 @@ from jostle.app.act.commands import Brush, Commands
 from jostle.app.act.messages import Messages
 from jostle.app.act.selection import Selection, inside, pick, pick_first
 from jostle.app.draw.camera import Camera
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.containers import diagonal
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.simulation import Point, Rect, Simulation, Tags
+from jostle.app.simulate.simulation import Point, Rect, Tags
 
 THROW_WINDOW = 0.1  # seconds over which the cursor's velocity is averaged for a throw
 DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are more

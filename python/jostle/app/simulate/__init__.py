@@ -2,15 +2,15 @@
 
 ======================= ========================================================================
 validation, settings    rules for values and their messages; the settings of a simulation
-simulation              the protocol of simulations; `Frame`, `StepStats`
+simulation              `Frame`, `StepStats`, and the columns of particles
 packing                 values and arrays as bytes, and their checks
 world_frame             the columns of a world that edits alone change; a world as a frame
 forces                  between kinds, of walls, and to attractors of the user
 wall_segments           line segments: the walls inside a container
 containers              the container of a world, of any kind and size; free positions in it
 emitters                nozzles that add drops
-world_simulation        `jostle.World` as a `Simulation`
-article_simulation      `jostle.article.Simulation` as a `Simulation`
+world_simulation        a scene in a `jostle.World`
+article_simulation      a scene in the article's programs; `Simulation`, of either rules
 history                 rewinding: snapshots, and re-simulation of the steps between them
 worker, engine          a worker thread; steps and edits of a simulation on it, in real time
 start                   a simulation from settings, from a state, or from one with other rules

@@ -159,11 +159,9 @@ def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floa
 
 def are_inside(positions: Floats, radii: Floats, container: Container) -> NDArray[np.bool_]:
     """Return which positions are inside the container."""
-    inside: NDArray[np.bool_] = moved_inside(positions, radii, container) == positions
-    return inside.all(axis=1)
+    inside: NDArray[np.bool_] = (moved_inside(positions, radii, container) == positions).all(axis=1)
+    return inside
 
-
-Floats = NDArray[np.floating]
 
 TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
 ROUNDS = 24

@@ -14,11 +14,11 @@ from functools import partial
 
 import numpy as np
 
-from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.article_simulation import ArticleSimulation, Simulation
 from jostle.app.simulate.containers import bounds, directions, free_positions
 from jostle.app.simulate.engine import REFUSALS, Then, message_of
 from jostle.app.simulate.settings import Group, Settings, too_slow
-from jostle.app.simulate.simulation import Container, Frame, FrameRequest, Rect, Simulation
+from jostle.app.simulate.simulation import Container, Frame, FrameRequest, Rect
 from jostle.app.simulate.worker import Worker
 from jostle.app.simulate.world_simulation import WorldSimulation
 
