@@ -260,6 +260,8 @@ def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
     return np.array([shift if right else -shift, 0.0])
 
 
+# The brush
+
 REACH = 6.0  # radii of a particle: the radius of the brush
 SPACING = 2.0  # radii: between two positions of the brush at which it adds particles
 DROPS = 2  # particles added at each position, if there is room

@@ -99,6 +99,8 @@ def _white_disc(radius: float, half: int, offset: tuple[float, float]) -> pygame
     return surface
 
 
+# Discs of a pixel or two
+
 MAX_POINT = 1.125  # pixels; larger discs do not fit into the kernels
 POINT_RADIUS = 0.5  # a smaller disc covers one pixel
 # The smallest radius that is drawn, so that sparse discs stay visible; less if all discs would

@@ -167,6 +167,8 @@ def key_of(command: str) -> str:
     return names[commands.index(command)] if len(names) == len(commands) else control.label
 
 
+# Events
+
 PAN_SPEED = 700.0  # pixels per second while an arrow key is down
 ZOOM_STEP = 1.15  # for one notch of the wheel
 CLICK = 4.0  # pixels: a button that moves less while it is down was a click

@@ -100,7 +100,7 @@ def _of_background(session: Session, point: Point) -> list[Line]:
         Number("gravity", "y", gravity.value[1], down, enabled=can_fall),
         None,
         Item("scramble", "Randomise positions", commands.scramble),
-        Item("randomise", "Randomise velocities and densities, too", commands.randomise),
+        Item("randomise", "Randomise positions, velocities and densities", commands.randomise),
         Item("clear walls", "Clear drawn walls", commands.clear_walls, enabled=drawn),
     ]
 

@@ -216,6 +216,8 @@ def select(gui: Gui, name: str, options: Mapping[str, T], now: T, *, reason: str
     return now if picked is None else options[picked]
 
 
+# Sliders
+
 KNOB = 6.0  # radius
 PADDING = 2.0  # of ImGui, between the edge of a slider and its knob
 HIDDEN = dict.fromkeys(

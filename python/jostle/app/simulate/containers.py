@@ -163,6 +163,8 @@ def are_inside(positions: Floats, radii: Floats, container: Container) -> NDArra
     return inside
 
 
+# Random directions, and free positions
+
 TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
 ROUNDS = 24
 ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round

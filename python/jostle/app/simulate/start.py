@@ -122,6 +122,8 @@ def switch_rules(
     return simulation
 
 
+# On a worker thread
+
 Create = Callable[[], Simulation]
 
 MESSAGE_DELAY = 0.3  # seconds after which a message is shown

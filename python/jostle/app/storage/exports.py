@@ -54,6 +54,8 @@ def reason_of(error: OSError, path: Path) -> str:
     return f"{path.name}: {error.strerror or error}"
 
 
+# States for other programs
+
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # distinguishes any two numbers of single precision
 GSD_MISSING = 'GSD files need the package gsd; pip install "jostle[app]" brings it.'

@@ -184,6 +184,8 @@ def gif_palette() -> pygame.Surface:
     return pygame.surfarray.make_surface(table)
 
 
+# Recording of a session
+
 RATES = {".mp4": 30, ".gif": 25}  # frames per second; a GIF has a resolution of 10 ms
 MOST_QUEUED = 8  # frames
 

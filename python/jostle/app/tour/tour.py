@@ -248,6 +248,8 @@ STOPS = (
 )  # fmt: skip
 
 
+# The run over all stops
+
 DRIVERS = ("offscreen", "dummy")  # of SDL, without a display
 RATE = round(1 / (FILMED * FRAME))
 
