@@ -17,7 +17,7 @@ from jostle.app.simulate.settings import Group, Settings  # noqa: E402
 from jostle.app.simulate.simulation import Attractor  # noqa: E402
 from jostle.app.simulate.start import resume, start  # noqa: E402
 from jostle.app.storage import exports, files  # noqa: E402
-from jostle.app.storage.exports import new_path, write_atomic  # noqa: E402
+from jostle.app.storage.paths import new_path, write_atomic  # noqa: E402
 
 SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),

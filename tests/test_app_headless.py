@@ -17,7 +17,7 @@ from jostle.app.draw.palette import GROUND  # noqa: E402
 from jostle.app.headless import default_steps, make_film  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
-from jostle.app.storage.video import Encoder  # noqa: E402
+from jostle.app.storage.encoder import Encoder  # noqa: E402
 
 SIZE = (640, 360)
 

@@ -16,7 +16,7 @@ from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
 from jostle.app.gui.host import Gui  # noqa: E402
 from jostle.app.panels import settings_panel  # noqa: E402
-from jostle.app.panels.widgets import Range  # noqa: E402
+from jostle.app.panels.sliders import Range  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
 from jostle.app.simulate.settings import RULES, Settings  # noqa: E402

@@ -21,13 +21,9 @@ from jostle.app.draw.view_options import ViewOptions  # noqa: E402
 from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
-from jostle.app.storage import video  # noqa: E402
-from jostle.app.storage.video import (  # noqa: E402
-    MOST_QUEUED,
-    Encoder,
-    Recording,
-    gif_palette,
-)
+from jostle.app.storage import encoder, recording  # noqa: E402
+from jostle.app.storage.encoder import Encoder, gif_palette  # noqa: E402
+from jostle.app.storage.recording import MOST_QUEUED, Recording  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 
 SIZE = (320, 180)
@@ -260,7 +256,7 @@ def test_without_an_ffmpeg_a_notice_says_so(session: Session, monkeypatch) -> No
     def missing() -> str:
         raise RuntimeError("No ffmpeg exe could be found.")
 
-    monkeypatch.setattr(video.imageio_ffmpeg, "get_ffmpeg_exe", missing)
+    monkeypatch.setattr(encoder.imageio_ffmpeg, "get_ffmpeg_exe", missing)
     session.files.toggle_recording()
     assert session.files.recording is None
     assert "no ffmpeg can be started" in session.message
@@ -268,7 +264,7 @@ def test_without_an_ffmpeg_a_notice_says_so(session: Session, monkeypatch) -> No
 
 def test_what_takes_too_long_at_the_end_is_left_out(tmp_path: Path, monkeypatch) -> None:
     gate = threading.Event()
-    monkeypatch.setattr(video.Picture, "draw", lambda *_: gate.wait(5))
+    monkeypatch.setattr(recording.Picture, "draw", lambda *_: gate.wait(5))
     simulation = start(Settings("gas", 10))
     film = Recording(tmp_path / "film.mp4", SIZE)
     camera = Camera(SIZE, simulation.view)

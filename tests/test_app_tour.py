@@ -16,7 +16,8 @@ from jostle.app.session import Session
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import start
 from jostle.app.tour.scripted_user import FRAME, RIGHT, ScriptedUser
-from jostle.app.tour.tour import RATE, STOPS, Stop, fold, names, nearest, no_display, visit
+from jostle.app.tour.stops import STOPS, Stop, fold, nearest
+from jostle.app.tour.tour import RATE, names, no_display, visit
 from jostle.app.window import Window
 from jostle.cli import app
 

@@ -40,8 +40,8 @@ from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import METHODS, Settings
 from jostle.app.simulate.simulation import Frame, Rect
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
-from jostle.app.storage.exports import free_name
-from jostle.app.storage.video import Encoder
+from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.paths import free_name
 
 SIZE = (1280, 720)
 FRAME_RATE = 30

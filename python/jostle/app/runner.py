@@ -19,16 +19,10 @@ from jostle.app.race import Race, refusal
 from jostle.app.simulate.article_simulation import NO_WALLS, Simulation
 from jostle.app.simulate.engine import Engine, Hooks, Then
 from jostle.app.simulate.history import History
+from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
 from jostle.app.simulate.simulation import Frame, FrameRequest
-from jostle.app.simulate.start import (
-    Create,
-    LoadedScene,
-    SceneLoader,
-    expected,
-    start,
-    switch_rules,
-)
+from jostle.app.simulate.start import start, switch_rules
 from jostle.app.simulate.validation import check
 
 # Settings whose change does work on the particles, or shifts the zero of their energy.

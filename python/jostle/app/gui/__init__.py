@@ -4,6 +4,6 @@
 style                   the widths of the panels; colours, spacing and fonts
 software                ImGui's triangles as shapes, drawn without a graphics card
 host                    one ImGui context: events in, panels out
-input                   keys and mouse, and their commands
+keymap, input           keys and their commands; events of mouse and keys
 ======================= ========================================================================
 """

@@ -5,7 +5,7 @@ session and call its methods; every widget is named by `gui.mark`, so that a tes
 this package and `gui` import ImGui. In reading order:
 
 ======================= ========================================================================
-widgets                 labels, numbers, buttons, lists and sliders
+widgets, sliders        labels, numbers, buttons and lists; sliders
 playback_panel          pause, step, restart, previous and next scene; a slider over the last 30 s
 life_panel              the matrix of particle life
 filter_panel            categories and masks of the selected particles, or of new ones

@@ -10,7 +10,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.draw.palette import ACCENT, RECORDING
 from jostle.app.gui.host import Gui
-from jostle.app.gui.input import GROUPS
+from jostle.app.gui.keymap import GROUPS
 from jostle.app.gui.style import FONT_SIZE, layout, rgba, vec
 from jostle.app.panels.widgets import colours, soft
 from jostle.app.session import Session

@@ -27,7 +27,8 @@ from jostle.app.panels.widgets import (
     wrapped,
 )
 from jostle.app.session import Session
-from jostle.app.storage.video import FORMATS, Recording
+from jostle.app.storage.encoder import FORMATS
+from jostle.app.storage.recording import Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points

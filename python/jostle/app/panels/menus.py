@@ -14,7 +14,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from jostle.app.act.interaction import Menu
 from jostle.app.gui.host import Gui
-from jostle.app.gui.input import key_of
+from jostle.app.gui.keymap import key_of
 from jostle.app.panels.widgets import soft
 from jostle.app.session import Session
 from jostle.app.simulate.simulation import Frame, Point, Tags

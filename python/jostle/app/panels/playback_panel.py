@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from jostle.app.gui.host import Gui
-from jostle.app.gui.input import HANDLERS, key_of
-from jostle.app.panels.widgets import Moved, Range, choice, hint, in_rows, slider, soft
+from jostle.app.gui.keymap import HANDLERS, key_of
+from jostle.app.panels.sliders import Moved, Range, slider
+from jostle.app.panels.widgets import choice, hint, in_rows, soft
 from jostle.app.session import Session
 
 # Commands of the keymap, and their icons in Font Awesome.

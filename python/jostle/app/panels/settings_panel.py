@@ -13,18 +13,9 @@ import numpy as np
 from jostle.app.act.interaction import Tool
 from jostle.app.draw.view_options import ColourBy, TreeView
 from jostle.app.gui.host import Gui
-from jostle.app.gui.input import SWITCHES
-from jostle.app.panels.widgets import (
-    Moved,
-    Range,
-    choice,
-    combo,
-    in_rows,
-    label,
-    select,
-    signed,
-    slider,
-)
+from jostle.app.gui.keymap import SWITCHES
+from jostle.app.panels.sliders import Moved, Range, slider
+from jostle.app.panels.widgets import choice, combo, in_rows, label, select, signed
 from jostle.app.session import Session
 from jostle.app.simulate.containers import kind_of
 from jostle.app.simulate.settings import METHODS, too_slow

@@ -34,8 +34,8 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.start import start
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
-from jostle.app.storage.exports import free_name
-from jostle.app.storage.video import Encoder
+from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.paths import free_name
 from jostle.mpi.exchange import together
 from jostle.mpi.interrupts import held
 from jostle.mpi.scenes import part_of

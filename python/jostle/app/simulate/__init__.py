@@ -11,8 +11,9 @@ containers              the container of a world, of any kind and size; free pos
 emitters                nozzles that add drops
 world_simulation        a scene in a `jostle.World`
 article_simulation      a scene in the article's programs; `Simulation`, of either rules
+start                   a simulation from settings, from a state, or from one with other rules
 history                 rewinding: snapshots, and re-simulation of the steps between them
 worker, engine          a worker thread; steps and edits of a simulation on it, in real time
-start                   a simulation from settings, from a state, or from one with other rules
+scene_loader            new simulations, made on a worker thread
 ======================= ========================================================================
 """

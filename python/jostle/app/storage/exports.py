@@ -1,12 +1,7 @@
-"""Names of new files, atomic writing, and states as tables (CSV) and trajectories (GSD)."""
+"""States as tables (CSV) and trajectories (GSD), for other programs."""
 
 from __future__ import annotations
 
-import itertools
-import os
-import re
-import tempfile
-import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -16,45 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.simulation import Frame, Rect
-
-
-def new_path(folder: Path, stem: str, suffix: str) -> Path:
-    """Return the path of a new file, named after a scene and the time.
-
-    The folder is made if it does not exist.
-    """
-    folder.mkdir(parents=True, exist_ok=True)
-    stem = re.sub(r"[^\w-]+", "-", stem) + time.strftime("-%Y%m%d-%H%M%S")
-    return folder / (free_name(folder, stem, suffix) + suffix)
-
-
-def free_name(folder: Path, name: str, *suffixes: str) -> str:
-    """Return the first of name, name-2, name-3, … without a file with one of the suffixes."""
-    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
-    return next(
-        new for new in names if not any((folder / (new + suffix)).exists() for suffix in suffixes)
-    )
-
-
-def write_atomic(path: Path, data: bytes) -> None:
-    """Write a file atomically: an error leaves the previous file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-
-
-def reason_of(error: OSError, path: Path) -> str:
-    """Return a message about a file that could not be read or written."""
-    return f"{path.name}: {error.strerror or error}"
-
-
-# States for other programs
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # distinguishes any two numbers of single precision

@@ -28,16 +28,10 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.worker import Worker
-from jostle.app.storage.exports import (
-    new_path,
-    reason_of,
-    write_atomic,
-    write_gsd,
-    write_positions,
-    write_series,
-)
+from jostle.app.storage.exports import write_gsd, write_positions, write_series
+from jostle.app.storage.paths import new_path, reason_of, write_atomic
+from jostle.app.storage.recording import Recording
 from jostle.app.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
-from jostle.app.storage.video import Recording
 
 Write = Callable[[Path], object]
 

@@ -2,6 +2,7 @@
 
 ======================= ========================================================================
 scripted_user           scripted input in a window without a display
-tour                    the stops, the input at each, and the run over all of them
+stops                   the stops of the tour, and the input at each
+tour                    the run over all stops, and its progress bar
 ======================= ========================================================================
 """
