@@ -63,11 +63,12 @@ STATE_FIELDS = Fields(
 
 
 class ArticleSimulation:
-    """A scene under the article's rules, with their errors; the methods of `WorldSimulation`.
+    """A scene under the article's rules, with their errors.
 
     The scene `article` is the article's own program. Other scenes provide the positions, velocities
     and sizes of their particles, on whole pixels, in a rectangle. Scene, number, seed and the
-    method come from the settings; the rules are the article's.
+    method come from the settings; the rules are the article's. It has the methods of
+    `WorldSimulation`.
     """
 
     time_step = 1 / FRAME_RATE
