@@ -8,9 +8,8 @@ import numpy as np
 import pygame
 
 import jostle
-from jostle.app.simulate.article_simulation import ArticleSimulation
+from jostle.app.simulate.article_simulation import ArticleSimulation, Simulation
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.world_simulation import WorldSimulation
 from jostle.app.window import Window
 

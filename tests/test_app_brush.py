@@ -12,11 +12,12 @@ pygame = pytest.importorskip("pygame")
 from app_interaction import Driver, article_with, world_of  # noqa: E402
 
 import jostle  # noqa: E402
-from jostle.app.act.brush import REACH  # noqa: E402
+from jostle.app.act.commands import REACH  # noqa: E402
 from jostle.app.act.interaction import Tool  # noqa: E402
 from jostle.app.act.view import draw_preview  # noqa: E402
 from jostle.app.draw.palette import KINDS  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
+from jostle.app.simulate.containers import free_among  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 
@@ -42,6 +43,15 @@ def test_a_drag_adds_particles_within_reach_of_its_path(make) -> None:
     assert (reach <= REACH * 10 + 1).all() and reach.max() > REACH * 5
     assert np.ptp(places[:, 0]) > 350 and (frame.radii == 10).all()
     assert len(jostle.find_pairs(frame.positions, frame.radii)) == 0
+
+
+def test_free_places_in_a_circle_are_all_used() -> None:
+    frame = world_of([(1, 1)], container=jostle.Circle((0.1, 0.3), 70)).frame()
+    grid = np.stack(np.meshgrid(np.arange(-60, 61, 7.3), np.arange(-60, 61, 7.3)), -1)
+    places = grid.reshape(-1, 2)
+    inside = np.hypot(*(places - (0.1, 0.3)).T) <= 70 - 3
+    apart = np.hypot(*(places - 1).T) >= 14
+    assert set(free_among(places, 3.0, frame)) == set(np.flatnonzero(inside & apart))
 
 
 def test_nothing_is_added_outside_or_on_a_wall() -> None:

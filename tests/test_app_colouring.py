@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -126,3 +127,11 @@ def test_text_has_a_font_that_comes_with_the_simulator() -> None:
     assert path is not None and {"imgui_bundle", "matplotlib"} & set(Path(path).parts)
     assert font_file((("no_such_package", "a.ttf"), *FONTS)) == path
     assert font_file((("matplotlib", "no such file"),)) is None
+
+
+def test_colours_follow_what_becomes_immovable() -> None:
+    colouring, before = Colouring(), frame_of(PLACES, densities=[1, 2, 9])
+    colouring.shades(before, ColourBy.DENSITY)
+    after = replace(before, movable=np.array([True, True, False]))
+    colouring.shades(after, ColourBy.DENSITY)
+    assert colouring.range == (1.0, 2.0)

@@ -225,6 +225,17 @@ def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
     assert len(jostle.find_pairs(now, 10.0)) == 0
 
 
+def test_clones_stay_inside_a_circle() -> None:
+    places = [(400 + x, 250 + y) for x, y in ((0, 180), (0, -180), (130, 130), (-185, 0), (20, 0))]
+    driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)))
+    driver.session.runner.paused = True
+    driver.session.interaction.commands.clone(driver.session.frame.tags)
+    driver.frames(1)
+    now = driver.world.positions.astype(float) - (400, 250)
+    assert len(now) == 2 * len(places)
+    assert (np.hypot(*now.T) < 190.01).all()
+
+
 def test_clones_of_immovable_particles_are_immovable() -> None:
     driver = Driver(world_of([(100, 100)], movable=[False]))
     driver.session.interaction.commands.clone(driver.session.frame.tags)
@@ -349,7 +360,7 @@ def test_random_positions_are_inside_the_container(container: object) -> None:
 
 @pytest.mark.parametrize("scene", ["article", "gas", "pile", "orbit", "springs", "sand", "galton"])
 @pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
-def test_scramble_and_dance_go_on_in_every_scene(scene: str, method: str) -> None:
+def test_scramble_and_randomise_go_on_in_every_scene(scene: str, method: str) -> None:
     driver = Driver(start(Settings(scene, 120, method=method)))
     before = driver.session.frame
     driver.session.interaction.commands.scramble()
@@ -359,7 +370,7 @@ def test_scramble_and_dance_go_on_in_every_scene(scene: str, method: str) -> Non
     assert (scrambled.positions[moving] != before.positions[moving]).any(axis=1).all()
     assert (scrambled.positions[~moving] == before.positions[~moving]).all()
     driver.frames(5)
-    driver.session.interaction.commands.dance()
+    driver.session.interaction.commands.randomise()
     driver.session.engine.wait()  # the article's tree takes its time
     frame = driver.session.frame
     assert np.unique(frame.densities[frame.movable]).size > 10
@@ -515,7 +526,7 @@ def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
     session.runner.adjust("world_size", 1.5)
     session.runner.adjust("n", 3)
     session.interaction.commands.scramble()
-    session.interaction.commands.dance()
+    session.interaction.commands.randomise()
     for _ in range(3):
         session.advance(FRAME)
     assert "read-only" not in session.message and len(session.frame) == 4

@@ -15,15 +15,7 @@ import controls  # noqa: E402
 from app_interaction import Driver, world_of  # noqa: E402
 
 from jostle.app.draw.view_options import ColourBy, TreeView  # noqa: E402
-from jostle.app.gui.keymap import (  # noqa: E402
-    COMMANDS,
-    GROUPS,
-    HANDLERS,
-    HELD,
-    KEYMAP,
-    PANNING,
-    key_of,
-)
+from jostle.app.gui.keymap import COMMANDS, GROUPS, HANDLERS, HELD, KEYMAP, PANNING, key_of  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.window import Window  # noqa: E402

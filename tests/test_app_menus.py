@@ -181,7 +181,7 @@ def test_gravity_by_the_menu() -> None:
     assert driver.world.gravity == (0, 123) and line_of(driver, "gravity").value == 123
 
 
-def test_clear_walls_scramble_and_dance_are_offered() -> None:
+def test_clear_walls_scramble_and_randomise_are_offered() -> None:
     driver = Driver(world_of(TWO))
     driver.session.interaction.commands.wall((100, 450), (300, 450))
     choose(driver, "clear walls", (600, 100))
@@ -189,7 +189,7 @@ def test_clear_walls_scramble_and_dance_are_offered() -> None:
     before = driver.session.frame.positions
     choose(driver, "scramble", (700, 50))
     assert (driver.session.frame.positions != before).any()
-    choose(driver, "dance", (driver.session.camera.to_world((5, 5))))
+    choose(driver, "randomise", (driver.session.camera.to_world((5, 5))))
     assert np.abs(driver.session.frame.velocities).max() > 0
 
 

@@ -16,13 +16,13 @@ from app_overlays import (  # noqa: E402
 )
 
 import jostle  # noqa: E402
-from jostle.app.draw import marks, trails  # noqa: E402
-from jostle.app.draw.base_layers import WallDiscs, draw_discs  # noqa: E402
+from jostle.app.draw import marks  # noqa: E402
+from jostle.app.draw.base_layers import draw_discs, draw_wall_discs  # noqa: E402
+from jostle.app.draw.marks import Trails  # noqa: E402
 from jostle.app.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE  # noqa: E402
 from jostle.app.draw.picture import Picture  # noqa: E402
 from jostle.app.draw.software import SoftwarePainter  # noqa: E402
 from jostle.app.draw.subsampling import subset  # noqa: E402
-from jostle.app.draw.trails import Trails  # noqa: E402
 from jostle.app.draw.tree_overlay import draw_heat, draw_outline  # noqa: E402
 from jostle.app.draw.view_options import ColourBy, ViewOptions  # noqa: E402
 from jostle.app.simulate.simulation import Attractor  # noqa: E402
@@ -163,7 +163,7 @@ def test_sensors_are_rings_and_no_walls() -> None:
     places = [(60 + 10 * k, 60) for k in range(5)]
     frame = frame_of(places, 10.0, movable=[False] * 5, sensors=np.array([1, 1, 2, 1, 1], np.int8))
     notes = Notes()
-    WallDiscs().draw(notes, frame, camera_of_pixels())
+    draw_wall_discs(notes, frame, camera_of_pixels())
     assert len(notes.lines_drawn()) == 0
     draw_discs(notes, frame, np.zeros(5, np.uint8), camera_of_pixels())
     rings = [values for name, values, _ in notes.strokes if name == "circle"]
@@ -252,12 +252,12 @@ def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
 
 
 def test_walls_are_asked_for_again_when_they_have_moved() -> None:
-    beads, camera = WallDiscs(), camera_of_pixels()
+    camera = camera_of_pixels()
     near = frame_of([(100, 100), (108, 100)], 4.0, movable=False)
     apart = frame_of([(100, 100), (150, 100)], 4.0, movable=False)
     for frame, count in [(near, 1), (apart, 0), (near, 1)]:
         notes = Notes()
-        beads.draw(notes, frame, camera)
+        draw_wall_discs(notes, frame, camera)
         assert len(notes.lines_drawn()) == count
 
 
@@ -313,7 +313,7 @@ def test_trails_show_as_many_as_are_cheap() -> None:
     places = np.random.default_rng(2).uniform(10, 230, (1_000, 2))
     path, notes = Trails(), Notes()
     said = path.draw(notes, frame_of(places), np.zeros(1_000, np.uint8), camera_of_pixels())
-    assert said == f"trails: {trails.MOST:,} of 1,000 shown"
+    assert said == f"trails: {marks.MOST_TRAILS:,} of 1,000 shown"
 
 
 def test_going_back_in_time_begins_trails_anew() -> None:

@@ -13,6 +13,7 @@ import jostle  # noqa: E402
 from jostle.app.draw.base_layers import draw_container, draw_discs  # noqa: E402
 from jostle.app.draw.camera import Camera  # noqa: E402
 from jostle.app.draw.colouring import Colouring  # noqa: E402
+from jostle.app.draw.discs import MEMORY_LIMIT, Stamps  # noqa: E402
 from jostle.app.draw.painter import Painter  # noqa: E402
 from jostle.app.draw.palette import (  # noqa: E402
     DISCS,
@@ -24,7 +25,6 @@ from jostle.app.draw.palette import (  # noqa: E402
     level_colour,
 )
 from jostle.app.draw.screen import NoRendererError, Screen  # noqa: E402
-from jostle.app.draw.stamps import MEMORY_LIMIT, Stamps  # noqa: E402
 from jostle.app.draw.tree_overlay import STRONGEST, draw_filled, draw_outline  # noqa: E402
 from jostle.app.simulate.simulation import Frame  # noqa: E402
 

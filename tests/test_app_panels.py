@@ -209,8 +209,8 @@ def test_a_number_can_be_typed(desk) -> None:
 
 def test_time_scale_and_threads_reach_the_settings(desk) -> None:
     here = desk()
-    here.press("speed", 0.2)
-    here.let_go("speed", 0.2)
+    here.press("time scale", 0.2)
+    here.let_go("time scale", 0.2)
     assert here.session.settings.time_scale < 0.5
     here.press("threads", 0.0)
     here.let_go("threads", 0.0)

@@ -22,10 +22,7 @@ from jostle.app.session import Session  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.storage import encoder, recording  # noqa: E402
-from jostle.app.storage.encoder import (  # noqa: E402
-    Encoder,
-    gif_palette,
-)
+from jostle.app.storage.encoder import Encoder, gif_palette  # noqa: E402
 from jostle.app.storage.recording import MOST_QUEUED, Recording  # noqa: E402
 from jostle.app.window import Window  # noqa: E402
 

@@ -13,11 +13,8 @@ pygame = pytest.importorskip("pygame")
 from app_interaction import Driver, world_of  # noqa: E402
 
 import jostle  # noqa: E402
-from jostle.app.act.drag_tool import DragTool  # noqa: E402
-from jostle.app.simulate import (  # noqa: E402
-    scene_loader,
-    start,
-)
+from jostle.app.act.interaction import DragTool  # noqa: E402
+from jostle.app.simulate import scene_loader, start  # noqa: E402
 from jostle.app.simulate.engine import Engine  # noqa: E402
 from jostle.app.simulate.settings import Settings  # noqa: E402
 from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402

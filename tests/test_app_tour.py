@@ -143,7 +143,7 @@ def test_a_user_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
     )
 
 
-def test_the_command_makes_a_table_and_refuses_what_it_cannot_do(tmp_path, monkeypatch) -> None:
+def test_the_command_lists_the_stops_and_refuses_what_it_cannot_do(tmp_path, monkeypatch) -> None:
     wait_less(monkeypatch)
     run = CliRunner().invoke(app, ["tour", "--out", str(tmp_path), "--only", "help", "--stills"])
     assert run.exit_code == 0, run.output

@@ -11,9 +11,8 @@ pygame = pytest.importorskip("pygame")
 
 import jostle  # noqa: E402
 from jostle.app.draw.view_options import TreeView  # noqa: E402
-from jostle.app.simulate.article_simulation import ArticleSimulation  # noqa: E402
+from jostle.app.simulate.article_simulation import ArticleSimulation, Simulation  # noqa: E402
 from jostle.app.simulate.settings import MOST_RUNNING, Settings  # noqa: E402
-from jostle.app.simulate.simulation import Simulation  # noqa: E402
 from jostle.app.simulate.start import start  # noqa: E402
 from jostle.app.simulate.world_simulation import WorldSimulation  # noqa: E402
 from jostle.app.window import Window  # noqa: E402

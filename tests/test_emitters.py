@@ -8,8 +8,8 @@ import pytest
 pytest.importorskip("pygame")
 
 import jostle
+from jostle.app.simulate.containers import TRIES, directions, in_disc
 from jostle.app.simulate.emitters import Emitters
-from jostle.app.simulate.placement import TRIES, directions, in_disc
 
 STEP = 1 / 60
 N = 300

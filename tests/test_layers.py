@@ -289,7 +289,7 @@ def test_a_layer_of_the_app_uses_only_layers_below_it(layer: str) -> None:
 
 
 # The modules that determine a state without user input, except the article's own programs.
-STATE = ["containers", "emitters", "forces", "placement", "start", "wall_segments"]
+STATE = ["containers", "emitters", "forces", "start", "wall_segments"]
 
 
 @pytest.mark.parametrize("name", STATE)

@@ -35,10 +35,10 @@ from jostle.app.draw.text import (
     write,
 )
 from jostle.app.draw.view_options import TreeView, ViewOptions
-from jostle.app.simulate.article_simulation import article_of
+from jostle.app.simulate.article_simulation import Simulation, article_of
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import METHODS, Settings
-from jostle.app.simulate.simulation import Frame, Rect, Simulation
+from jostle.app.simulate.simulation import Frame, Rect
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
 from jostle.app.storage.encoder import Encoder
 from jostle.app.storage.paths import free_name

@@ -36,42 +36,27 @@ MOMENTA = ("time", "momentum_x", "momentum_y")
 
 
 class Series:
-    """A ring buffer of at most `most` rows with named columns.
-
-    Every row is written twice, half the buffer apart, so the rows in order are always contiguous,
-    and a plot gets a view instead of a copy.
-    """
+    """At most `most` rows with named columns; `table` is (names, rows), oldest first."""
 
     def __init__(self, names: Sequence[str], most: int) -> None:
-        self.names = tuple(names)
-        self.most = most
-        self._rows = np.zeros((len(self.names), 2 * most))
-        self._columns = {name: k for k, name in enumerate(self.names)}
-        self._next, self._count = 0, 0
+        self.names, self.most = tuple(names), most
+        self.table: Floats = np.zeros((len(self.names), 0))
 
     def __len__(self) -> int:
-        return self._count
+        return len(self.table[0])
 
     def add(self, *values: float) -> None:
-        at = self._next % self.most
-        self._rows[:, at] = self._rows[:, at + self.most] = values
-        self._next, self._count = at + 1, min(self._count + 1, self.most)
+        before = self.table[:, max(len(self) + 1 - self.most, 0) :]
+        self.table = np.column_stack([before, values])
 
     def drop(self, rows: int) -> None:
         """Remove the newest rows."""
-        rows = min(rows, self._count)
-        self._next, self._count = (self._next - rows) % self.most, self._count - rows
+        self.table = self.table[:, : max(len(self) - rows, 0)]
 
     def __getitem__(self, name: str) -> Floats:
-        """Return a column, oldest first, as a view that the next row may change."""
-        column: Floats = self.table[self._columns[name]]
+        """Return a column as a view."""
+        column: Floats = self.table[self.names.index(name)]
         return column
-
-    @property
-    def table(self) -> Floats:
-        """Return all columns, (names, rows), oldest first, as a view."""
-        end = self._next if self._next >= self._count else self._next + self.most
-        return self._rows[:, end - self._count : end]
 
 
 @dataclass(frozen=True)

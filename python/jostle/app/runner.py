@@ -16,12 +16,12 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.measure import Statistics
 from jostle.app.race import Race, refusal
-from jostle.app.simulate.article_simulation import NO_WALLS
+from jostle.app.simulate.article_simulation import NO_WALLS, Simulation
 from jostle.app.simulate.engine import Engine, Hooks, Then
 from jostle.app.simulate.history import History
 from jostle.app.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle.app.simulate.settings import METHODS, RULES, Settings, other_method
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.start import start, switch_rules
 from jostle.app.simulate.validation import check
 
@@ -286,7 +286,7 @@ class Runner:
     def scale_time(self, factor: float) -> None:
         scale = min(max(self.engine.settings.time_scale * factor, SLOWEST), FASTEST)
         self.adjust("time_scale", scale)
-        self._messages.say(f"Speed × {scale:.4g}")
+        self._messages.say(f"Time scale × {scale:.4g}")
 
     def toggle_pause(self) -> None:
         self.paused = not self.paused

@@ -16,9 +16,10 @@ from jostle.app.draw.painter import Painter
 from jostle.app.draw.view_options import TreeView, ViewOptions
 from jostle.app.measure import Traces
 from jostle.app.runner import Runner
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, Simulation
+from jostle.app.simulate.simulation import Frame
 from jostle.app.storage.files import Files
 
 

@@ -19,7 +19,7 @@ from jostle.app.gui.host import Gui
 from jostle.app.gui.input import Input
 from jostle.app.gui.style import arrange
 from jostle.app.session import Session
-from jostle.app.simulate.simulation import Simulation
+from jostle.app.simulate.article_simulation import Simulation
 
 SIZE = (1280, 720)
 FRAME_RATE = 60  # frames per second

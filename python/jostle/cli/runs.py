@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import typer
 
 from jostle import interrupt
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import start
 
 from .refusals import INSTALL, check_extra, console, refuse, tell

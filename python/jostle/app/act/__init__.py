@@ -3,9 +3,7 @@
 ======================= ========================================================================
 messages                the message in the window, and the time of the session
 selection               the particles under the cursor, and the selected ones
-drag_tool               dragging and throwing a particle
-commands                commands on particles and walls
-brush                   new particles along the path of the cursor
+commands                commands on particles and walls; new particles along the path of the cursor
 attractors              attractors placed by the user; direction and strength of gravity
 interaction             all mouse actions in the scene: tools and menu
 explanation             why two particles touch or do not

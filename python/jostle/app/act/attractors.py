@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.engine import Engine
-from jostle.app.simulate.simulation import Attractor, Point, Simulation, Tags
+from jostle.app.simulate.simulation import Attractor, Point, Tags
 from jostle.app.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s
@@ -146,7 +147,7 @@ def as_text(gravity: Point) -> str:
     x, y = gravity
     strength = math.hypot(x, y)
     if strength == 0:
-        return "No gravity"
+        return "Zero gravity"
     if x and y:
         return f"Gravity x {x:.4g}, y {y:.4g}"
     direction = ("down" if y > 0 else "up") if y else ("to the right" if x > 0 else "to the left")

@@ -1,30 +1,34 @@
-"""Commands on particles: make, copy, remove, stop, fix, scatter; and walls."""
+"""Commands on particles: make, copy, remove, stop, fix, scatter; the brush; and walls."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.article_simulation import NO_WALLS
-from jostle.app.simulate.containers import bounds, diagonal, wall_images
-from jostle.app.simulate.engine import REFUSALS, Engine, message_of
-from jostle.app.simulate.placement import (
+from jostle.app.simulate.article_simulation import NO_WALLS, Simulation
+from jostle.app.simulate.containers import (
     Floats,
+    are_inside,
+    bounds,
     common,
+    diagonal,
     directions,
     free_among,
     free_positions,
     random_in_disc,
+    wall_images,
 )
+from jostle.app.simulate.engine import REFUSALS, Engine, message_of
 from jostle.app.simulate.settings import EVERY_CATEGORY, Polyline
-from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Simulation, Tags
+from jostle.app.simulate.simulation import Container, Frame, Point, Rect, Tags
 from jostle.app.simulate.wall_segments import nearest
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone
-PARTY_SPEED = 0.4  # largest speed, in diagonals of the view per second
+TOP_SPEED = 0.4  # largest random speed, in diagonals of the view per second
 DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
 PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no other
 
@@ -130,19 +134,19 @@ class Commands:
         """Move every particle to a random position inside the container."""
         self._scatter()
 
-    def dance(self) -> None:
+    def randomise(self) -> None:
         """Give every particle a random position, velocity and density, and so a random colour."""
-        self._scatter(party=True)
+        self._scatter(all_columns=True)
 
-    def _scatter(self, *, party: bool = False) -> None:
+    def _scatter(self, *, all_columns: bool = False) -> None:
         """Move every movable particle to a random position."""
 
         def work(simulation: Simulation) -> None:
             frame, view, rng = simulation.frame(), simulation.view, self._rng
             radii = frame.radii[frame.movable]
             columns = {"positions": scatter(rng, frame.container, view, radii)}
-            if party:
-                speeds = rng.uniform(0, PARTY_SPEED * diagonal(view), (len(radii), 1))
+            if all_columns:
+                speeds = rng.uniform(0, TOP_SPEED * diagonal(view), (len(radii), 1))
                 columns["velocities"] = speeds * directions(rng, len(radii))
                 columns["densities"] = np.rint(rng.uniform(*DENSITIES, len(radii)))
             simulation.change(frame.tags[frame.movable], **columns)
@@ -234,19 +238,14 @@ def _places_beside(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return positions for copies, and which copies have one."""
     places = frame.positions[rows] + _beside(frame, rows)
-    there, walls = np.ones(len(rows), np.bool_), bounds(frame.container)
-    if walls is None:
-        return places, there
     radii = frame.radii[rows].astype(np.float64)
-    low, high = np.array(walls[:2]) + radii[:, None], np.array(walls[2:]) - radii[:, None]
-    beyond = np.flatnonzero(((places < low) | (places > high)).any(axis=1))
-    within = np.setdiff1d(np.arange(len(rows)), beyond)
+    there = are_inside(places, radii, frame.container)
+    beyond = np.flatnonzero(~there)
     free, found = free_positions(
-        np.concatenate([frame.positions, places[within]]),
-        np.concatenate([frame.radii, radii[within]]),
+        np.concatenate([frame.positions, places[there]]),
+        np.concatenate([frame.radii, radii[there]]),
         radii[beyond], frame.container, view, len(frame), frame.walls,
     )  # fmt: skip
-    there[beyond] = False
     places[beyond[found]], there[beyond[found]] = free, True
     return places, there
 
@@ -259,3 +258,53 @@ def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
     right = walls is None or low + high <= walls[0] + walls[2]
     shift = CLONE_GAP * (high - low)
     return np.array([shift if right else -shift, 0.0])
+
+
+# The brush
+
+REACH = 6.0  # radii of a particle: the radius of the brush
+SPACING = 2.0  # radii: between two positions of the brush at which it adds particles
+DROPS = 2  # particles added at each position, if there is room
+
+
+class Brush:
+    """Adds particles at random positions within its radius, where they overlap no other."""
+
+    def __init__(self, engine: Engine, commands: Commands) -> None:
+        self._engine, self._commands = engine, commands
+        self._rng = np.random.default_rng()
+        self._at: Point = (0.0, 0.0)
+        self._size = (-1, 0.0)  # number of particles, and the radius of a new one
+
+    @property
+    def radius(self) -> float:
+        """Return the radius of the brush in units of the world."""
+        return REACH * self._particle()
+
+    def begin(self, point: Point) -> None:
+        """Add particles around a point, where a stroke begins."""
+        self._at = point
+        self._add(np.array([point]))
+
+    def stroke(self, point: Point) -> None:
+        """Add particles along the line to a point."""
+        spacing, length = SPACING * self._particle(), math.dist(self._at, point)
+        count = int(length / spacing)
+        if count == 0:
+            return
+        ahead = (np.array(point) - self._at) * (spacing / length)
+        places = self._at + ahead * np.arange(1, count + 1)[:, None]
+        self._at = (float(places[-1, 0]), float(places[-1, 1]))
+        self._add(places)
+
+    def _add(self, middles: NDArray[np.float64]) -> None:
+        middles = np.repeat(middles, DROPS, axis=0)
+        offsets = self.radius * random_in_disc(self._rng, len(middles))
+        self._commands.paint(middles + offsets)
+
+    def _particle(self) -> float:
+        """Return the radius of a new particle; a median, so it is kept while no number changes."""
+        frame = self._engine.frame
+        if self._size[0] != len(frame):
+            self._size = len(frame), usual(frame)[0]
+        return self._size[1]

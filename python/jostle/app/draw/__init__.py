@@ -3,7 +3,7 @@
 ======================= ========================================================================
 palette, camera         every colour; world to screen and back, pan and zoom
 painter                 the interface of the painters
-stamps, points          discs drawn by the processor: cached pictures; discs of a pixel or two
+discs                   discs drawn by the processor: cached pictures; discs of a pixel or two
 software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
 screen                  the choice of the painter, its window and the icon of that
@@ -13,8 +13,7 @@ view_options            the switches of the display
 colouring               the colour of each particle
 base_layers             background, walls and discs
 tree_overlay            the boxes of the tree
-marks                   contacts, forces, velocities, rotation, labels; springs and attractors
-trails                  past positions
+marks                   contacts, forces, velocities, trails, rotation, labels, springs, attractors
 scene_overlays          what single scenes show beside their particles
 picture                 all layers in their order, for the window and for films
 background_render       rendering of slow frames on a worker thread

@@ -16,7 +16,7 @@ from jostle.app.simulate.simulation import Container, Frame, Rect
 CONTAINER_WIDTH = 2
 SEGMENT_WIDTH = 3
 NEARLY = 1.05  # diameters, up to which neighbouring immovable discs form a wall
-STRAIGHT = 0.9999  # cosine between the first and any other segment of a run
+STRAIGHT = 1 - 1e-7  # cosine between segments of a row; less in a ring of up to 14,000 discs
 MOST_SENSORS = 2_000  # drawn
 FAR = 30_000  # pixels; larger coordinates are clipped before they are rounded
 
@@ -82,54 +82,26 @@ def _clipped(ends: NDArray[np.float64], rect: Rect) -> NDArray[np.float64]:
     return clipped
 
 
-class WallDiscs:
-    """Immovable discs in a straight row, drawn as one wall.
-
-    The rows are found again only if the discs have changed.
-    """
-
-    def __init__(self) -> None:
-        self._discs = np.empty((0, 3), np.float32)
-        self._runs: list[tuple[int, int]] = []
-
-    def draw(self, painter: Painter, frame: Frame, camera: Camera) -> None:
-        """Draw each straight run of immovable discs as one thick line over them."""
-        if frame.movable.all():
-            return
-        solid = True if frame.sensors is None else frame.sensors == 0
-        fixed = np.flatnonzero(~frame.movable & solid)
-        discs = np.column_stack([frame.positions[fixed], frame.radii[fixed]])
-        if not np.array_equal(discs, self._discs):
-            self._discs, self._runs = discs, _runs(discs)
-        if not self._runs:
-            return
-        first, last = np.array(self._runs).T
-        ends = camera.lines_to_screen(discs[first, :2], discs[last, :2])
-        widths = np.rint(2 * discs[first, 2] * camera.scale)
-        seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
-        for width in np.unique(widths[seen]).tolist():
-            mine = ends[seen & (widths == width)]
-            painter.lines(mine, palette.FIXED, width)
-
-
-def _runs(discs: NDArray[np.float32]) -> list[tuple[int, int]]:
-    """Return the first and last disc of each straight row of touching discs of equal size."""
-    steps = np.diff(discs[:, :2].astype(np.float64), axis=0)
+def draw_wall_discs(painter: Painter, frame: Frame, camera: Camera) -> None:
+    """Draw each straight row of touching immovable discs of equal size as one thick line."""
+    solid = True if frame.sensors is None else frame.sensors == 0
+    fixed = np.flatnonzero(~frame.movable & solid)
+    if len(fixed) < 2:
+        return
+    places, radii = frame.positions[fixed].astype(np.float64), frame.radii[fixed]
+    steps = np.diff(places, axis=0)
     lengths = np.hypot(steps[:, 0], steps[:, 1])
-    radii = discs[:, 2]
     linked = (lengths > 0) & (lengths <= NEARLY * 2 * radii[1:]) & (radii[1:] == radii[:-1])
     directions = steps / np.maximum(lengths, 1e-30)[:, None]
-    runs: list[tuple[int, int]] = []
-    direction: tuple[float, float] | None = None  # of the row that ends at this disc
-    for k, (joined, (x, y)) in enumerate(zip(linked.tolist(), directions.tolist(), strict=True)):
-        if not joined:
-            direction = None
-        elif direction is not None and direction[0] * x + direction[1] * y > STRAIGHT:
-            runs[-1] = runs[-1][0], k + 1
-        else:
-            direction = x, y
-            runs.append((k, k + 1))
-    return runs
+    straight = (directions[1:] * directions[:-1]).sum(axis=1) > STRAIGHT
+    goes_on = linked[1:] & linked[:-1] & straight
+    first = np.flatnonzero(linked & ~np.append(False, goes_on))
+    last = np.flatnonzero(linked & ~np.append(goes_on, False)) + 1
+    ends = camera.lines_to_screen(places[first], places[last])
+    widths = np.rint(2 * radii[first] * camera.scale)
+    seen = (np.abs(ends) < FAR).all(axis=1) & (widths >= 1)
+    for width in np.unique(widths[seen]).tolist():
+        painter.lines(ends[seen & (widths == width)], palette.FIXED, width)
 
 
 def rect_on_screen(rect: Rect, camera: Camera) -> pygame.Rect:

@@ -7,6 +7,7 @@ article, else the radius if it varies, else the speed.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ COLUMNS = {"density": "densities", "radius": "radii", "mass": "masses"}  # of a 
 
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
-Known = tuple[Values, Values, str]  # densities and radii, and the quantity shown or chosen
+Known = tuple[Any, ...]  # the columns that only edits change, and the quantity shown or chosen
 
 
 class Statistics:
@@ -76,12 +77,12 @@ class Colouring:
             return "kind"
         known = self._automatic
         if known and _is_of(frame, known):
-            return known[2]
+            return str(known[-1])
         chosen = "speed"
         for name, values in (("radius", frame.radii), ("density", frame.densities)):
             if _spread(self._statistics.extremes(values[frame.movable])) > VARIES:
                 chosen = name
-        self._automatic = frame.densities, frame.radii, chosen
+        self._automatic = *_columns(frame), chosen
         return chosen
 
     @property
@@ -98,8 +99,8 @@ class Colouring:
     def _by_column(self, frame: Frame) -> Shades:
         """Shade by a column that only edits change; frames share it in between."""
         known = self._columns
-        if not known or known[2] != self.shows or not _is_of(frame, known):
-            self._columns = frame.densities, frame.radii, self.shows
+        if not known or known[-1] != self.shows or not _is_of(frame, known):
+            self._columns = *_columns(frame), self.shows
             values = getattr(frame, COLUMNS[self.shows])
             self._kept = _buckets(self._unit(values, frame.movable))
         return self._kept
@@ -138,9 +139,13 @@ class Colouring:
         return _buckets(values / np.float32(self._reference))
 
 
+def _columns(frame: Frame) -> Known:
+    """Return the columns that only edits change; frames share them in between."""
+    return frame.densities, frame.radii, frame.movable
+
+
 def _is_of(frame: Frame, known: Known) -> bool:
-    """Return whether densities and radii are those of the frame; only edits change them."""
-    return known[0] is frame.densities and known[1] is frame.radii
+    return all(old is new for old, new in zip(known, _columns(frame), strict=False))
 
 
 def _spread(extremes: tuple[float, float] | None) -> float:

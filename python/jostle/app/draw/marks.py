@@ -1,4 +1,8 @@
-"""Marks over the discs: contacts, forces, velocities, rotation, labels; springs and attractors."""
+"""Marks over and under the discs: contacts, forces, velocities, trails, rotation, labels, springs.
+
+Trails are the positions of particles during the last second, stored in world coordinates,
+independent of the view, and by tag, independent of rows.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,7 @@ from numpy.typing import NDArray
 from jostle.app.draw import palette
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.painter import Painter
+from jostle.app.draw.palette import DISCS
 from jostle.app.draw.subsampling import in_view, subset
 from jostle.app.draw.text import SMALL, font, word
 from jostle.app.simulate.containers import crosses
@@ -239,3 +244,78 @@ def _shaded(text: str) -> pygame.Surface:
         sheet.blit(dark, shift)
     sheet.blit(light, (1, 1))
     return sheet
+
+
+TRAIL_SECONDS = 1.0
+TRAIL_POINTS = 20  # per path, evenly over that time
+MOST_TRAILS = 150  # paths; their lines take about 4 ms
+BRIGHTEST = 0.95  # alpha at the newest part of a trail
+
+
+class Trails:
+    """A ring buffer of past positions for a fixed choice of particles."""
+
+    def __init__(self) -> None:
+        self._forget()
+
+    def clear(self) -> None:
+        """Clear all paths at the next frame: another thread may be drawing now."""
+        self._cleared = True
+
+    def _forget(self) -> None:
+        self._cleared = False
+        self._tags = np.empty(0, np.int64)
+        self._ring = np.full((TRAIL_POINTS, 0, 2), np.nan)
+        self._times = np.full(TRAIL_POINTS, -np.inf)
+        self._next = 0
+        self._last = -np.inf
+
+    def note(self, frame: Frame) -> None:
+        """Record the positions of a frame, if enough time has passed since the last."""
+        now = frame.stats.time
+        if now < self._last or self._cleared:
+            self._forget()  # after a restart or a rewind
+        if now - self._last < TRAIL_SECONDS / TRAIL_POINTS * 0.999:
+            return
+        self._follow(frame)
+        self._ring[self._next] = frame.positions[self._rows]
+        self._times[self._next] = self._last = now
+        self._next = (self._next + 1) % TRAIL_POINTS
+
+    def draw(
+        self, painter: Painter, frame: Frame, shades: NDArray[np.uint8], camera: Camera
+    ) -> str | None:
+        """Draw the paths up to the present positions, the oldest parts first."""
+        self.note(frame)
+        there = np.isin(self._tags, frame.tags)
+        rows = frame.rows(self._tags)
+        recent = np.roll(self._ring, -self._next, axis=0)[:, there]
+        times = np.roll(self._times, -self._next)
+        path = np.concatenate([recent, frame.positions[None, rows].astype(np.float64)])
+        ends = np.concatenate([path[:-1], path[1:]], axis=2)
+        age = np.clip((frame.stats.time - times) / TRAIL_SECONDS, 0.0, 1.0)
+        share = BRIGHTEST * (1 - np.nan_to_num(age, nan=1.0, posinf=1.0))
+        steps, many = ends.shape[:2]
+        flat = ends.reshape(-1, 4)
+        gaps = np.isnan(flat).any(axis=1) | crosses(frame.container, flat[:, :2], flat[:, 2:])
+        kept = np.flatnonzero(~gaps & np.repeat(share > 0.02, many))
+        flat = flat[kept]
+        colours = np.tile(np.array(DISCS, np.uint8)[shades[rows]], (steps, 1))
+        alpha = np.rint(255 * np.repeat(share, many)).astype(np.uint8)
+        lines = camera.lines_to_screen(flat[:, :2], flat[:, 2:])
+        seen = camera.sees(lines)
+        painter.lines(lines[seen], np.column_stack([colours, alpha])[kept][seen])
+        movable = int(np.count_nonzero(frame.movable))
+        return f"trails: {len(rows):,} of {movable:,} shown" if len(rows) < movable else None
+
+    def _follow(self, frame: Frame) -> None:
+        """Keep the paths of particles that exist, and begin those of new ones."""
+        moving = np.flatnonzero(frame.movable)
+        rows = moving[subset(frame.tags[moving], MOST_TRAILS)]
+        tags = frame.tags[rows]
+        if not np.array_equal(tags, self._tags):
+            ring = np.full((TRAIL_POINTS, len(tags), 2), np.nan)
+            _, new, old = np.intersect1d(tags, self._tags, return_indices=True)
+            ring[:, new] = self._ring[:, old]
+            self._tags, self._ring = tags, ring
+        self._rows = rows

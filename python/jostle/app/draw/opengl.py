@@ -12,8 +12,9 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from jostle.app.draw import points, shaders
+from jostle.app.draw import shaders
 from jostle.app.draw.camera import Size
+from jostle.app.draw.discs import MAX_POINT, least_radius
 from jostle.app.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle.app.draw.palette import DISCS, Colour
 from jostle.app.draw.software import empty_canvas
@@ -89,10 +90,10 @@ class OpenGLPainter:
             return
         for name, column in (("x", x), ("y", y), ("radius", radii), ("shade", shades)):
             rows[name] = column[seen]
-        fine = rows["radius"] <= points.MAX_RADIUS
+        fine = rows["radius"] <= MAX_POINT
         if fine.any() and not fine.all():
             rows = np.concatenate([rows[~fine], rows[fine]])
-        least = points.least_radius(int(fine.sum()), self.size)
+        least = least_radius(int(fine.sum()), self.size)
         _set(self._disc, least=least)
         self._draw(self._disc, rows)
         if self.emulated:

@@ -11,10 +11,10 @@ import jostle
 from jostle.app.draw import base_layers, marks, tree_overlay
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.colouring import Colouring
+from jostle.app.draw.marks import Trails
 from jostle.app.draw.painter import Painter
 from jostle.app.draw.scene_overlays import SceneOverlays
 from jostle.app.draw.text import EDGE, Card, Legend, draw_cards
-from jostle.app.draw.trails import Trails
 from jostle.app.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.simulation import Frame, FrameRequest
@@ -32,7 +32,6 @@ class Picture:
         self._in_use = threading.Lock()  # by the UI thread or the worker thread
         self.colouring = Colouring()  # the colour of each particle
         self.trails = Trails()  # the past positions of particles
-        self._wall_discs = base_layers.WallDiscs()
         self._extras = SceneOverlays()
 
     @staticmethod
@@ -68,7 +67,7 @@ class Picture:
             marks.draw_springs(painter, frame, camera)
             base_layers.draw_discs(painter, frame, shades, camera)
             marks.draw_spins(painter, frame, camera)
-            self._wall_discs.draw(painter, frame, camera)
+            base_layers.draw_wall_discs(painter, frame, camera)
             base_layers.draw_walls(painter, frame.walls, frame.container, camera)
             if options.tree is TreeView.OUTLINE:
                 _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)

@@ -13,12 +13,10 @@ import numpy as np
 import pygame
 from numpy.typing import NDArray
 
-from jostle.app.draw import points
 from jostle.app.draw.camera import Size
+from jostle.app.draw.discs import MAX_POINT, MAX_STAMP, RIM_SHADE, RIM_WIDTH, Stamps, scatter
 from jostle.app.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle.app.draw.palette import DISCS, STAGE, Colour, blend
-from jostle.app.draw.stamps import MAX_RADIUS as MAX_STAMP
-from jostle.app.draw.stamps import RIM_SHADE, RIM_WIDTH, Stamps
 
 LONGEST = 8192  # pixels
 CIRCLE_LIMIT = 4000.0  # pixels; pygame's circles cost time in proportion to their radius
@@ -77,8 +75,8 @@ class SoftwarePainter:
         seen = on_canvas(self.size, x, y, radii)
         if not seen.all():
             x, y, radii, shades = x[seen], y[seen], radii[seen], shades[seen]
-        kind = np.digitize(radii, (points.MAX_RADIUS, MAX_STAMP), right=True)
-        for number, draw in ((2, _draw_large), (1, self._stamps.blit), (0, points.scatter)):
+        kind = np.digitize(radii, (MAX_POINT, MAX_STAMP), right=True)
+        for number, draw in ((2, _draw_large), (1, self._stamps.blit), (0, scatter)):
             mine = kind == number
             if mine.all():
                 draw(self._canvas, x, y, radii, shades)

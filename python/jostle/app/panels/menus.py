@@ -96,11 +96,11 @@ def _of_background(session: Session, point: Point) -> list[Line]:
         Item("triple", "Gravity × 3", lambda: gravity.scale(GRAVITY_FACTOR), enabled=can_fall),
         Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR), enabled=can_fall),
         Item("invert", "Invert gravity", gravity.invert, enabled=can_fall, key=invert),
-        Item("zero", "No gravity", gravity.zero, enabled=can_fall, key=off),
+        Item("zero", "Zero gravity", gravity.zero, enabled=can_fall, key=off),
         Number("gravity", "y", gravity.value[1], down, enabled=can_fall),
         None,
         Item("scramble", "Randomise positions", commands.scramble),
-        Item("dance", "Dance party", commands.dance),
+        Item("randomise", "Randomise positions, velocities and densities", commands.randomise),
         Item("clear walls", "Clear drawn walls", commands.clear_walls, enabled=drawn),
     ]
 

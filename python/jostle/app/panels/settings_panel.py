@@ -75,7 +75,7 @@ MATERIAL = (
 )
 DRAWN_WALLS = Line("wall friction", "wall_friction", Range(0.0, 2.0), _short)
 TIME = (
-    Line("speed", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
+    Line("time scale", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
     Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
 )
 LINES = (COUNT, *TREE, SIZE, *MATERIAL, DRAWN_WALLS, *TIME)

@@ -134,37 +134,23 @@ def _draw(position: float, *, active: bool) -> None:
 
 
 def _number(gui: Gui, name: str, text: str, *, soft: bool) -> float | None:
-    """Draw the number, which a click makes editable; return the typed number."""
-    storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
-    typing = storage.get_int(kept)
-    if typing:
-        return _typed(text, first=typing == 1)
-    size = imgui.ImVec2(max(width(), 8.0), imgui.get_frame_height())
-    if imgui.invisible_button("##number", size):
-        storage.set_int(kept, 1)
+    """Build the number as a text field without a frame; return a typed number."""
+    room, padding = max(width(), 8.0), imgui.get_style().frame_padding
+    size = imgui.ImVec2(room, imgui.get_frame_height())
+    low, editing = imgui.get_cursor_screen_pos(), imgui.get_id("##number")
+    lit = imgui.is_mouse_hovering_rect(low, low + size) and not soft
+    frame, left = vec(RAISED), padding.x
+    if imgui.internal.get_active_id() != editing:  # flush right, until it is edited
+        frame, left = CLEAR, room - imgui.calc_text_size(text).x
+    colour = vec(TEXT_SOFT if soft else ACCENT if lit else TEXT)
+    flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
+    imgui.set_next_item_width(room)
+    with (
+        colours(frame_bg=frame, text=colour),
+        imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, (left, padding.y)),
+    ):
+        entered, words = imgui.input_text("##number", text, flags)
     gui.mark(f"{name} number")
-    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    at = high.x - imgui.calc_text_size(text).x, low.y + imgui.get_style().frame_padding.y
-    lit = imgui.is_item_hovered() and not soft
-    colour = TEXT_SOFT if soft else ACCENT if lit else TEXT
-    imgui.get_window_draw_list().add_text(at, rgba(colour, 0.6 if soft else 1.0), text)
-    return None
-
-
-def _typed(text: str, *, first: bool) -> float | None:
-    """Build the field for a typed number."""
-    storage, kept = imgui.get_state_storage(), imgui.get_id("typing")
-    if first:
-        imgui.set_keyboard_focus_here()
-        storage.set_int(kept, 2)
-    flags = imgui.InputTextFlags_
-    imgui.set_next_item_width(width())
-    with colours(frame_bg=vec(RAISED)):
-        entered, words = imgui.input_text(
-            "##typed", text, flags.enter_returns_true | flags.auto_select_all
-        )
-    if entered or (not first and imgui.is_item_deactivated()):
-        storage.set_int(kept, 0)
     try:
         number = float(words.replace(",", "").replace("\u2212", "-"))
     except ValueError:

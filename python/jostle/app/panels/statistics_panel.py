@@ -48,7 +48,7 @@ RESETS = (
     "The reference is reset when particles are added, removed or merged, and when gravity or the "
     "container changes."
 )
-TEXT_LINES = 540.0  # points, of everything except the three plots
+TEXT_LINES = 559.0  # points, of everything except the three plots
 
 # Stages in the order of work, from cool to warm; then drawing.
 STAGES: dict[str, Colour] = {
@@ -197,6 +197,8 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
     row("tested, % of all pairs", share(facts.pairs_tested, every))
     row("touching", f"{facts.touching:,}")
     row("asleep", f"{facts.asleep:,}")
+    row("sub-steps", f"{facts.substeps:,}")
+    hint("Of the last step. A step takes more than the setting where contacts need them.")
     tree = f"{plural(facts.nodes, 'node')}, {facts.depth:,} deep" if facts.nodes else "\u2013"
     row("tree", tree)
 

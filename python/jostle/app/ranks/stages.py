@@ -77,16 +77,16 @@ def report(comm: MPI.Intracomm, title: str, world: jostle.mpi.World, times: Stag
     rows = [
         ("particles", f"{particles.mean():,.0f}", f"{particles.max():,.0f}"),
         ("ghosts", f"{ghosts.mean():,.0f}", f"{ghosts.max():,.0f}"),
-        ("calls a step", f"{traffic['calls']:,.1f}", ""),
-        ("messages a step", f"{messages.mean():,.1f}", f"{messages.max():,.1f}"),
-        ("KiB a step", f"{kib.mean():,.1f}", f"{kib.max():,.1f}"),
-        ("repeats a step", f"{traffic['repeats']:.2f}", ""),
+        ("calls per step", f"{traffic['calls']:,.1f}", ""),
+        ("messages per step", f"{messages.mean():,.1f}", f"{messages.max():,.1f}"),
+        ("KiB per step", f"{kib.mean():,.1f}", f"{kib.max():,.1f}"),
+        ("repeats per step", f"{traffic['repeats']:.2f}", ""),
     ]
     stages = [
         (f"{name}, ms", f"{of.mean:,.2f}", f"{of.longest:,.2f}") for name, of in spans.items()
     ]
     whole = [
-        ("steps", f"{times.steps:,}", f"{times.rate or 0.0:,.1f} a second"),
+        ("steps", f"{times.steps:,}", f"{times.rate or 0.0:,.1f} per second"),
         ("all particles", f"{world.total:,}", plural(comm.size, "rank")),
         ("state hash", f"{state:016x}", f"at {world.time:.3f} s"),
     ]

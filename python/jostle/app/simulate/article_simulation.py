@@ -1,4 +1,4 @@
-"""The article's programs: `jostle.article.Simulation` as a `Simulation`."""
+"""A scene in the article's programs; `Simulation` is one of either rules."""
 
 from __future__ import annotations
 
@@ -12,8 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import article
-from jostle.app.simulate.article_state import FACTS, arrays_of, facts_of, program_of
-from jostle.app.simulate.packing import ATTRACTORS, COUNT, pack, particles_of, unpack, within
+from jostle.app.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    Arrays,
+    column,
+    pack,
+    particles_of,
+    unpack,
+    within,
+)
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings
 from jostle.app.simulate.simulation import (
     PLAIN,
@@ -29,9 +37,11 @@ from jostle.app.simulate.simulation import (
     Tags,
     find,
 )
-from jostle.app.simulate.validation import FARTHEST, Fields, read
+from jostle.app.simulate.validation import FARTHEST, Fields, each, one_of, read, whole
 from jostle.app.simulate.world_simulation import WorldSimulation
 
+LARGEST = 1e9  # radius in pixels, and density: masses stay below 1e30, as in a world
+MOST_PIXELS = 10**9  # of a side of the display
 FRAME_RATE = 30  # the rate of the article's window; the article counts in frames
 GRAVITY = 0.5  # pixels per frame, added in each frame
 DEFAULT_N = 500
@@ -40,7 +50,15 @@ NO_WALLS = "The article's rules have no walls inside the window."
 
 # The values of a saved state; its arrays are tags, times of birth and those of the program.
 STATE_FIELDS = Fields(
-    {**FACTS, "settings": SETTINGS, "frames": COUNT, "next_tag": COUNT, "pulls": ATTRACTORS}
+    {
+        "method": one_of(*article.METHODS),
+        "size": each(whole(article.SMALLEST_SIDE, MOST_PIXELS), "width", "height"),
+        "counters": each(COUNT, "tests", "repeats", "hits"),
+        "settings": SETTINGS,
+        "frames": COUNT,
+        "next_tag": COUNT,
+        "pulls": ATTRACTORS,
+    }
 )
 
 
@@ -49,7 +67,8 @@ class ArticleSimulation:
 
     The scene `article` is the article's own program. Other scenes provide the positions, velocities
     and sizes of their particles, on whole pixels, in a rectangle. Scene, number, seed and the
-    method come from the settings; the rules are the article's.
+    method come from the settings; the rules are the article's. It has the methods of
+    `WorldSimulation`.
     """
 
     time_step = 1 / FRAME_RATE
@@ -102,36 +121,34 @@ class ArticleSimulation:
              p.density) for p in self.program.particles
         ]  # fmt: skip
         table = np.array(rows, np.float32).reshape(-1, 6)
-        frame = Frame(
-            positions=table[:, 0:2],
-            velocities=table[:, 2:4] * FRAME_RATE,
-            radii=table[:, 4],
+        positions, velocities, radii = table[:, 0:2], table[:, 2:4] * FRAME_RATE, table[:, 4]
+        energies = _energies(positions, velocities, table[:, 5] * radii**2)
+        return Frame(
+            positions=positions,
+            velocities=velocities,
+            radii=radii,
             densities=table[:, 5],
             movable=np.ones(len(table), np.bool_),
             tags=self._tags,
             born=self._born,
             container=self.container,
-            stats=self._stats(),
+            stats=self._stats(energies),
+            energies=energies if request.energies else None,
             tree=self._nodes() if request.tree else None,
+            contacts=_contacts(positions, radii) if request.contacts else None,
             attractors=self.attractors,
         )
-        return replace(
-            frame,
-            energies=_energies(frame) if request.energies else None,
-            contacts=_contacts(frame) if request.contacts else None,
-        )
 
-    def _stats(self) -> StepStats:
+    def _stats(self, energies: Energies) -> StepStats:
         """Return the numbers of the last frame; a pair in two leaves counts twice."""
         program = self.program
-        energy = sum(0.5 * p.mass * p.speed**2 for p in program.particles)
         return StepStats(
             time=self._frames * self.time_step,
             pairs_tested=program.tests,
             touching=program.hits,
             nodes=len(program.leaves),
             depth=max((leaf[4] for leaf in program.leaves), default=0),
-            kinetic_energy=energy * FRAME_RATE**2,
+            kinetic_energy=energies.kinetic,
             stage_times={"frame": self._milliseconds},  # the article has no separate stages
         )
 
@@ -173,9 +190,8 @@ class ArticleSimulation:
 
     def _attract_to(self, attractor: Attractor) -> None:
         """Accelerate all particles by distance × strength, before the frame."""
-        point = attractor.point
-        for row in np.flatnonzero(self._tags == attractor.tag).tolist():
-            point = self.program.particles[row].x, self.program.particles[row].y
+        followed = self._particle(attractor.tag)
+        point = (followed.x, followed.y) if followed is not None else attractor.point
         if point is None:
             return
         gain = attractor.strength / FRAME_RATE**2
@@ -249,19 +265,35 @@ class ArticleSimulation:
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Move a particle towards the cursor, by the article's rule of the mouse."""
-        for row in np.flatnonzero(self._tags == tag).tolist():
-            self.program.held = self.program.particles[row]
+        particle = self._particle(tag)
+        if particle is not None:
+            self.program.held = particle
             self.program.drag_to(*point)
 
+    def _particle(self, tag: int | None) -> article.Particle | None:
+        rows = [] if tag is None else find(self._tags, tag)[0].tolist()
+        return self.program.particles[rows[0]] if rows else None
+
     def save(self) -> bytes:
+        program = self.program
         facts = {
             "settings": asdict(self.settings),
-            **facts_of(self.program),
+            "method": program.method,
+            "size": [program.width, program.height],
+            "counters": [program.tests, program.repeats, program.hits],
             "frames": self._frames,
             "next_tag": self._next_tag,
             "pulls": [asdict(attractor) for attractor in self.attractors],
         }
-        arrays = {**arrays_of(self.program), "tags": self._tags, "born": self._born}
+        numbers = [(p.x, p.y, p.speed, p.angle) for p in program.particles]
+        sizes = [(p.radius, p.density, *p.rectangle) for p in program.particles]
+        arrays = {
+            "numbers": np.array(numbers, np.float64).reshape(-1, 4),
+            "sizes": np.array(sizes, np.int64).reshape(-1, 6),
+            "leaves": np.array(program.leaves, np.int64).reshape(-1, 5),
+            "tags": self._tags,
+            "born": self._born,
+        }
         return pack("article", facts, arrays)
 
     def load(self, state: bytes) -> None:
@@ -271,7 +303,11 @@ class ArticleSimulation:
         settings, method, next_tag = facts["settings"], facts["method"], facts["next_tag"]
         if settings.method != f"article-{method}":
             raise ValueError(f"method is {method!r}, but settings.method {settings.method!r}")
-        program = program_of(facts, arrays)
+        program = article.Simulation.of(_saved_particles(arrays), method, *facts["size"])
+        program.tests, program.repeats, program.hits = facts["counters"]
+        leaves = _saved(arrays, "leaves", "<i8", 5)
+        within("leaves", leaves, 0, MOST_PIXELS)
+        program.leaves = [(x, y, w, h, level) for x, y, w, h, level in leaves.tolist()]
         self._tags, self._born = particles_of(arrays, len(program.particles), next_tag)
         self.settings, self.program, self.attractors = settings, program, facts["pulls"]
         self._frames, self._next_tag = facts["frames"], next_tag
@@ -281,6 +317,9 @@ class ArticleSimulation:
         """Set view and container from the program's display."""
         self.view: Rect = (0.0, 0.0, float(self.program.width), float(self.program.height))
         self.container = jostle.Box(*self.view)
+
+
+Simulation = WorldSimulation | ArticleSimulation
 
 
 def _set(particle: article.Particle, name: str, value: Any) -> None:
@@ -294,24 +333,48 @@ def _set(particle: article.Particle, name: str, value: Any) -> None:
         particle.__post_init__()  # mass and drag follow
 
 
-def _energies(frame: Frame) -> Energies:
+def _energies(
+    positions: NDArray[np.float32], velocities: NDArray[np.float32], masses: NDArray[np.float32]
+) -> Energies:
     """Return the sums; the potential energy is 0 at y = 0."""
-    masses = frame.masses.astype(np.float64)
-    velocities = frame.velocities.astype(np.float64)
-    kinetic = 0.5 * (masses * (velocities**2).sum(axis=1)).sum()
-    acceleration = GRAVITY * FRAME_RATE**2
-    potential = -acceleration * (masses * frame.positions[:, 1]).sum()
-    momentum = (masses[:, None] * velocities).sum(axis=0)
-    return Energies(float(kinetic), float(potential), (float(momentum[0]), float(momentum[1])))
+    momenta = masses[:, None].astype(np.float64) * velocities
+    kinetic = 0.5 * (momenta * velocities).sum()
+    potential = -GRAVITY * FRAME_RATE**2 * (masses.astype(np.float64) * positions[:, 1]).sum()
+    x, y = momenta.sum(axis=0).tolist()
+    return Energies(float(kinetic), float(potential), (x, y))
 
 
-def _contacts(frame: Frame) -> FrameContacts:
+def _contacts(positions: NDArray[np.float32], radii: NDArray[np.float32]) -> FrameContacts:
     """Return the contacts; the article computes no impulses, and none with walls."""
-    pairs, normals, depths = jostle.Quadtree(frame.positions, frame.radii).contacts()
+    pairs, normals, depths = jostle.Quadtree(positions, radii).contacts()
     rows, none = np.empty(0, np.int64), np.empty(0, np.float32)
     return FrameContacts(
         pairs, normals, depths, np.zeros_like(depths), rows, none.reshape(0, 2), none
     )
+
+
+def _saved_particles(arrays: Arrays) -> list[article.Particle]:
+    """Return the particles of a saved state; raise a ValueError with a wrong number."""
+    numbers, sizes = _saved(arrays, "numbers", "<f8", 4), _saved(arrays, "sizes", "<i8", 6)
+    if len(numbers) != len(sizes):
+        raise ValueError(f"numbers has {len(numbers)} rows, but sizes {len(sizes)}")
+    within("numbers", numbers, -FARTHEST, FARTHEST)
+    within("sizes", sizes[:, :2], 1, LARGEST)
+    within("sizes", sizes, -4 * FARTHEST, 4 * FARTHEST)
+    particles = []
+    for (x, y, speed, angle), (radius, density, left, top, width, height) in zip(
+        numbers.tolist(), sizes.tolist(), strict=True
+    ):
+        particle = article.Particle(x, y, radius, density, speed, angle)
+        particle.rectangle = left, top, width, height
+        particles.append(particle)
+    return particles
+
+
+def _saved(arrays: Arrays, name: str, kind: str, width: int) -> NDArray[Any]:
+    """Return a saved table of any number of rows."""
+    rows = len(arrays[name]) if name in arrays and arrays[name].ndim else 0
+    return column(arrays, name, kind, (rows, width))
 
 
 def article_of(frame: Frame, view: Rect, rules: str) -> article.Simulation:

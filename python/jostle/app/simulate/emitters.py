@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle.app.simulate.containers import TRIES, in_disc
 from jostle.app.simulate.packing import COUNT
-from jostle.app.simulate.placement import TRIES, in_disc
 from jostle.app.simulate.settings import PARTICLES
 from jostle.app.simulate.validation import Rule, real
 

@@ -15,7 +15,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.article_simulation import Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.worker import Worker
 
 MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine

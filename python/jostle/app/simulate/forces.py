@@ -12,21 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
-from jostle.app.simulate.particle_table import ParticleTable
 from jostle.app.simulate.simulation import Attractor, Tags
+from jostle.app.simulate.world_frame import Forces, ParticleTable, pair_force
 
-Forces = tuple[Any, ...]
 Attractors = tuple[Attractor, ...]
 
 ARGUMENTS = ("ids", "walls", "center", "angular_velocity", "velocity", "period")  # of a motor
-
-
-def pair_force(forces: Forces) -> jostle.PairForce | None:
-    """Return the first force between kinds that has several of them."""
-    for force in forces:
-        if isinstance(force, jostle.PairForce) and force.table.shape[0] > 1:
-            return force
-    return None
 
 
 def kind_count(world: jostle.World) -> int | None:

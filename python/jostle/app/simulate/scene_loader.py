@@ -8,9 +8,10 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.engine import REFUSALS, Then, message_of
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.worker import Worker
 
 Create = Callable[[], Simulation]

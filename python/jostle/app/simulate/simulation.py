@@ -1,15 +1,15 @@
-"""The interface of simulations of either rules, and the frames that they return."""
+"""The frames that simulations of either rules return, and what is common to their columns."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle.app.simulate.settings import EVERY_CATEGORY, TRUTH, VECTOR, Polyline, Settings
+from jostle.app.simulate.settings import EVERY_CATEGORY, TRUTH, VECTOR
 from jostle.app.simulate.settings import Rect as Rect
 from jostle.app.simulate.validation import limited, or_none, real, whole
 
@@ -74,6 +74,7 @@ class StepStats:
     pairs_tested: int = 0
     touching: int = 0
     asleep: int = 0
+    substeps: int = 1  # more than the setting, if contacts needed them
     nodes: int = 0
     depth: int = 0
     kinetic_energy: float = 0.0
@@ -151,74 +152,3 @@ WIDTHS: dict[str, tuple[int, ...]] = {
     "positions": (2,), "velocities": (2,), "densities": (), "movable": (), "categories": (),
     "masks": (),
 }  # fmt: skip
-
-
-class Simulation(Protocol):
-    """A simulation of a scene. A step lasts `time_step` seconds; y points down.
-
-    It is used by one thread at a time, which `Engine` ensures.
-    """
-
-    settings: Settings
-    time_step: float
-    view: Rect
-    adjustable: frozenset[str]  # the fields of `Settings` that `adjust` can change while it runs
-
-    @property
-    def attractors(self) -> tuple[Attractor, ...]:
-        """The attractors of the user."""
-
-    def __len__(self) -> int: ...
-
-    @property
-    def effective_settings(self) -> Settings:
-        """The settings, with the values that apply in place of None."""
-
-    def step(self) -> None:
-        """Advance by one time step."""
-
-    def frame(self, request: FrameRequest = ...) -> Frame:
-        """Return the present state."""
-
-    def adjust(self, name: str, value: object) -> str | None:
-        """Change one of `adjustable`; return a message if it is refused."""
-
-    def add(
-        self,
-        positions: ArrayLike,
-        velocities: ArrayLike,
-        radii: ArrayLike,
-        densities: ArrayLike = ...,
-        **columns: ArrayLike | None,
-    ) -> Tags:
-        """Add particles, with other columns than those of `PLAIN`; return their tags."""
-
-    def remove(self, tags: ArrayLike) -> None:
-        """Remove particles; tags that do not exist are ignored."""
-
-    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
-        """Set columns of particles, which `WIDTHS` names; None leaves one as it is.
-
-        Rows of tags that do not exist are ignored.
-        """
-
-    def add_wall(self, line: Polyline) -> None:
-        """Add line segments that a user draws."""
-
-    def remove_walls(self, rows: ArrayLike) -> None:
-        """Remove line segments by their rows in the frame."""
-
-    def attract(self, attractors: tuple[Attractor, ...]) -> None:
-        """Replace the attractors of the user."""
-
-    def drag(self, tag: int, point: Point, velocity: Point) -> None:
-        """Accelerate a held particle towards the cursor, before a step.
-
-        A tag that does not exist is ignored.
-        """
-
-    def save(self) -> bytes:
-        """Return the state; after `load` the simulation continues with the same bits."""
-
-    def load(self, state: bytes) -> None:
-        """Restore a state of this simulation."""

@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from jostle.app.simulate.article_simulation import ArticleSimulation
-from jostle.app.simulate.containers import bounds
-from jostle.app.simulate.placement import directions, free_positions
+from jostle.app.simulate.article_simulation import ArticleSimulation, Simulation
+from jostle.app.simulate.containers import bounds, directions, free_positions
 from jostle.app.simulate.settings import Group, Settings, too_slow
-from jostle.app.simulate.simulation import Container, Frame, Rect, Simulation
+from jostle.app.simulate.simulation import Container, Frame, Rect
 from jostle.app.simulate.world_simulation import WorldSimulation
 
 

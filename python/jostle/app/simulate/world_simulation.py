@@ -1,4 +1,4 @@
-"""`jostle.World` as a `Simulation`."""
+"""A scene in a `jostle.World`."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from jostle.app.simulate.containers import (
     bounds,
     center_of,
     diagonal,
+    free_positions,
     minimum_image,
     moved_inside,
 )
@@ -30,8 +31,6 @@ from jostle.app.simulate.packing import (
     particles_of,
     unpack,
 )
-from jostle.app.simulate.particle_table import ParticleTable
-from jostle.app.simulate.placement import free_positions
 from jostle.app.simulate.settings import SETTINGS, Polyline, Settings, too_slow
 from jostle.app.simulate.simulation import (
     PLAIN,
@@ -45,7 +44,7 @@ from jostle.app.simulate.simulation import (
 )
 from jostle.app.simulate.validation import Fields, fields_of, or_none, read, rect, shown
 from jostle.app.simulate.wall_segments import WallSegments
-from jostle.app.simulate.world_frame import frame_of
+from jostle.app.simulate.world_frame import ParticleTable, frame_of
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
@@ -75,13 +74,14 @@ STATE_FIELDS = Fields(
 
 
 class WorldSimulation:
-    """A world as a simulation.
+    """A world as a simulation. A step lasts `time_step` seconds; y points down.
 
     The settings override those of the world. `view` is the visible part of it: min_x, min_y,
-    max_x, max_y.
+    max_x, max_y. It is used by one thread at a time, which `Engine` ensures.
     """
 
     time_step = TIME_STEP
+    # The settings that `adjust` can change while it runs.
     adjustable = frozenset(WORLD_SETTINGS) | {
         *("friction", "wall_friction", "time_scale", "n", "world_size", "container", "matrix")
     }
@@ -120,6 +120,7 @@ class WorldSimulation:
 
     @property
     def effective_settings(self) -> Settings:
+        """Return the settings, with the values that apply in place of None."""
         rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
         friction, of_walls = self._columns.friction, self.settings.wall_friction
         of_walls = friction if of_walls is None else of_walls
@@ -228,7 +229,10 @@ class WorldSimulation:
         densities: ArrayLike = 1.0,
         **columns: ArrayLike | None,
     ) -> Tags:
-        """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
+        """Add particles, with other columns than those of `PLAIN`; return their tags.
+
+        Without `kinds`, these are all kinds in turn.
+        """
         given: dict[str, Any] = {**PLAIN, **columns}
         with np.errstate(over="ignore"):  # the world refuses infinite values
             places = np.asarray(positions, np.float32).reshape(-1, 2)
@@ -251,11 +255,16 @@ class WorldSimulation:
         return tags
 
     def remove(self, tags: ArrayLike) -> None:
+        """Remove particles; tags that do not exist are ignored."""
         rows = np.unique(self._columns.find(tags)[0])
         with self._attractions.detached():
             self.world.remove(self._columns.tags[rows])
 
     def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
+        """Set columns of particles, which `WIDTHS` names; None leaves one as it is.
+
+        Rows of tags that do not exist are ignored.
+        """
         rows, there = self._columns.find(tags)
         given: dict[str, Any] = {
             name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS[name]))[there]
@@ -284,17 +293,20 @@ class WorldSimulation:
         self._segments.add(replace(line, friction=friction), own=False)
 
     def remove_walls(self, rows: ArrayLike) -> None:
+        """Remove line segments by their rows in the frame."""
         with self._attractions.detached():
             self._segments.remove(rows)
 
     def attract(self, attractors: tuple[Attractor, ...]) -> None:
+        """Replace the attractors of the user."""
         self._attractions.place(attractors)
 
     def drag(self, tag: int, point: Point, velocity: Point) -> None:
         """Accelerate a held particle towards the cursor by a critically damped spring.
 
         Only its velocity changes, so it collides with other particles. The spring is integrated
-        implicitly, so it is stable for any stiffness. Immovable particles are not changed.
+        implicitly, so it is stable for any stiffness. Immovable particles are not changed, and a
+        tag that does not exist is ignored.
         """
         rows, _ = self._columns.find(tag)
         if not len(rows) or not self._columns.movable[rows[0]]:
@@ -313,6 +325,7 @@ class WorldSimulation:
         return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
+        """Return the state; after `load` the simulation continues with the same bits."""
         columns, emitters = self._columns, self.emitters
         facts = {
             "settings": asdict(self.settings),

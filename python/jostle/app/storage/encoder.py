@@ -15,6 +15,7 @@ import numpy as np
 import pygame
 
 from jostle.app.draw.camera import Size
+from jostle.app.draw.discs import RIM_SHADE
 from jostle.app.draw.palette import (
     DISCS,
     GROUND,
@@ -25,7 +26,6 @@ from jostle.app.draw.palette import (
     blend,
     level_colour,
 )
-from jostle.app.draw.stamps import RIM_SHADE
 
 PATIENCE = 10.0  # seconds to write the end of a file
 FORMATS = (".mp4", ".gif")

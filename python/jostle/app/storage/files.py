@@ -22,9 +22,10 @@ from jostle.app.draw.picture import Picture
 from jostle.app.draw.software import SoftwarePainter
 from jostle.app.draw.view_options import ViewOptions
 from jostle.app.runner import Runner
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.engine import message_of
 from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.simulation import Frame, FrameRequest, Simulation
+from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.worker import Worker
 from jostle.app.storage.exports import write_gsd, write_positions, write_series

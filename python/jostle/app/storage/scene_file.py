@@ -10,9 +10,9 @@ from typing import Any
 
 from jostle.app.draw.camera import Camera
 from jostle.app.draw.view_options import ViewOptions, option_rules
+from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.packing import blob, bytes_of, is_of, pack, seal, unpack, unseal
 from jostle.app.simulate.settings import SETTINGS, TRUTH, unknown_scene
-from jostle.app.simulate.simulation import Simulation
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.validation import Fields, each, read, real, whole
 

@@ -3,6 +3,6 @@
 ======================= ========================================================================
 scripted_user           scripted input in a window without a display
 stops                   the stops of the tour, and the input at each
-tour                    the run over all stops, its progress bar and its table
+tour                    the run over all stops, and its progress bar
 ======================= ========================================================================
 """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,6 @@ from pathlib import Path
 import pygame
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from jostle.app.draw.camera import Size
 from jostle.app.simulate.start import start
@@ -29,11 +27,9 @@ RATE = round(1 / (FILMED * FRAME))
 class Visit:
     """The result of a stop."""
 
-    stop: Stop
     still: Path
     film: Path | None
     pictures: int  # in the video
-    seconds: float
 
 
 def names() -> list[str]:
@@ -42,7 +38,6 @@ def names() -> list[str]:
 
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     """Run one stop: a picture of its end, and a video."""
-    began = time.perf_counter()
     still, path = out / f"{stop.name}.png", out / f"{stop.name}.mp4"
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     session = window.session
@@ -54,7 +49,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
         stop.script(user)
         pygame.image.save(user.picture(), still)
     pictures = recorder.frames if recorder else 0
-    return Visit(stop, still, path if film else None, pictures, time.perf_counter() - began)
+    return Visit(still, path if film else None, pictures)
 
 
 @contextlib.contextmanager
@@ -77,41 +72,21 @@ def no_display() -> Iterator[None]:
 
 
 def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
-    """Run the chosen stops, or all, and print the results.
+    """Run the chosen stops, or all, and print a line for each.
 
     The files in `out`, an existing folder, are named after the stops, and replace those of an
     earlier tour.
     """
     stops = [stop for stop in STOPS if not chosen or stop.name in chosen]
     longest = max(map(len, names()))
-    visits: list[Visit] = []
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
     with no_display(), Progress(*columns, TimeElapsedColumn(), console=console) as progress:
         task = progress.add_task("", total=len(stops))
         for stop in stops:
             progress.update(task, description=stop.name.ljust(longest))
-            visits.append(visit(stop, out, film=films and stop.filmed))
+            film = visit(stop, out, film=films and stop.filmed).film
+            video = f" {film.name}" if film else ""
+            progress.print(f"{stop.name.ljust(longest)}  {stop.sentence}{video}", highlight=False)
             progress.advance(task)
         progress.update(task, description=" " * longest)
-    console.print(_table(visits))
     console.print(f"in {out}", highlight=False, soft_wrap=True)
-
-
-def _table(visits: Sequence[Visit]) -> Table:
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="bold")
-    table.add_column("stop", style="cyan", no_wrap=True)
-    table.add_column("description")
-    for name in ("picture", "video", "time"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for visit in visits:
-        film = visit.film and f"{visit.pictures / RATE:.1f} s, {_size(visit.film)}"
-        table.add_row(
-            *(visit.stop.name, visit.stop.sentence),
-            *(_size(visit.still), film or "\u2013", f"{visit.seconds:.1f} s"),
-        )
-    return table
-
-
-def _size(path: Path) -> str:
-    size = path.stat().st_size
-    return f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} KB"
