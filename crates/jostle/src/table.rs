@@ -349,7 +349,7 @@ macro_rules! table {
             fn visit_mut(
                 &mut self,
                 visitor: &mut impl $crate::table::VisitorMut,
-            ) -> $crate::Result<()> {
+            ) -> $crate::error::Result<()> {
                 $($crate::table!(@visit $kind self, $field, visitor, visit_mut, &mut, 0 $(+ $since)?)?;)*
                 Ok(())
             }
