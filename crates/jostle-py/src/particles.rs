@@ -50,38 +50,28 @@ trait Value: Sized {
     fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>>;
 }
 
-impl Value for [f32; 2] {
-    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
-        Ok(Each::Rows(Argument::reals(name, value)?.pairs(len)?))
-    }
+macro_rules! values {
+    ($($type:ty: $read:expr,)*) => {$(
+        impl Value for $type {
+            fn read_each(
+                name: &'static str,
+                value: &Bound<'_, PyAny>,
+                len: usize,
+            ) -> PyResult<Each<Self>> {
+                $read(name, value, len)
+            }
+        }
+    )*};
 }
-
-impl Value for f32 {
-    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
-        Argument::reals(name, value)?.real_each(len)
-    }
-}
-
-impl Value for f64 {
-    /// From float32: only the core has more digits.
-    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
-        Ok(match f32::read_each(name, value, len)? {
-            Each::One(one) => Each::One(one.into()),
-            Each::Rows(all) => Each::Rows(all.into_iter().map(f64::from).collect()),
-        })
-    }
-}
-
-impl Value for u32 {
-    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
-        Argument::integers(name, value)?.bits_each(len)
-    }
-}
-
-impl Value for bool {
-    fn read_each(name: &'static str, value: &Bound<'_, PyAny>, len: usize) -> PyResult<Each<Self>> {
-        Argument::booleans(name, value)?.truth_each(len)
-    }
+values! {
+    f32: |name, value, len| Argument::reals(name, value)?.real_each(len),
+    u32: |name, value, len| Argument::integers(name, value)?.bits_each(len),
+    bool: |name, value, len| Argument::booleans(name, value)?.truth_each(len),
+    [f32; 2]: |name, value, len| Ok(Each::Rows(Argument::reals(name, value)?.pairs(len)?)),
+    f64: |name, value, len| Ok(match f32::read_each(name, value, len)? {
+        Each::One(one) => Each::One(one.into()),
+        Each::Rows(all) => Each::Rows(all.into_iter().map(f64::from).collect()),
+    }),
 }
 
 impl Draft {
