@@ -232,8 +232,8 @@ impl<T: Scalar> Builder<'_, T> {
         Ok(())
     }
 
-    /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first node, and
-    /// makes their strips.
+    /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first
+    /// node, and makes their strips.
     fn fill_leaves(
         &self,
         nodes: &mut [Node],
