@@ -237,7 +237,9 @@ def test_given() -> None:
         world.step(1 / 60, 5)
         assert ours.state_hash() == world.state_hash(), name
     is_last = comm().rank == comm().size - 1
-    refuse(lambda: setattr(ours, "accelerations", np.zeros((1, 2))), "accelerations has shape (1, 2)")
+    refuse(
+        lambda: setattr(ours, "accelerations", np.zeros((1, 2))), "accelerations has shape (1, 2)"
+    )
     wrong = np.full((len(ours), 2), np.nan if is_last else 0.0)
     refuse(lambda: setattr(ours, "accelerations", wrong), "accelerations[0] is (nan, nan)")
     refuse(lambda: ours.force(10**6 if is_last else [], (0, 1) if is_last else []), "1000000")

@@ -277,8 +277,8 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     for _ in range(240):
         world.step(1 / 60)
         unresolved += world.stats.unresolved
-    # With restitution 0 some discs collide very often when they land.
-    assert unresolved < 240 * len(world) / 1000
+    # Some discs of low restitution collide very often when they land.
+    assert unresolved < 240 * len(world) / 200
     assert world.stats.unresolved == 0
     # Some discs still bounce, so one step says little. A disc that hangs for a second would be
     # hundreds of radii behind its velocity.

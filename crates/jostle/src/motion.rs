@@ -1,7 +1,7 @@
 //! Positions and velocities during a step, which all threads may read and write.
 //!
-//! A position is the sum of a float32 and a residual (T. J. Dekker, *A Floating-Point Technique for Extending
-//! the Available Precision*, Numerische Mathematik 18, 1971).
+//! A position is the sum of a float32 and a residual (T. J. Dekker, *A Floating-Point Technique for
+//! Extending the Available Precision*, Numerische Mathematik 18, 1971).
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
@@ -22,7 +22,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The motion of a particle as its columns tell, without a displacement.
+    /// The motion of a particle from its columns, without a displacement.
     #[inline(always)]
     pub fn of(particles: &Particles, index: usize) -> Self {
         Self {
@@ -91,8 +91,8 @@ impl Row {
     }
 }
 
-/// The motions of all particles. Contacts of one colour share no movable
-/// particle, so plain (relaxed) loads and stores are enough, and safe.
+/// The motions of all particles. Contacts of one colour share no movable particle, so plain
+/// (relaxed) loads and stores are enough, and safe.
 #[derive(Debug, Default)]
 pub struct Motions(Vec<Row>);
 

@@ -1,9 +1,9 @@
 //! Periodic boundaries: positions in the first period, images of shapes, and minimum images.
 //!
-//! On a periodic axis of length p, all positions are equal that differ by a multiple of p.
-//! Centres are stored in `[0, p)`. The gap between two shapes along the axis is the smaller of
-//! two: that of the shapes as they are stored, and that after the shape with the higher centre
-//! was moved by -p. Both shapes have the same role, so the gap does not depend on their order.
+//! On a periodic axis of length p, positions are equal if they differ by a multiple of p. Centres
+//! are stored in `[0, p)`. The gap between two shapes along the axis is the smaller of two: that of
+//! the shapes as they are stored, and that after the shape with the higher centre was moved by -p.
+//! Both shapes have the same role, so the gap does not depend on their order.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle, overlap};
@@ -52,8 +52,8 @@ impl<T: Scalar> Period<T> {
         )
     }
 
-    /// The multiple of the period to subtract from what has this centre, so that the centre is in
-    /// the first period, up to rounding; 0 if it is there.
+    /// The multiple of the period that moves this centre into the first period, up to rounding,
+    /// when it is subtracted; 0 if the centre is in it.
     pub fn turns(&self, center: [T; 2]) -> [T; 2] {
         [0, 1].map(|axis| {
             let (side, along) = (self.0[axis], center[axis]);
@@ -73,8 +73,8 @@ impl<T: Scalar> Period<T> {
         })
     }
 
-    /// The displacement between the nearest images of two positions that have this one.
-    pub fn shortest(&self, displacement: [T; 2]) -> [T; 2] {
+    /// The minimum image of a displacement: that between the nearest images of two positions.
+    pub fn minimum_image(&self, displacement: [T; 2]) -> [T; 2] {
         [0, 1].map(|axis| {
             let (side, along) = (self.0[axis], displacement[axis]);
             let turns = if self.is_along(axis) { (along / side).to_f64().round() } else { 0.0 };
@@ -170,8 +170,8 @@ impl<T: Scalar> Period<T> {
         overlap([smaller(0), smaller(1)], a.radius + b.radius)
     }
 
-    /// Whether none of the combinations of gaps before `wrapped` overlaps; that is the order of the
-    /// number with a bit for each axis on which the gap is the one after a move.
+    /// Whether no combination of gaps before `wrapped` overlaps. Combinations are ordered as
+    /// numbers with a bit for each axis, which is set if the gap is the one after a move.
     pub fn is_first_overlap(&self, a: &Shape<T>, b: &Shape<T>, wrapped: [bool; 2]) -> bool {
         let gaps = self.gaps(a, b);
         let own = usize::from(wrapped[0]) + 2 * usize::from(wrapped[1]);
@@ -246,8 +246,8 @@ mod tests {
         for (x, turns) in [(0.0, 0), (2.9, 0), (3.0, 1), (-1e-300, 0), (-0.5, -1), (31.0, 10)] {
             assert_eq!(period.turns_of([x, 7.0]), [turns, 0], "{x}");
         }
-        assert_eq!(period.shortest([2.0, 2.0]), [-1.0, 2.0]);
-        assert_eq!(period.shortest([-1.25, 1e9]), [-1.25, 1e9]);
+        assert_eq!(period.minimum_image([2.0, 2.0]), [-1.0, 2.0]);
+        assert_eq!(period.minimum_image([-1.25, 1e9]), [-1.25, 1e9]);
         let near: Vec<Turns> = period.images_near([-1.0, -9.0], [4.0, 9.0]).collect();
         assert_eq!(near, [[-2, 0], [-1, 0], [0, 0], [1, 0], [2, 0]]);
     }

@@ -1,5 +1,5 @@
-//! Trajectories of discs between events, and times of impact: of two discs, and of a disc and a flat or
-//! round wall.
+//! Trajectories of discs between events, and times of impact: of two discs, and of a disc and a
+//! flat or round wall.
 //!
 //! Between two events a disc moves along a parabola (if it falls) or a straight line. The
 //! relative motion of two discs of which both fall, or none, is straight, so the time of impact
@@ -82,21 +82,21 @@ pub struct Impact {
 /// Limits of a prediction for two surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Events after this time are not looked for.
+    /// Events after this time are not predicted.
     pub until: f64,
     /// When the window ends.
     pub end: f64,
-    /// Surfaces with a smaller gap touch. Lower bounces are left out. About the rounding of
+    /// Surfaces with a smaller gap touch, and lower bounces are ignored. About the rounding of
     /// positions to float32.
     pub rounding: f64,
-    /// An impact that would make the surfaces overlap by less until the end of the window is left
-    /// out.
+    /// An impact is ignored if without it the surfaces would overlap by less than this at the end
+    /// of the window.
     pub tolerance: f64,
-    /// The same for discs that overlap by more than [`DEEP`]. Many of them can have very many impacts
-    /// at the same time.
+    /// The same for discs that overlap by more than [`DEEP`]. Many of them can have very many
+    /// impacts at the same time.
     pub deep_tolerance: f64,
-    /// All bounces after an impact with the speed v, against the acceleration a, take this times
-    /// v/a: 2e/(1 − e) with the coefficient of restitution e.
+    /// Duration of all bounces after an impact, divided by v/a, where v is the speed of the impact
+    /// and a the acceleration: 2e/(1 − e) with the coefficient of restitution e.
     pub bounces: f64,
 }
 
@@ -131,8 +131,8 @@ impl Limits {
 }
 
 /// Speeds of approach and separation between which a contact rests, in units of the speed that
-/// gravity and forces give in a sub-step of h seconds. With the acceleration a, a bounce that leaves
-/// with the speed u takes 2u/a seconds, and this bounce and all later ones together take
+/// gravity and forces give in a sub-step of h seconds. With the acceleration a, a bounce that
+/// leaves with the speed u takes 2u/a seconds, and this bounce and all later ones together take
 /// 2u/(a (1 − e)). They end within the sub-step if u ≤ a h (1 − e)/2; the speed of approach is then
 /// at most u/e.
 pub fn rest_speeds(restitution: f64) -> [f64; 2] {
@@ -141,9 +141,9 @@ pub fn rest_speeds(restitution: f64) -> [f64; 2] {
     [approach, restitution * approach]
 }
 
-/// Contacts with a larger coefficient of restitution rest as with this one, in worlds that lose energy.
-/// Friction makes discs come to rest also if they collide elastically, and without this limit their
-/// collisions would become ever more frequent.
+/// Contacts with a larger coefficient of restitution rest as with this one, in worlds that lose
+/// energy. Friction makes discs come to rest also if they collide elastically, and without this
+/// limit their collisions would become ever more frequent.
 const MAX_RESTITUTION_AT_REST: f64 = 0.999;
 
 /// The coefficient of restitution that decides whether a contact rests.
@@ -151,7 +151,7 @@ pub fn restitution_at_rest(restitution: f64) -> f64 {
     restitution.min(MAX_RESTITUTION_AT_REST)
 }
 
-/// The first of [`rest_speeds`] at most: without it any approach would rest where e is 0.
+/// Maximum of the first of [`rest_speeds`]: without it every approach would rest if e is 0.
 pub const MAX_REST_SPEED: f64 = 4.0;
 
 /// The motion of a point against another.
@@ -189,7 +189,8 @@ impl Relative {
         self.acceleration == [0.0; 2] && dot(self.offset, self.velocity) >= 0.0
     }
 
-    /// Whether two discs whose radii have the sum `contact_distance` touch or overlap before `until`.
+    /// Whether two discs whose radii have the sum `contact_distance` touch or overlap before
+    /// `until`.
     pub fn touches(&self, contact_distance: f64, until: f64) -> bool {
         let [q, w, a] = [self.offset, self.velocity, self.acceleration];
         let span = (until - self.start).max(0.0);

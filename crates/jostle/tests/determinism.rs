@@ -31,7 +31,7 @@ const PINNED: [(&str, u64); 24] = [
     ("brownian", 0xbcc3_c6cc_cba1_d983),
     ("emitters", 0x3045_b1b9_4f80_cbf1),
     ("heap", 0x16b1_56ea_65bb_d258),
-    ("mill", 0xed2a_580a_f0a9_df2b),
+    ("mill", 0x4cff_46e4_2ef0_85a7),
     ("conveyor", 0xd47e_b62c_a1be_4f7b),
     ("piston", 0xec36_bf00_0d63_c92c),
     ("pinball", 0xc6ad_eb0c_64b7_f063),

@@ -205,7 +205,7 @@ impl<T: Scalar> Both<T> {
         let period = self.shapes.period;
         for (index, region) in regions.iter().enumerate() {
             let images: Vec<R> =
-                period.images().map(|shift| region.home(&period).moved(shift)).collect();
+                period.images().map(|shift| region.wrapped(&period).moved(shift)).collect();
             let touches = |row: &u32| {
                 let shape = self.shapes.shape(*row as usize);
                 images.iter().any(|image| image.overlaps(&shape))

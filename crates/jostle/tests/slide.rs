@@ -203,7 +203,7 @@ proptest! {
         for (k, (half, radius)) in sizes.into_iter().enumerate() {
             let (from, moved) = (before[k], slides.displacements[k]);
             let size = from.iter().chain(&moved).fold(40.0f64, |most, v| most.max(v.abs()));
-            let end = period.shortest([0, 1].map(|axis| from[axis] + moved[axis] - after[k][axis]));
+            let end = period.minimum_image([0, 1].map(|axis| from[axis] + moved[axis] - after[k][axis]));
             prop_assert!(end[0].abs().max(end[1].abs()) < 1e-13 * size, "{:?}", end);
             let is_whole =
                 (0..2).all(|axis| (moved[axis] - displacements[k][axis]).abs() < 1e-13 * size);

@@ -1,5 +1,6 @@
-//! The container: walls around the particles, or a torus. It alone knows its shape: gaps and normals, the
-//! nearest position inside, times of impact; `torus` has periodic positions and minimum images.
+//! The container: walls around the particles, or a torus. Only this module depends on its shape:
+//! gaps and normals, the nearest position inside, times of impact; `torus` has periodic positions
+//! and minimum images.
 
 mod torus;
 
@@ -48,7 +49,7 @@ pub struct Wall {
 /// Relative size of the rounding of positions in float32, with a reserve for sums.
 pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
-/// Number of walls that a particle can touch at once, at most.
+/// Maximum number of walls that a particle can touch at once.
 pub const MAX_WALLS: usize = 4;
 
 /// A rectangle.
@@ -124,7 +125,7 @@ impl Container {
                 (side / 2.0, "it must fit between the walls")
             }
             Self::Circle { radius, .. } => (*radius, "it must fit into the round container"),
-            // So two particles touch across at most one seam on each axis.
+            // So two particles touch across at most one periodic boundary on each axis.
             Self::Torus { size } => (
                 size[0].min(size[1]) / 4.0,
                 "on a torus it may be at most a quarter of the shorter side",
@@ -139,7 +140,7 @@ impl Container {
         }
     }
 
-    /// The nearest position that the container allows.
+    /// The nearest position inside the container.
     #[inline(always)]
     pub fn clamp(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         // A test in float32, with a margin for rounding, is nearly always sufficient.
@@ -242,7 +243,8 @@ impl Container {
         near(0) | near(1)
     }
 
-    /// The first impact of a disc on a wall, and the index of the wall; `limits` are those at a wall.
+    /// The first impact of a disc on a wall, and the index of the wall; `limits` are those at a
+    /// wall.
     #[inline(always)]
     pub fn impact(
         &self,
@@ -324,7 +326,8 @@ impl Container {
     }
 }
 
-/// The largest number in the computation of a surface that is `contact_distance` from a centre at `position`.
+/// The largest number in the computation of a surface that is `contact_distance` from a centre at
+/// `position`.
 #[inline(always)]
 pub fn size(position: [f64; 2], contact_distance: f64) -> f64 {
     position[0].abs() + position[1].abs() + contact_distance

@@ -3,7 +3,7 @@
 use super::Container;
 use crate::motion;
 
-/// Times that a particle may travel around a torus in a step at most.
+/// Maximum number of times that a particle travels around a torus in a step.
 pub const MAX_TOURS: f32 = 125.0;
 
 /// A position and its eight nearest images, as numbers of periods along each axis.
@@ -53,8 +53,8 @@ impl Container {
         }
     }
 
-    /// The bounds that particles have at the beginning of a step allow for a displacement of this
-    /// at most, unless they merge, so that few images of others are in them.
+    /// Maximum displacement for which the bounds of particles at the beginning of a step are made,
+    /// unless they merge; so few images of others are in them.
     pub fn max_displacement(&self) -> f32 {
         match self {
             Self::Torus { size } => size[0].min(size[1]) / 8.0,
@@ -104,8 +104,8 @@ impl Container {
         })
     }
 
-    /// What has to be added to an offset between two positions to make it the minimum image. The
-    /// offset is computed only where it matters.
+    /// The difference between the minimum image of an offset and the offset. The offset is computed
+    /// only on a torus.
     #[inline(always)]
     pub fn nearest_image(&self, offset: impl FnOnce() -> [f64; 2]) -> [f32; 2] {
         if !matches!(self, Self::Torus { .. }) {

@@ -1,5 +1,5 @@
-//! The cells in which the particles of each rank are, so that ranks know which of theirs are near
-//! others.
+//! The cells that contain particles of each rank, by which a rank finds which of its particles are
+//! near those of other ranks.
 
 use std::ops::Range;
 
@@ -13,14 +13,15 @@ type Aabb = [[f64; 2]; 2];
 /// The AABB of no circles.
 const EMPTY: Aabb = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
 
-/// Particles in a cell, on average.
+/// Mean number of particles in a cell.
 const IN_A_CELL: f64 = 16.0;
 
-/// A grid of cells over all particles: about as many are in each column, and in each row.
+/// A grid of cells over all particles. All columns have about the same number of particles, and so
+/// have all rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<'a> {
     scales: &'a [Scale; 2],
-    /// A cell has 2 to the power of this cells of the scales along each axis.
+    /// Number of cells of the scales in a cell along each axis, as a power of two.
     shift: u32,
     /// Cells along each axis.
     count: usize,
@@ -45,8 +46,8 @@ impl<'a> Grid<'a> {
         (self.scales[axis].cell(x) >> self.shift) as u16
     }
 
-    /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last of
-    /// each. On a torus the first may be behind the last.
+    /// The columns and rows of the cells that the AABB of a circle overlaps: the first and the last
+    /// of each. On a torus the first may be greater than the last.
     #[inline(always)]
     pub fn range(&self, center: [f32; 2], radius: f64) -> [[u16; 2]; 2] {
         self.range_of(sides_of(center, radius))
@@ -114,8 +115,8 @@ fn sides_of(center: [f32; 2], radius: f64) -> Aabb {
 /// Circles in a block.
 const BLOCK: usize = 8;
 
-/// Maximum number of cells of the AABB of a block that is tested as a whole. In a larger block each circle is
-/// tested: the Morton curve jumps there, and its circles are far apart.
+/// Maximum number of cells of the AABB of a block that is tested as a whole. In a larger block each
+/// circle is tested: the Morton curve jumps there, and its circles are far apart.
 const MAX_CELLS: usize = 16;
 
 /// Circles in Morton order, in blocks of successive ones, most of which are near each other.
@@ -166,7 +167,7 @@ impl<'a, C: Fn(usize) -> ([f32; 2], f64, bool)> CircleBlocks<'a, C> {
         marks
     }
 
-    /// Calls `act` with each circle that may be near other ranks, and with these in ascending order.
+    /// Calls `act` with each circle that may be near other ranks, and with those ranks, ascending.
     pub fn each_near(&self, near: &Near, mut act: impl FnMut(usize, &[u32])) {
         let mut ranks = Vec::new();
         for (block, [all, _]) in self.bounds.iter().enumerate() {
@@ -255,7 +256,8 @@ pub struct Near {
 }
 
 impl Near {
-    /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the runs of each rank.
+    /// Lists which of the ranks, apart from `own`, have marked each cell; `all` are the runs of
+    /// each rank.
     pub fn new(grid: &Grid<'_>, all: &[Vec<u8>], own: usize) -> Self {
         let marked = || {
             let others = (0..).zip(all).filter(move |(rank, _)| *rank as usize != own);
@@ -326,15 +328,15 @@ mod tests {
         assert_eq!(cells(&grid, [2.5, 0.5], 1.99).len(), 16);
     }
 
-    /// Circles at random places: the cells of all that need others are marked, and each is near exactly the ranks
-    /// that have marked one of its cells.
+    /// Circles at random positions: the cells of all that need others are marked, and each is near
+    /// exactly the ranks that have marked one of its cells.
     #[test]
     fn blocks_mark_and_find_the_cells_of_their_circles() {
         for container in [Container::None, Container::Torus { size: [4.0, 4.0] }] {
             let scales = even([4.0, 4.0]);
             let grid = Grid::new(&container, &scales, 1 << 12);
             let circle = |k: usize| {
-                // Of each 64 circles the first 40 are at one place.
+                // Of each 64 circles the first 40 are at one position.
                 let place = if k % 64 < 40 { k / 64 } else { k };
                 let center = [0.618, 0.755].map(|step| (place as f32 * step).fract() * 4.0);
                 (center, 0.01 + 0.3 * (k as f64 * 0.37).fract().powi(4), k.is_multiple_of(3))

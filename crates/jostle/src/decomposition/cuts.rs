@@ -1,12 +1,13 @@
-//! Where the Morton curve is cut into the domains of the ranks.
+//! Division of the Morton curve into the domains of the ranks, by samples of the keys (sample
+//! sort).
 
 use super::scale::Scale;
 use crate::morton;
 
-/// Keys that each rank samples.
+/// Number of keys that each rank samples.
 pub const SAMPLES: usize = 256;
 
-/// Cells along each axis, as bits.
+/// Number of cells along each axis, as a power of two.
 const BITS: u32 = 31;
 
 /// The Morton key of a position on the scales of both axes.
@@ -21,7 +22,7 @@ pub fn key(scales: &[Scale; 2], position: [f32; 2]) -> u64 {
     morton::wide_key(index(0), index(1))
 }
 
-/// Evenly spaced ones of some keys, which get sorted; none of no keys.
+/// Evenly spaced samples of some keys, which are sorted first; none if there are no keys.
 pub fn sample(keys: &mut [u64]) -> Vec<u64> {
     keys.sort_unstable();
     let count = if keys.is_empty() { 0 } else { SAMPLES };
@@ -29,7 +30,7 @@ pub fn sample(keys: &mut [u64]) -> Vec<u64> {
     (0..count).map(|k| keys[(2 * k + 1) * keys.len() / (2 * count)]).collect()
 }
 
-/// The keys at which the domains of all ranks but the first begin, so that all have about as much
+/// The keys at which the domains of all ranks but the first begin, so that all have about the same
 /// work. Each rank gives its samples and its work.
 pub fn cuts(ranks: &[(Vec<u64>, f64)]) -> Vec<u64> {
     let mut all: Vec<(u64, f64)> = Vec::new();

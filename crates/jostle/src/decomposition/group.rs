@@ -1,4 +1,4 @@
-//! The ranks of a world, and what they do together.
+//! The ranks of a world, and their collective operations.
 
 use std::fmt;
 
@@ -10,21 +10,21 @@ pub trait Communicator: Send {
     fn rank(&self) -> usize;
     /// The number of ranks.
     fn size(&self) -> usize;
-    /// Gathers as many bytes from each rank, in the order of ranks.
+    /// Gathers the same number of bytes from each rank, in the order of ranks.
     fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>>;
     /// The same, with `counts` bytes from the ranks.
     fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>>;
     /// Sends one number to each rank; returns those from each rank.
     fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>>;
-    /// Sends bytes to each rank; returns those from each rank. `sent` and `received` are their numbers, in
-    /// the order of ranks.
+    /// Sends bytes to each rank; returns those from each rank. `sent` and `received` are their
+    /// numbers, in the order of ranks.
     fn exchange(&mut self, to: &[u8], sent: &[usize], received: &[usize]) -> Result<Vec<u8>>;
 }
 
 /// Numbers that ranks gather at a time.
 const WORDS: usize = 16;
 
-/// What a rank has sent.
+/// The messages that a rank has sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Calls in which all ranks take part.
@@ -35,11 +35,11 @@ pub struct Traffic {
     pub bytes: u64,
 }
 
-/// The ranks of a world. A rank that fails tells the others at its next call, so that none waits for
-/// it: the first number of each gathered block says whether its rank has failed.
+/// The ranks of a world. A rank that fails reports it to the others at its next call, so that none
+/// waits for it: the first number of each gathered block is whether its rank has failed.
 pub struct Group {
     communicator: Box<dyn Communicator>,
-    /// What this rank has sent so far.
+    /// The messages that this rank has sent.
     pub traffic: Traffic,
 }
 
@@ -87,12 +87,12 @@ impl Group {
         Ok(blocks.to_vec())
     }
 
-    /// Tells the others that this rank has failed. It is called once for each error, and not for those
-    /// that other ranks have caused.
+    /// Reports to the others that this rank has failed. Called once for each error of this rank,
+    /// and not for errors of other ranks.
     pub fn fail(&mut self) {
         let mut block = [0; WORDS];
         block[0] = 1;
-        // The others have an error, too, if it cannot be told.
+        // If this fails, the others have an error, too.
         _ = self.gather_blocks(&block);
     }
 
@@ -130,8 +130,8 @@ impl Group {
         Ok(split(&all, &received))
     }
 
-    /// The same with the bytes of all ranks one after another, if it is known how many come from each rank, and
-    /// that none has failed.
+    /// The same with the bytes of all ranks one after another, if it is known how many come from
+    /// each rank, and that none has failed.
     pub fn exchange_known(
         &mut self,
         to: &[u8],

@@ -1,6 +1,7 @@
-//! Domain decomposition: a world that is distributed over ranks. Each rank holds the particles of its
-//! domain and copies of those near it (ghosts), as in parallel molecular dynamics (S. Plimpton, *Fast
-//! Parallel Algorithms for Short-Range Molecular Dynamics*, Journal of Computational Physics 117, 1995).
+//! Domain decomposition: a world that is distributed over ranks. Each rank holds the particles of
+//! its domain and copies of those near it (ghosts), as in parallel molecular dynamics (S. Plimpton,
+//! *Fast Parallel Algorithms for Short-Range Molecular Dynamics*, Journal of Computational Physics
+//! 117, 1995).
 
 mod cells;
 mod cuts;
@@ -19,7 +20,7 @@ pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records, record_fields};
 pub use scale::{CELLS, Scale, read_samples, sample_positions};
 
-/// What a sub-step shares with other ranks.
+/// The data that a sub-step exchanges with other ranks.
 #[derive(Debug, Clone, Copy)]
 pub struct Halo<'a> {
     /// The ranks.
@@ -37,8 +38,8 @@ pub struct Halo<'a> {
 }
 
 impl Halo<'_> {
-    /// Replaces numbers of all ghosts by those that their own ranks have. No rank may have failed since
-    /// the last call.
+    /// Replaces numbers of all ghosts by those that their own ranks have. No rank may have failed
+    /// since the last call.
     pub fn refresh<const N: usize>(
         &self,
         get: impl Fn(u32) -> [f32; N],
@@ -66,7 +67,8 @@ impl Halo<'_> {
             .collect())
     }
 
-    /// Sends `size` bytes of each disc that is a ghost elsewhere; returns those of all ghosts, in their order.
+    /// Sends `size` bytes of each disc that is a ghost elsewhere; returns those of all ghosts, in
+    /// their order.
     fn exchange(&self, size: usize, put: impl Fn(u32, &mut Vec<u8>)) -> Result<Vec<u8>> {
         let bytes_of = |lists: &[Vec<u32>]| -> Vec<usize> {
             lists.iter().map(|indices| indices.len() * size).collect()
@@ -77,7 +79,7 @@ impl Halo<'_> {
         locked(self.group).exchange_known(&to, &sent, &received)
     }
 
-    /// Whether something is so on any rank. Returns an error if a rank has failed.
+    /// Whether a condition is true on any rank. Returns an error if a rank has failed.
     pub fn any(&self, own: bool) -> Result<bool> {
         Ok(locked(self.group).sum([u64::from(own)])? != [0])
     }

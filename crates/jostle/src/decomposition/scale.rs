@@ -1,5 +1,5 @@
-//! Scales of coordinates by quantiles: as many particles are in each cell of a scale, so a particle far away
-//! from all others does not make the cells of these larger.
+//! Scales of coordinates by quantiles: all cells of a scale have about the same number of
+//! particles, so a particle far away from all others does not make the cells of these larger.
 
 use crate::sorting;
 
@@ -9,18 +9,19 @@ pub const CELLS: usize = 256;
 /// Equal parts of a scale, each with the range of its cells.
 const BUCKETS: usize = 1024;
 
-/// Samples of all ranks together, about, and of one rank at least and at most.
+/// Approximate number of samples of all ranks together; minimum and maximum number of samples of
+/// one rank.
 const SAMPLES: usize = 8192;
-const FEWEST: usize = 64;
-const MOST: usize = 1024;
+const MIN_SAMPLES: usize = 64;
+const MAX_SAMPLES: usize = 1024;
 
-/// Particles of a rank from which the samples are taken, at most.
+/// Maximum number of particles of a rank from which the samples are taken.
 const SORTED: usize = 1 << 15;
 
 /// A monotone map of a coordinate to 0..=1, linear in each cell.
 #[derive(Clone, Debug, Default)]
 pub struct Scale {
-    /// Where the cells begin, and where the last one ends.
+    /// The beginnings of the cells, and the end of the last one.
     edges: Vec<f64>,
     /// The number of cells that end before each bucket.
     hints: Vec<u16>,
@@ -56,8 +57,8 @@ impl Scale {
         (((x - self.origin) * self.per_length) as usize).min(BUCKETS - 1)
     }
 
-    /// The cell of a coordinate: the number of cells that end before it. Coordinates outside are in the
-    /// first or in the last one.
+    /// The cell of a coordinate: the number of cells that end before it. Coordinates outside are in
+    /// the first or in the last one.
     #[inline(always)]
     pub fn cell(&self, x: f64) -> usize {
         let bucket = self.bucket(x);
@@ -108,7 +109,7 @@ fn quantiles(sorted: &[(f64, f64)]) -> Vec<f64> {
 /// Coordinates of evenly spaced particles as bytes: those of one axis, then those of the other.
 pub fn sample_positions(positions: &[[f32; 2]], ranks: usize) -> Vec<u8> {
     let stride = positions.len().div_ceil(SORTED).max(1);
-    let count = (SAMPLES / ranks.max(1)).clamp(FEWEST, MOST);
+    let count = (SAMPLES / ranks.max(1)).clamp(MIN_SAMPLES, MAX_SAMPLES);
     let mut bytes = Vec::new();
     for k in [0, 1] {
         let mut all: Vec<f32> = positions.iter().step_by(stride).map(|at| at[k]).collect();

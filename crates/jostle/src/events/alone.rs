@@ -5,7 +5,7 @@
 use super::history::Bounce;
 use super::impulses;
 use super::queue::{Event, WALL};
-use super::simulation::{MAX_EVENTS, Simulation};
+use super::simulation::Simulation;
 use super::two::Turned;
 use crate::trajectory::{Kind, Segment};
 
@@ -25,7 +25,7 @@ impl Simulation<'_> {
         let course = &self.history.courses[number as usize];
         // A disc without room has several events at one moment.
         let has_just_turned = course.count > 0 && course.segment.time == time;
-        if has_just_turned || course.stopped.is_some() || course.count + 1 >= MAX_EVENTS {
+        if has_just_turned || course.stopped.is_some() || course.count + 1 >= self.max_events() {
             return false;
         }
         let now = course.segment.moved(time, window.gravity());

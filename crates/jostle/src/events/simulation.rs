@@ -18,9 +18,10 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of one disc in a window at most. A disc that has had them stands still for the rest of the
-/// step.
-pub(super) const MAX_EVENTS: u32 = 1024;
+/// Events of one disc in a window at most: where no collision loses energy, and elsewhere. A disc that
+/// has had them stands still for the rest of the step. More would resolve more discs of a pile, but a
+/// long row that collapses would take minutes.
+const MAX_EVENTS: [u32; 2] = [1024, 384];
 
 /// After so many events in a window an inelastic disc collides elastically with other discs until its
 /// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
@@ -326,7 +327,7 @@ impl Simulation<'_> {
         self.add(touch);
         if wall >= FIRST && !has_room {
             // It stands still from its next event on, which is this one.
-            self.history.courses[number as usize].count = MAX_EVENTS - 1;
+            self.history.courses[number as usize].count = self.max_events() - 1;
         }
     }
 
@@ -523,7 +524,7 @@ impl Simulation<'_> {
 
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
-        let window = self.window;
+        let (window, max_events) = (self.window, self.max_events());
         let is_lossless = window.flight.is_lossless;
         let History { courses, ended, outside, stopped, collapsed, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
@@ -534,7 +535,7 @@ impl Simulation<'_> {
         if course.count == COLLAPSE && !is_lossless {
             collapsed.push(number);
         }
-        if course.count >= MAX_EVENTS {
+        if course.count >= max_events {
             // It keeps its energy where energy is conserved. Elsewhere its velocity is that of its
             // motion. Gravity would accelerate it without end if it stood still in each step.
             course.stopped = Some(if is_lossless { new.velocity } else { [0.0; 2] });
@@ -548,6 +549,11 @@ impl Simulation<'_> {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
         }
+    }
+
+    /// Events of a disc after which it stands still.
+    pub(super) fn max_events(&self) -> u32 {
+        MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

@@ -7,7 +7,7 @@ use super::history::Bounce;
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
-use super::simulation::{MAX_EVENTS, Simulation};
+use super::simulation::Simulation;
 use crate::trajectory::{Kind, Segment, Vector, vector};
 
 /// A disc that gets a new segment.
@@ -44,7 +44,8 @@ impl Simulation<'_> {
         }
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= MAX_EVENTS) {
+        let max_events = self.max_events();
+        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= max_events) {
             return false;
         }
         let now = courses.map(|course| course.segment.moved(time, window.gravity()));

@@ -11,9 +11,9 @@ use crate::simd::{LANES, Simd, block};
 /// Lower limit of squared distances, which prevents a division by 0.
 const MIN_SQUARE: f32 = 1e-24;
 
-/// The acceleration of each particle is the mean over its neighbours of
-/// separation (1 − d/cutoff) away from the neighbour, alignment times the difference of velocities,
-/// and cohesion times the offset d.
+/// The acceleration of each particle is the mean over its neighbours of separation (1 − d/cutoff)
+/// away from the neighbour, alignment times the difference of velocities, and cohesion times the
+/// offset d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flocking {
     /// Distance below which particles are neighbours.

@@ -1,10 +1,10 @@
 //! Forces, apart from gravity and contacts.
 //!
 //! [`accelerate`] sums the accelerations by attractors, gravitation, and forces between neighbours:
-//! those between kinds of particles and flocking. Springs are integrated in
-//! parts of a sub-step ([`springs::SpringSolver`]). The thermostat and thermal walls act when
-//! particles bounce off walls, Andersen's thermostat at the end of a step. Motors move immovable
-//! particles and walls. The order of every sum depends only on the state.
+//! those between kinds of particles and flocking. Springs are integrated in parts of a sub-step
+//! ([`springs::SpringSolver`]). The thermostat and thermal walls act when particles bounce off
+//! walls, Andersen's thermostat at the end of a step. Motors move immovable particles and walls.
+//! The order of every sum depends only on the state.
 
 pub mod attractor;
 pub mod chance;
@@ -98,8 +98,8 @@ impl Force {
         }
     }
 
-    /// Whether it acts on particles by their rows, also in the sub-steps. Motors only set velocities before
-    /// a step.
+    /// Whether it acts on particles by their rows, also in the sub-steps. Motors only set
+    /// velocities before a step.
     fn names_any(&self) -> bool {
         match self {
             Self::Attractor(attractor) => matches!(attractor.pole, Pole::Particle(_)),
@@ -416,8 +416,8 @@ pub fn accelerate(
     }
 }
 
-/// Potential energy of the particles in all forces between kinds: half of that of each pair for each of its
-/// bodies whose row is below `own`.
+/// Potential energy of the particles in all forces between kinds: half of that of each pair for
+/// each of its bodies whose row is below `own`.
 pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>, own: usize) -> f64 {
     let mut scratch = neighbors::Scratch::default();
     let mut all = pairs(forces).filter(|pair| pair.table.is_reciprocal()).peekable();

@@ -1,8 +1,8 @@
 //! Neighbours within a cutoff, for forces of short range.
 //!
 //! The bodies are sorted by a tree of their own. In its order, every [`LANES`] bodies are a block.
-//! For each group of bodies, the tree gives the blocks that may have neighbours. The neighbours of a
-//! body are then packed into dense columns, in the order of blocks and bodies. So a law sums them
+//! For each group of bodies, the tree gives the blocks that may have neighbours. The neighbours of
+//! a body are then packed into dense columns, in the order of blocks and bodies. So a law sums them
 //! in an order that depends only on the state, and not on the blocks that were tested in vain.
 
 use std::cmp::Ordering;
@@ -22,14 +22,14 @@ const MAX_GROUP: usize = 32;
 /// Number of groups in a task.
 const TASK_GROUPS: usize = 16;
 
-/// Fewer bodies are not worth sharing with other threads, or waking these for.
+/// Minimum number of bodies for which threads that are awake are used, and are woken.
 const WORTH_SHARING: usize = 512;
 const WORTH_WAKING: usize = 2048;
 
-/// Maximum number of columns that a law reads, beside positions.
+/// Maximum number of columns that a law reads in addition to positions.
 const COLUMNS: usize = 3;
 
-/// What its neighbours do to a body.
+/// The effect of its neighbours on a body.
 pub trait Law: Sync {
     /// The force or acceleration on the body at an index of the columns. Must be inlined.
     fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2];
@@ -119,8 +119,8 @@ impl Scratch {
         &self.columns
     }
 
-    /// Calls `add` with each row and what the law says of it. `count` is the number of columns of
-    /// the law.
+    /// Calls `add` with each row and the result of the law for it. `count` is the number of columns
+    /// of the law.
     pub fn sum<L: Law>(
         &mut self,
         bodies: &Bodies<'_>,

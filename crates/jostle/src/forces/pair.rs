@@ -1,7 +1,7 @@
 //! Forces between kinds of particles within a cutoff, from a table.
 //!
-//! The force on a particle of kind a by one of kind b is given at equally spaced distances from 0 to
-//! the cutoff, and linear between. Where the forces of all kinds on each other are equal and
+//! The force on a particle of kind a by one of kind b is given at equally spaced distances from 0
+//! to the cutoff, and linear between. Where the forces of all kinds on each other are equal and
 //! opposite, the potential energy is the exact integral of the linear pieces, so that it fits the
 //! force to rounding.
 
@@ -235,8 +235,8 @@ pub fn add(
     });
 }
 
-/// Potential energy of the bodies whose rows are below `own`, half of that of each pair; 0 beyond the cutoff. 0
-/// if the forces are not equal and opposite. The bodies are sorted in `scratch`.
+/// Potential energy of the bodies whose rows are below `own`, half of that of each pair; 0 beyond
+/// the cutoff. 0 if the forces are not equal and opposite. The bodies are sorted in `scratch`.
 pub fn energy(
     force: &PairForce,
     bodies: &Bodies<'_>,
@@ -269,8 +269,8 @@ impl PairForce {
     }
 }
 
-/// The first column has the index of the first segment of the kind of each body among those that act
-/// on one kind, the others velocities, if there is damping.
+/// The first column has the index of the first segment of the kind of each body among those that
+/// act on one kind, the others velocities, if there is damping.
 impl Law for PairTable {
     #[inline(always)]
     fn act<S: Simd<f32>>(&self, simd: S, own: Own<'_>, found: &Found) -> [f64; 2] {

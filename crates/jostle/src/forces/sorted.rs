@@ -12,8 +12,8 @@ use crate::shapes::{Each, Shapes};
 /// Maximum number of bodies in a leaf of the tree.
 const LEAF: usize = 16;
 
-/// The bodies as points of a tree. Their order depends only on positions and ties, so it is the same
-/// for every number of threads and every order of adding.
+/// The bodies as points of a tree. Their order depends only on positions and ties, so it is the
+/// same for every number of threads and every order of adding.
 #[derive(Debug, Default)]
 pub struct Sorted {
     shapes: Shapes<f32>,
@@ -25,8 +25,8 @@ pub struct Sorted {
 }
 
 impl Sorted {
-    /// Sorts the bodies. A group has at most `most` bodies, or is a leaf. `tie` orders bodies at the
-    /// same position.
+    /// Sorts the bodies. A group has at most `most` bodies, or is a leaf. `tie` orders bodies at
+    /// the same position.
     pub fn sort(
         &mut self,
         bodies: &Bodies<'_>,

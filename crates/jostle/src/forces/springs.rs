@@ -111,8 +111,8 @@ fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
 }
 
 /// Writes an estimate of the displacement of each particle by springs in a step of `dt` into
-/// `max_displacements[index]`. All particles of an island get the largest one, because an impact on one end
-/// of a spring may move the other end within the step.
+/// `max_displacements[index]`. All particles of an island get the largest one, because an impact on
+/// one end of a spring may move the other end within the step.
 pub fn max_displacements<'a>(
     springs: impl Iterator<Item = &'a Spring> + Clone,
     bodies: &Bodies<'_>,

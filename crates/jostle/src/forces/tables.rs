@@ -8,7 +8,7 @@ use crate::particles::FARTHEST;
 /// Points of a table whose pieces are not straight.
 const POINTS: usize = 2049;
 
-/// Largest number of segments in which the corners of a force are looked for.
+/// Maximum number of equal segments that are tried for the corners of a force.
 const MAX_SEGMENTS: usize = 400;
 
 /// Share of σ below which the Lennard-Jones force does not increase any more.

@@ -10,10 +10,10 @@ use crate::walls::{FIRST, MAX_WORLD_WALLS};
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
 
-/// Sides of the container, and walls, with a temperature. A disc leaves such a wall with the velocity
-/// of a particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along the normal, and
-/// a normal distribution along the wall (R. Tehver et al., *Thermal walls in computer simulations*,
-/// Phys. Rev. E 57, R17, 1998).
+/// Sides of the container, and walls, with a temperature. A disc leaves such a wall with the
+/// velocity of a particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along
+/// the normal, and a normal distribution along the wall (R. Tehver et al., *Thermal walls in
+/// computer simulations*, Phys. Rev. E 57, R17, 1998).
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThermalWalls {
     /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
@@ -46,8 +46,8 @@ impl ThermalWalls {
         Err(Error::of("sides", "()", "at least one side or wall must have the temperature"))
     }
 
-    /// Why a container does not have its sides; None if it has them. All four are the whole wall of a
-    /// circle.
+    /// Why a container does not have its sides; None if it has them. All four are the whole wall of
+    /// a circle.
     pub(super) fn misfit(&self, container: Container) -> Option<&'static str> {
         let [first, rest @ ..] = self.sides;
         let (has_them, rule) = match container {
@@ -100,8 +100,8 @@ impl Andersen {
 /// The sides of the container and the walls that have a temperature, in one step.
 #[derive(Debug, Default)]
 pub struct HotWalls {
-    /// Temperature and seed of the wall with each number; None if it has no temperature. Empty if no
-    /// wall has one.
+    /// Temperature and seed of the wall with each number; None if it has no temperature. Empty if
+    /// no wall has one.
     all: Vec<Option<(f32, u32)>>,
     /// Time at the beginning of the step.
     time: f64,
@@ -127,8 +127,8 @@ impl HotWalls {
     }
 
     /// The velocity of a disc against a wall after an impact on it at `time`: the components along
-    /// the normal and along the wall; None if the wall has no temperature. The random numbers depend on the
-    /// seed, the position and velocity at the impact, and the time.
+    /// the normal and along the wall; None if the wall has no temperature. The random numbers
+    /// depend on the seed, the position and velocity at the impact, and the time.
     pub fn speeds(
         &self,
         wall: u32,

@@ -45,7 +45,8 @@ pub fn overlap_by_centers<T: Scalar, S: Simd<T>>(
     is_near | simd.both_negative(gaps[0], gaps[1])
 }
 
-/// As [`overlap`], faster, for discs: from the offsets of their centres, whose signs have no effect.
+/// As [`overlap`], faster, for discs: from the offsets of their centres, whose signs have no
+/// effect.
 #[inline(always)]
 pub fn discs_overlap<T: Scalar, S: Simd<T>>(
     simd: S,

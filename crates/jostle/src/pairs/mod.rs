@@ -199,8 +199,8 @@ fn add_rest<T: Scalar>(
 /// Number of brute force tests that take as long as inserting one shape into a tree.
 const TESTS_FOR_A_SHAPE: usize = 64;
 
-/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in unspecified order, by the faster
-/// method.
+/// All overlapping pairs, the first a row of `a`, the second a row of `b`, in unspecified order, by
+/// the faster method.
 pub fn find_between<T: Scalar>(
     a: &Shapes<T>,
     b: &Shapes<T>,

@@ -1,7 +1,7 @@
 //! Circles of a tree that are near line segments.
 //!
-//! Bounding boxes of segments that are not parallel to an axis are much larger than the segments, so
-//! distances from the segments themselves are tested, sixteen circles at a time.
+//! Bounding boxes of segments that are not parallel to an axis are much larger than the segments,
+//! so distances from the segments themselves are tested, sixteen circles at a time.
 
 use std::ops::Range;
 
@@ -36,8 +36,8 @@ pub struct LineSegment {
 }
 
 impl LineSegment {
-    /// The segment between two points. Circles are near if their distance is at most `margin`; smaller
-    /// radii than `least_radius` count as this.
+    /// The segment between two points. Circles are near if their distance is at most `margin`;
+    /// smaller radii than `least_radius` count as this.
     pub fn new([a, b]: [[f64; 2]; 2], least_radius: f64, margin: f64) -> Self {
         let offset = [0, 1].map(|k| b[k] - a[k]);
         let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
@@ -57,15 +57,16 @@ impl LineSegment {
         radius.max(self.least_radius) * (1.0 + ROUNDING as f32) + self.margin
     }
 
-    /// Distance of a point from the line, negative on the right-hand side, and its position along it.
+    /// Distance of a point from the line, negative on the right-hand side, and its position along
+    /// it.
     #[inline(always)]
     fn seen(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [ux, uy] = self.along;
         [y * ux - x * uy, x * ux + y * uy]
     }
 
-    /// Whether a circle may be near somewhere on a path; `extent` is added to its radius. False only
-    /// if it certainly is not.
+    /// Whether a circle may be near somewhere on a path; `extent` is added to its radius. False
+    /// only if it certainly is not.
     #[inline(always)]
     pub fn may_touch(&self, path: &Path, radius: f32, extent: f32) -> bool {
         let [across, along] = self.seen([0, 1].map(|k| path.position[k] - self.start[k]));
@@ -128,8 +129,8 @@ impl LineSegments {
         self.all[index as usize]
     }
 
-    /// Which of sixteen segments from `start` on may be nearer than a distance to circles with these
-    /// bounds, by their extents along both axes and across each segment (separating axes).
+    /// Which of sixteen segments from `start` on may be nearer than a distance to circles with
+    /// these bounds, by their extents along both axes and across each segment (separating axes).
     #[inline(always)]
     fn reaching<S: Simd<f32>>(
         &self,
@@ -161,8 +162,8 @@ impl LineSegments {
     }
 }
 
-/// The indices of line segments and of circles that are nearer to them than a distance, and of a few
-/// others. `tree` has the bounds of the segments, in the same order.
+/// The indices of line segments and of circles that are nearer to them than a distance, and of a
+/// few others. `tree` has the bounds of the segments, in the same order.
 pub fn near_segments(
     tree: &Quadtree<f32>,
     (segments, distance): (&LineSegments, f32),
@@ -288,8 +289,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-        /// A disc is led to a point at which its distance from a point of a segment is a share of its
-        /// radius: near and far from the origin, short and long segments and displacements, and points.
+        /// A disc is led to a point at which its distance from a point of a segment is a share of
+        /// its radius: near and far from the origin, short and long segments and displacements, and
+        /// points.
         #[test]
         fn a_disc_that_touches_is_never_left_out(
             index in vector(-2.0..6.0),

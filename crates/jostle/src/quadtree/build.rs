@@ -183,8 +183,8 @@ impl<T: Scalar> Builder<'_, T> {
         self.fill_leaves(&mut nodes[first..], outputs, strips, ends, scratch)
     }
 
-    /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first node, and
-    /// makes their strips.
+    /// Writes the shapes of all leaves to `outputs`, which begin with the first shape of the first
+    /// node, and makes their strips.
     fn fill_leaves(
         &self,
         nodes: &mut [Node],

@@ -82,7 +82,8 @@ impl Grid {
         Self { prescale: self.prescale, origin, side }
     }
 
-    /// The Morton order of two centres by the keys of this grid, of its cells, of their cells and so on.
+    /// The Morton order of two centres by the keys of this grid, of its cells, of their cells and
+    /// so on.
     pub fn compare(&self, a: [f64; 2], b: [f64; 2]) -> Ordering {
         let mut grid = *self;
         for _ in 0..NESTED {
@@ -109,8 +110,8 @@ impl Grid {
 /// 2⁵²: a number that is added to it is rounded to an integer.
 const SHIFTER: f64 = (1u64 << 52) as f64;
 
-/// The nearest integer to a number that is at least 0 and fits. Unlike a cast, the compiler vectorizes this:
-/// the integer is in the low bits of the mantissa of the sum.
+/// The nearest integer to a number that is at least 0 and fits. Unlike a cast, the compiler
+/// vectorizes this: the integer is in the low bits of the mantissa of the sum.
 #[inline(always)]
 pub fn nearest_integer(number: f64) -> u32 {
     (number + SHIFTER).to_bits() as u32

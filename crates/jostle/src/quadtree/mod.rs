@@ -237,8 +237,8 @@ impl<T: Scalar> Quadtree<T> {
         &self.built.bounds
     }
 
-    /// For each strip of a leaf: its indices, and the end of the last strip with shapes that its own
-    /// shapes could overlap.
+    /// For each strip of a leaf: its indices, and the end of the last strip with shapes that its
+    /// own shapes could overlap.
     #[inline(always)]
     pub fn strips(&self, leaf: &Node) -> impl Iterator<Item = (Range<usize>, usize)> {
         let strips = &self.built.strips[leaf.children as usize];
@@ -271,8 +271,8 @@ impl<T: Scalar> Quadtree<T> {
         self.period
     }
 
-    /// A copy in which the radii are larger by half of `distance`, so that two shapes overlap if the
-    /// gap between them was less than that. Refuses a distance that is out of range.
+    /// A copy in which the radii are larger by half of `distance`, so that two shapes overlap if
+    /// the gap between them was less than that. Refuses a distance that is out of range.
     pub fn grown(&self, distance: T) -> Result<Self> {
         let by = half_of(distance)?;
         let mut grown = Self {

@@ -65,13 +65,13 @@ impl<T> Keyed<T> {
 pub struct Order<T> {
     /// `rows[index]` is the shape's row in the caller's columns.
     pub rows: Vec<u32>,
-    /// The first entry has the keys of all indices; each other entry those of indices that are in one
-    /// finest cell of an earlier entry.
+    /// The first entry has the keys of all indices; each other entry those of indices that are in
+    /// one finest cell of an earlier entry.
     pub keyed: Vec<Keyed<T>>,
     /// The AABB of the grid, if it is given.
     pub extent: Option<[[T; 2]; 2]>,
-    /// Whether finer grids are the cells of the first one, so that the order of two shapes does not depend on
-    /// others.
+    /// Whether finer grids are the cells of the first one, so that the order of two shapes does not
+    /// depend on others.
     pub is_nested: bool,
     finer: HashMap<(usize, usize), usize>,
     sorter: Sorter<T>,
@@ -362,7 +362,8 @@ fn grid_of<T: Scalar>(items: &[Item<T>]) -> Option<Grid> {
     grid_around([min, max])
 }
 
-/// The first of the cells of a grid, of their cells and so on that separates some shapes; None if none does.
+/// The first of the cells of a grid, of their cells and so on that separates some shapes; None if
+/// none does.
 fn cell_of<T: Scalar>(root: Grid, items: &[Item<T>]) -> Option<Grid> {
     let mut grid = root;
     for _ in 0..NESTED {

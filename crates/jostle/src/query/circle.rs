@@ -45,7 +45,7 @@ impl<T: Scalar> Region<T> for Circle<T> {
         Self { center: self.window().moved(shift).min, ..*self }
     }
 
-    fn home(&self, period: &Period<T>) -> Self {
+    fn wrapped(&self, period: &Period<T>) -> Self {
         Self { center: period.wrap(self.center), ..*self }
     }
 }

@@ -42,7 +42,7 @@ impl<T: Scalar> Frontier<T> {
         let (nodes, node_bounds) = (tree.nodes(), tree.bounds());
         self.len = usize::from(!nodes.is_empty());
         self.nodes[0] = 0;
-        // Leaves stay; other nodes are replaced by their children.
+        // Leaves remain; other nodes are replaced by their children.
         let mut opened = true;
         while opened && self.len <= MAX_NODES {
             opened = false;

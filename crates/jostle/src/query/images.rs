@@ -36,9 +36,9 @@ impl<R> Images<R> {
         for (index, region) in regions.iter().enumerate() {
             pulse.check(16)?;
             region.check_period(index, period)?;
-            let home = region.home(period);
+            let wrapped = region.wrapped(period);
             for shift in period.images() {
-                let image = home.moved(shift);
+                let image = wrapped.moved(shift);
                 if bounds.is_none_or(|bounds| image.window().may_touch(bounds)) {
                     memory::push(&mut images.regions, image)?;
                 }
@@ -51,7 +51,7 @@ impl<R> Images<R> {
     /// The answers of the queries from those of their images; each id once, ascending.
     pub(crate) fn combine<I: Bytes>(&self, found: Hits<I>) -> Result<Hits<I>> {
         let mut pulse = Pulse::current();
-        let mut all = Hits { tests: found.tests, ..Hits::with_room_for(self.ends.len())? };
+        let mut all = Hits { tests: found.tests, ..Hits::with_capacity(self.ends.len())? };
         memory::reserve(&mut all.ids, found.ids.len())?;
         let mut first = 0;
         for &end in &self.ends {

@@ -1,5 +1,5 @@
-//! Queries: shapes that overlap a region, nearest neighbours, neighbours within a distance, casts of
-//! rays, discs and boxes.
+//! Queries: shapes that overlap a region, nearest neighbours, neighbours within a distance, casts
+//! of rays, discs and boxes.
 //!
 //! Every query has one exact test of a single shape, in the arithmetic of the tree. Nodes and
 //! blocks of shapes are skipped by conservative tests, so the result is that of brute force.

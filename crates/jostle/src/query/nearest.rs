@@ -49,8 +49,8 @@ impl<T: Scalar> Origin<T> {
         Self { images: [0, 1].map(|axis| period.images_along(axis, point[axis])) }
     }
 
-    /// The gaps along each axis between the nearest image, in a periodic plane, and cores from `min`
-    /// to `max`, extended by `half_size`; negative inside.
+    /// The gaps along each axis between the nearest image, in a periodic plane, and cores from
+    /// `min` to `max`, extended by `half_size`; negative inside.
     #[inline(always)]
     fn gaps<const PERIODIC: bool>(&self, [min, max]: [[T; 2]; 2], half_size: [T; 2]) -> [T; 2] {
         let mut gaps = [T::ZERO; 2];
@@ -347,8 +347,8 @@ fn within<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     !simd.less(max_square, lanes::square(simd, [x, y]))
 }
 
-/// The gaps between a point and the cores of a block along one axis, at least 0; in a periodic plane
-/// those of the nearest of its images.
+/// The gaps between a point and the cores of a block along one axis, at least 0; in a periodic
+/// plane those of the nearest of its images.
 #[inline(always)]
 fn core_gap<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     simd: S,
@@ -445,8 +445,8 @@ fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// As [`nearest_from`], with one maximum distance and outside of a periodic plane: `shape_of` returns
-/// the shape with an id.
+/// As [`nearest_from`], with one maximum distance and outside of a periodic plane: `shape_of`
+/// returns the shape with an id.
 pub fn nearest_by<T: Scalar>(
     points: &[[T; 2]],
     (k, max_distance): (usize, T),

@@ -48,7 +48,7 @@ impl<T: Scalar> Region<T> for Point<T> {
         Self(self.window().moved(shift).min)
     }
 
-    fn home(&self, period: &Period<T>) -> Self {
+    fn wrapped(&self, period: &Period<T>) -> Self {
         Self(period.wrap(self.0))
     }
 }

@@ -62,8 +62,8 @@ impl<T: Scalar> Ray<T> {
         memory::collect((0..len).map(ray))
     }
 
-    /// The same rays with their origins in the first period. Refuses rays that pass through too many
-    /// periods.
+    /// The same rays with their origins in the first period. Refuses rays that pass through too
+    /// many periods.
     pub fn in_period(rays: &[Self], period: &Period<T>) -> Result<Vec<Self>> {
         let sides = period.sides().map(T::to_f64);
         let shorter = sides.into_iter().filter(|&side| side > 0.0).fold(f64::INFINITY, f64::min);
@@ -134,8 +134,8 @@ pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     hit_in_range(&core, radius_sum * into, ray).map(|distance| distance * back)
 }
 
-/// The unit normal of a shape where a ray hits it at a distance, pointing away from the shape; (0, 0)
-/// at distance 0, where the ray starts inside or touches.
+/// The unit normal of a shape where a ray hits it at a distance, pointing away from the shape; (0,
+/// 0) at distance 0, where the ray starts inside or touches.
 pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] {
     if distance == T::ZERO {
         return [T::ZERO; 2];

@@ -45,7 +45,7 @@ pub trait Region<T>: Sync {
     where
         Self: Sized;
     /// The same region with its centre in the first period, up to rounding.
-    fn home(&self, period: &Period<T>) -> Self
+    fn wrapped(&self, period: &Period<T>) -> Self
     where
         Self: Sized,
         T: Scalar,
@@ -99,7 +99,7 @@ pub struct Hits<I> {
 
 impl<I> Hits<I> {
     /// No results yet, and memory for the offsets of `queries`.
-    pub(crate) fn with_room_for(queries: usize) -> Result<Self> {
+    pub(crate) fn with_capacity(queries: usize) -> Result<Self> {
         let mut offsets = memory::with_capacity(queries + 1)?;
         offsets.push(0);
         Ok(Self { offsets, ids: Vec::new(), tests: 0 })
@@ -172,7 +172,7 @@ fn search_in_order<T: Scalar>(
 /// Combines the results of all tasks in the order of the queries.
 fn combine(parts: &[&[u32]], mut found: Vec<Hits<u32>>) -> Result<Hits<u32>> {
     match found.len() {
-        0 => return Hits::with_room_for(0),
+        0 => return Hits::with_capacity(0),
         1 => return Ok(found.remove(0)),
         _ => {}
     }
@@ -217,7 +217,7 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
 
     #[inline(always)]
     fn run<S: Simd<T>>(mut self, simd: S) -> Result<Hits<u32>> {
-        let mut hits = Hits::with_room_for(self.order.len())?;
+        let mut hits = Hits::with_capacity(self.order.len())?;
         let (mut frontier, mut stack) = (Frontier::default(), Vec::new());
         let (mut ends, mut nodes) = (Vec::new(), Vec::new());
         for group in self.order.chunks(GROUP) {

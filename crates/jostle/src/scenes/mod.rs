@@ -102,9 +102,10 @@ impl Scene {
         self.create_rows(self.count(count)?, seed, 0..usize::MAX)
     }
 
-    /// The part of its world that has the particles of one of `size` ranks, with the settings of the whole.
-    /// The parts of all ranks, one after the other, are the particles of [`Scene::create`]. Not all scenes can
-    /// be made in parts; the others are made as a whole first.
+    /// The part of its world that has the particles of one of `size` ranks, with the settings of
+    /// the whole. The parts of all ranks, one after the other, are the particles of
+    /// [`Scene::create`]. Not all scenes can be made in parts; the others are made as a whole
+    /// first.
     pub fn create_part(
         &self,
         count: Option<usize>,

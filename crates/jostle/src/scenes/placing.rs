@@ -44,7 +44,8 @@ pub fn lattice_places(
     (0..count).map(place)
 }
 
-/// The values of the particles in `rows`. All values are made, so that random numbers do not depend on it.
+/// The values of the particles in `rows`. All values are made, so that random numbers do not depend
+/// on it.
 pub fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
     values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value).collect()
 }

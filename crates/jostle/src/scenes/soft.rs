@@ -153,7 +153,7 @@ impl SoftBodies {
 }
 
 /// Number of cells along x and y, and the size of each.
-fn rooms(n: usize) -> ([usize; 2], [f32; 2]) {
+fn cells(n: usize) -> ([usize; 2], [f32; 2]) {
     let count = (n / ROOM_COUNT).max(1);
     let columns = (1..).find(|columns| columns * columns >= count).unwrap_or(1);
     let share = n as f32 / (count * ROOM_COUNT) as f32;
@@ -161,18 +161,18 @@ fn rooms(n: usize) -> ([usize; 2], [f32; 2]) {
 }
 
 pub fn springs_view(n: usize) -> Area {
-    let (rooms, size) = rooms(n);
-    [0.0, 0.0, rooms[0] as f32 * size[0], rooms[1] as f32 * size[1]]
+    let (counts, size) = cells(n);
+    [0.0, 0.0, counts[0] as f32 * size[0], counts[1] as f32 * size[1]]
 }
 
 /// `n` particles in all, including the immovable ones of cloths and chains.
 pub fn springs(n: usize, random: &mut Random) -> Start {
-    let (rooms, size) = rooms(n);
+    let (counts, size) = cells(n);
     let count = (n / ROOM_COUNT).max(1);
     let mut tissue = SoftBodies::default();
-    for room in 0..count {
-        let corner = [(room % rooms[0]) as f32 * size[0], (room / rooms[0]) as f32 * size[1]];
-        furnish(n * (room + 1) / count - n * room / count, corner, size, &mut tissue, random);
+    for cell in 0..count {
+        let corner = [(cell % counts[0]) as f32 * size[0], (cell / counts[0]) as f32 * size[1]];
+        fill_cell(n * (cell + 1) / count - n * cell / count, corner, size, &mut tissue, random);
     }
     let settings = WorldSettings {
         gravity: [0.0, 600.0],
@@ -185,7 +185,7 @@ pub fn springs(n: usize, random: &mut Random) -> Start {
 
 /// Fills a cell with `n` particles: the cloth on the left, the chain on the right, and rows of
 /// bodies below.
-fn furnish(
+fn fill_cell(
     n: usize,
     corner: [f32; 2],
     size: [f32; 2],

@@ -13,7 +13,7 @@ use crate::shapes::Shapes;
 /// Maximum number of shapes in a leaf of the tree.
 const LEAF_CAPACITY: usize = 64;
 
-/// What does not change of a shape.
+/// The properties of a shape that do not change.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Body<T> {
     /// Half width and half height of the core.
@@ -25,7 +25,7 @@ pub struct Body<T> {
 }
 
 impl<T: Scalar> Body<T> {
-    /// Whether the shape stays where it is.
+    /// Whether the shape is fixed.
     #[inline(always)]
     pub fn is_fixed(&self) -> bool {
         self.weight == T::INFINITY

@@ -136,7 +136,7 @@ impl<T: Scalar> Search<T> {
         memory::push(&mut self.lines, (T::ZERO, wanted))?;
         for &other in &self.nearby {
             let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
-            let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.room();
+            let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.size_factor();
             widest = widest.max(needed);
             let round = body.half[0] + second.half[0] < body.radius + second.radius;
             let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
@@ -168,7 +168,7 @@ impl<T: Scalar> Search<T> {
         pulse.check(last - first)?;
         for &other in &self.nearby[first..last] {
             let (second, center) = (&bodies.all[other as usize], bodies.centers[other as usize]);
-            let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.room();
+            let needed = pusher.needed_along(1, body, second, center[0] - x) * pusher.size_factor();
             if needed > T::ZERO {
                 let interval = [center[1] - needed, center[1] + needed];
                 memory::push(&mut self.taken.intervals, interval)?;

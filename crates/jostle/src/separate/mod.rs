@@ -129,8 +129,8 @@ struct Outcome {
     overlaps: usize,
 }
 
-/// If rounds are of little use, regions are enlarged until shapes have much room, and the rest is
-/// put at free positions.
+/// If the number of overlaps falls too slowly, regions are enlarged until shapes cover a small
+/// share of them, and shapes that still overlap are moved to free positions.
 fn in_plane<T: Scalar, K: Scalar>(
     bodies: &mut Bodies<T>,
     rules: &Separation<T>,

@@ -49,7 +49,7 @@ impl<T: Scalar> Pusher<T> {
     }
 
     /// The factor by which shapes are moved farther apart than touching.
-    pub fn room(&self) -> T {
+    pub fn size_factor(&self) -> T {
         T::ONE + self.tolerance
     }
 
@@ -91,7 +91,7 @@ impl<T: Scalar> Pusher<T> {
         if self.axis.is_some() {
             return self.push(a, b, offset, rank);
         }
-        let needed = self.radius_sum(a, b) * self.room();
+        let needed = self.radius_sum(a, b) * self.size_factor();
         let distance = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         if distance > T::ZERO {
             let scale = (needed - distance) * self.relaxation / distance;
@@ -103,7 +103,7 @@ impl<T: Scalar> Pusher<T> {
     /// As [`Self::push`], along an axis.
     fn push_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> [T; 2] {
         let needed = self.needed_along(axis, a, b, offset[1 - axis]);
-        let depth = needed * self.room() - offset[axis].abs();
+        let depth = needed * self.size_factor() - offset[axis].abs();
         let mut push = [T::ZERO; 2];
         push[axis] = if offset[axis] < T::ZERO { -depth } else { depth };
         push

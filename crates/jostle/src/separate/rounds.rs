@@ -18,7 +18,7 @@ use crate::memory;
 use crate::parallel::{self, CHUNK, locked};
 use crate::quadtree::Quadtree;
 
-/// After so many rounds the number of overlaps must have fallen by a tenth; otherwise they end.
+/// The rounds end if the number of overlaps does not fall by a tenth within this number of rounds.
 const PATIENCE: usize = 32;
 
 /// A set of indices of a chunk, one bit each.
@@ -75,14 +75,14 @@ impl IndexSet {
 struct Part<T> {
     /// Their centres; the same as those of the bodies between rounds.
     centers: Vec<[T; 2]>,
-    /// The shapes that have moved since their pairs were tested, and those of whose pairs in other
-    /// chunks the other one has. No other pair overlaps.
+    /// The shapes that have moved since their pairs were tested, and the shapes in a pair with such
+    /// a shape of another chunk. No other pair overlaps.
     stale: IndexSet,
     /// The shapes that have moved in this round.
     moved: IndexSet,
     /// Pairs that overlapped when they were tested.
     overlaps: usize,
-    /// Whether a centre is another one than before the round.
+    /// Whether a centre has changed in the round.
     changed: bool,
     /// Whether a shape has moved farther than its list allows.
     left: bool,
@@ -127,8 +127,9 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         Ok(rounds)
     }
 
-    /// Moves shapes until none overlap or for `max_rounds` rounds in all; returns false if it
-    /// ends earlier, because rounds are of little use. It does not if it is `patient`.
+    /// Moves shapes until none overlap or for `max_rounds` rounds in all; returns false if it ends
+    /// earlier because the number of overlaps falls too slowly. If it is `patient`, it does not end
+    /// earlier.
     pub fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {

@@ -1,10 +1,10 @@
-//! Enlarging regions in which the shapes do not have enough room.
+//! Enlarging regions that are too small for their shapes.
 //!
 //! The set of movable shapes is halved at the median of its longer side, and so on (a k-d tree).
 //! Each part has a box. If a half has more area of shapes than its box, the dividing line moves
 //! until it has enough, and the shapes of both halves move with their boxes, linearly. So shapes
-//! keep their order along both axes, and regions with enough room do not change. Coincident shapes
-//! are divided by their order.
+//! keep their order along both axes, and regions that are large enough do not change. Coincident
+//! shapes are divided by their order.
 //!
 //! C. Alpert et al., *Handbook of Algorithms for Physical Design Automation* (2008), chapter 15,
 //! for spreading by moving lines of division.
@@ -20,12 +20,12 @@ use crate::memory;
 use crate::quadtree::Quadtree;
 
 /// Nodes with fewer shapes do not show whether shapes are crowded.
-const FEWEST: usize = 24;
+const MIN_SHAPES: usize = 24;
 
 /// Regions are enlarged in which shapes have more than this share of the area: more than fits.
 pub const FULL: f64 = 1.0;
 
-/// As [`FULL`], if rounds do not succeed with less room.
+/// As [`FULL`], if rounds do not succeed with a smaller area.
 pub const LOOSE: f64 = 0.6;
 
 /// Share of its area that shapes have in a region that has been enlarged.
@@ -51,7 +51,7 @@ pub fn is_crowded<T: Scalar, K: Scalar>(
         let side = |axis: usize| {
             (bounds.max[axis] - bounds.min[axis]).to_f64() + sum(axis) / range.len() as f64
         };
-        range.len() >= FEWEST && sum(2) > FULL * side(0) * side(1)
+        range.len() >= MIN_SHAPES && sum(2) > FULL * side(0) * side(1)
     }))
 }
 
@@ -121,7 +121,7 @@ impl<T: Scalar> Spread<'_, T> {
         indices.iter().map(|&index| area(&self.bodies.all[index as usize], self.gap)).sum()
     }
 
-    /// All movable shapes, in a box that has enough room unless the bounds are too small.
+    /// All movable shapes, in a box that is large enough for them unless the bounds are too small.
     fn root(&mut self, order: &[u32], bounds: Option<[T; 4]>) -> Part {
         let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for &index in order {
@@ -167,7 +167,7 @@ impl<T: Scalar> Spread<'_, T> {
         }
     }
 
-    /// Divides a part into two, which have enough room if it has.
+    /// Divides a part into two, which are large enough for their shapes if it is.
     fn halve(&mut self, part: Part, order: &mut [u32]) -> [Part; 2] {
         let side = |axis: usize| (part.max[axis] - part.min[axis]) / self.unit[axis];
         let axis = usize::from(side(1) > side(0));
@@ -231,8 +231,8 @@ fn enlarged(old: [f64; 2], needed: f64, unit: [f64; 2], most: [f64; 2]) -> [f64;
     new
 }
 
-/// Where the line between two halves of a box must lie so that each has enough room, as near as
-/// possible to where it is.
+/// Where the line between two halves of a box must lie so that each is large enough for its shapes,
+/// as near as possible to where it is.
 fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64, most: f64) -> f64 {
     let room = [(line - low) * across, (high - line) * across];
     if areas[0] <= room[0] * most && areas[1] <= room[1] * most {

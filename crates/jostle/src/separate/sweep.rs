@@ -1,6 +1,6 @@
 //! Placing shapes one after another at the nearest free positions along an axis.
 //!
-//! Each shape that is placed leaves out an interval of positions for those near it across the axis.
+//! Each placed shape excludes an interval of positions for the shapes near it across the axis.
 //! Shapes far from each other are placed first, at their own positions, then those between them,
 //! and so on: a swarm becomes symmetric, with smooth edges.
 
@@ -13,7 +13,8 @@ use crate::geometry::Scalar;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// Places all movable shapes along the axis; one without a free position in the bounds is put into them.
+/// Places all movable shapes along the axis; one without a free position in the bounds is put into
+/// them.
 pub fn place<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
@@ -50,7 +51,7 @@ pub fn place<T: Scalar>(
             }
             let needed = pusher.needed_along(axis, &body, second, away(other as u32));
             if needed > T::ZERO {
-                let needed = needed * pusher.room();
+                let needed = needed * pusher.size_factor();
                 let at = bodies.centers[other][axis];
                 memory::push(&mut taken.intervals, [at - needed, at + needed])?;
             }

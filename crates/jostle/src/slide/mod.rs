@@ -2,12 +2,12 @@
 //!
 //! The first time of impact along the displacement is computed (`cast`, and `segment` for line
 //! segments; `solid` chooses). The shape moves there, the rest of the displacement loses its
-//! component into the obstacle, and so on (collide and slide). `walker` guarantees that the shape does not overlap an obstacle after any of these
-//! motions, by the formula of [`geometry::overlap`](crate::geometry::overlap).
+//! component into the obstacle, and so on (collide and slide). `walker` guarantees that the shape
+//! does not overlap an obstacle after any of these motions, by the formula of
+//! [`geometry::overlap`](crate::geometry::overlap).
 //!
-//! C. Ericson, *Real-Time Collision Detection* (2005), chapter 5.5 (moving shapes). P. Dickinson,
-//! *Instant Replay: Building a Game Engine with Reproducible Behavior*, and Quake's `PM_SlideMove`
-//! (1996), for sliding.
+//! C. Ericson, *Real-Time Collision Detection* (2005), chapter 5.5 (moving shapes). K. Fauerby,
+//! *Improved Collision Detection and Response* (2003), for collide and slide.
 
 mod cast;
 mod segment;
@@ -22,8 +22,8 @@ pub use walker::{Walker, contains, slop};
 /// Default of [`SlideRules::max_slides`].
 pub const DEFAULT_MAX_SLIDES: usize = 4;
 
-/// The largest [`SlideRules::max_slides`]. A shape between two walls at a sharp angle meets them in
-/// turn, without end.
+/// The largest [`SlideRules::max_slides`]. A shape between two walls at a sharp angle may hit them
+/// alternately without end.
 pub const MAX_SLIDES: usize = 1000;
 
 /// How shapes slide.
@@ -74,7 +74,7 @@ impl<T: Scalar> SlideRules<T> {
         Ok(Self { mask, max_slides, up, floor_cosine, one_way })
     }
 
-    /// What an obstacle is to a shape that meets it.
+    /// The kind of a surface with this normal.
     pub fn kind(&self, normal: [T; 2]) -> Surface {
         let along = dot(normal, self.up);
         if self.up == [T::ZERO; 2] {
@@ -131,7 +131,7 @@ fn dot<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// What is left of a motion `v` when it meets a surface.
+/// The part of a motion `v` that remains when it meets a surface.
 ///
 /// Floors: the downward component is lost, so that a shape does not slide down, and the rest
 /// follows the slope. Walls: a shape does not gain height at a slope that is too steep.

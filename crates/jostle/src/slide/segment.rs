@@ -80,8 +80,8 @@ fn sides<T: Scalar>(hexagon: &Hexagon<T>) -> impl Iterator<Item = Side<T>> {
     })
 }
 
-/// Distance of (0, 0) from the hexagon with the outward normal at the nearest point; the distance is
-/// negative inside. A segment that is a point, with a disc, has one corner and no side.
+/// Distance of (0, 0) from the hexagon with the outward normal at the nearest point; the distance
+/// is negative inside. A segment that is a point, with a disc, has one corner and no side.
 fn distance<T: Scalar>(hexagon: &Hexagon<T>) -> (T, [T; 2]) {
     let deepest = sides(hexagon).map(|side| (side.outside(), side.normal()));
     let (outside, normal) = deepest

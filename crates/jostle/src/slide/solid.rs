@@ -1,4 +1,4 @@
-//! What a moving shape cannot enter: a shape, or a line segment.
+//! Obstacles that a moving shape cannot enter: shapes and line segments.
 
 use std::cmp::Ordering;
 

@@ -6,19 +6,20 @@ use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surfac
 use crate::geometry::{Bounds, Scalar, Shape};
 use crate::period::Period;
 
-/// Roundings of a position, in units in the last place of the largest number involved. Deeper than
-/// this a path enters an obstacle.
+/// Roundings of a position, in units in the last place of the largest number involved. A path
+/// enters an obstacle only if it is deeper inside than this.
 const ROUNDINGS: f64 = 16.0;
 
 /// Attempts to move a shape out of the obstacles that it overlaps by rounding.
 const ATTEMPTS: usize = 8;
 
-/// The least share of a displacement along the normal of an obstacle with which a shape is moved back
-/// along its path. Otherwise shapes that move along a floor would lose a part of their displacement.
+/// Minimum share of a displacement along the normal of an obstacle for which a shape is moved back
+/// along its path. Otherwise shapes that move along a floor would lose a part of their
+/// displacement.
 const MIN_APPROACH: f64 = 0.6;
 
-/// A shape is not moved out of an obstacle along a surface if the way is longer than this, in lengths
-/// of the shortest way out.
+/// Maximum length of a displacement along a surface out of an obstacle, divided by that of the
+/// shortest displacement out of it.
 const LONGEST_AROUND: f64 = 16.0;
 
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
@@ -60,20 +61,21 @@ impl<'a, T: Scalar> Walker<'a, T> {
         self.body.min
     }
 
-    /// Moves it with the obstacle on which it stands, which has moved by `displacement`; others stop
-    /// it, and this one too unless it is the `platform`.
+    /// Moves it with the obstacle on which it stands, which has moved by `displacement`; others
+    /// stop it, and this one too unless it is the `platform`.
     pub fn carry(&mut self, displacement: [T; 2], platform: Option<u32>) {
         self.shift(displacement, platform);
     }
 
     /// Moves it out of the obstacles that it overlaps, the deepest overlap first: along the normal,
-    /// and from where another one stops it along the surface of that one.
+    /// and, if another obstacle stops it, along the surface of that one.
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
             self.look([T::ZERO; 2]);
             let (rules, period, close) = (self.rules, self.period, self.slop(T::ZERO));
             let start = self.body;
-            // What it stands on may have carried it into itself by rounding, and must go on to stop it.
+            // By rounding, its floor may have moved it into the floor itself, which must still stop
+            // it.
             let is_solid = |near: &Obstacle<T>| {
                 near.facing(&period, &start, |body, solid| {
                     let ledge = solid.shape_of(rules.one_way);
@@ -91,8 +93,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         }
     }
 
-    /// Moves it by a displacement that is not its own, up to the first obstacle. Out of an obstacle
-    /// that is wider than a period there is no way.
+    /// Moves it by a displacement that is not its own, up to the first obstacle. It does not leave
+    /// an obstacle that is wider than a period.
     fn shift(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
         if self.period.is_exceeded_by(displacement) {
             return None;
@@ -183,7 +185,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         };
         let impact = |obstacle: &'_ Obstacle<T>| {
             obstacle.facing(&period, &start, |body, solid| {
-                // Rounding errors grow with the distance of the obstacle, not with the displacement.
+                // Rounding errors grow with the distance of the obstacle, not with the
+                // displacement.
                 let (share, normal) =
                     solid.enters(body, displacement, self.slop(solid.span(body)))?;
                 // −0 becomes 0.

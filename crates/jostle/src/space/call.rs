@@ -1,4 +1,5 @@
-//! A call of [`Space::move_and_slide`](super::Space::move_and_slide): its arguments, and the shapes.
+//! A call of [`Space::move_and_slide`](super::Space::move_and_slide): its arguments, and the
+//! shapes.
 
 use super::layers::Layers;
 use super::rides::{NONE, Rides};
@@ -9,7 +10,7 @@ use crate::period::{Period, Turns};
 use crate::query::each_overlap;
 use crate::slide::{Obstacle, SlideRules, Solid};
 
-/// The bit of a number of an obstacle that is the index of a wall and not a slot.
+/// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
 pub const WALL: u32 = 1 << 31;
 
 /// What all islands of a call have in common.
@@ -28,7 +29,7 @@ pub struct Call<'a, T> {
     pub rules: &'a SlideRules<T>,
     /// The shapes that move.
     pub walkers: &'a [u32],
-    /// One for each of these.
+    /// The displacement of each walker.
     pub displacements: &'a [[T; 2]],
     /// Obstacles that are in no tree.
     pub fresh: &'a [u32],
@@ -49,9 +50,9 @@ impl<T: Scalar> Call<'_, T> {
         Some((self.slots.slot(ride.floor)?, ride.center))
     }
 
-    /// How far a floor has moved, the shorter way around.
+    /// The minimum image of the displacement of a floor.
     pub fn carried(&self, now: [T; 2], before: [T; 2]) -> [T; 2] {
-        self.period.shortest([now[0] - before[0], now[1] - before[1]])
+        self.period.minimum_image([now[0] - before[0], now[1] - before[1]])
     }
 
     /// The row of the floor of a row, if it moves in this call too.

@@ -1,4 +1,4 @@
-//! The walkers of an island where they are now, found by a region.
+//! The walkers of an island at their current positions, found by a region.
 //!
 //! A hash table of the `cells` that they touch. With few walkers, all are tested.
 
@@ -13,7 +13,7 @@ const FEW: usize = 64;
 /// No entry.
 const NONE: u32 = u32::MAX;
 
-/// Number of cells that a body touches, at most.
+/// Maximum number of cells that a body touches.
 const CELLS: usize = 4;
 
 /// Bodies given by their centres.
@@ -115,8 +115,9 @@ impl<T: Scalar> Crowd<T> {
                 let mut entry = self.heads[self.bucket(level, cell)];
                 while entry != NONE {
                     let index = entry as usize / CELLS;
-                    // A body in several of these cells is left to the first one that both have. A
-                    // bucket may have bodies of other cells, and a body in several of its cells.
+                    // A body in several of these cells is tested in the first cell that it has in
+                    // common with the region. A bucket may have bodies of other cells, and a body
+                    // in several of its cells.
                     let [own, last] = self.cells_of(index);
                     let first = [0, 1].map(|axis: usize| own[axis].max(searched[0][axis]));
                     let (at, width) = ((entry as usize % CELLS) as i64, last[0] - own[0] + 1);

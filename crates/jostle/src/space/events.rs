@@ -21,11 +21,12 @@ const CHUNK: usize = 1 << 14;
 /// Pairs of ids, the smaller first, sorted by first, then by second.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Those that overlap and did not at the update before.
+    /// Pairs that overlap and did not overlap at the update before.
     pub entered: Vec<[Id; 2]>,
-    /// Those that overlapped at the update before and do not any more, or have lost a shape.
+    /// Pairs that overlapped at the update before and do not overlap now, or a shape of which was
+    /// removed.
     pub left: Vec<[Id; 2]>,
-    /// Which update of its space it was.
+    /// The number of the update of its space.
     update: u64,
 }
 
@@ -33,11 +34,11 @@ pub struct Events {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Changes {
     slots: Vec<u32>,
-    /// Whether a slot is among them.
+    /// Whether each slot is in `slots`.
     changed: Vec<bool>,
     /// Slots that are removed and still in a pair of the last update.
     pub(super) leaving: Vec<u32>,
-    /// Updates so far.
+    /// Number of updates.
     updates: u64,
     /// Memory for the pairs that are found.
     found: Vec<[u32; 2]>,
@@ -53,7 +54,7 @@ impl<T: Scalar> Space<T> {
         let front = match self.layers.common_layer(&present) {
             Some(layer) => Some(layer),
             None => {
-                // Fresh shapes have changed; usually they are all that have.
+                // Fresh shapes have changed; usually no other shapes have changed.
                 if self.layers.fresh_len() < present.len() {
                     self.layers.reserve_fresh(present.len())?;
                     present.iter().for_each(|&slot| self.layers.freshen(slot));
@@ -63,7 +64,8 @@ impl<T: Scalar> Space<T> {
         };
         let found = match self.pairs_with_changed(front, &present, max_pairs) {
             Err(Error::TooManyPairs { .. }) => {
-                // Dead or unchanged shapes may have been counted; they are excluded here.
+                // Shapes that have left their layers or are unchanged may have been counted; they
+                // are excluded here.
                 let front = self.layers.part(&present, &self.slots, self.settings)?;
                 self.pairs_with_changed(front, &present, max_pairs)?
             }
@@ -76,8 +78,8 @@ impl<T: Scalar> Space<T> {
         Ok(events)
     }
 
-    /// Overlapping pairs of slots, at least one of which changed. All of those, `present`, are in
-    /// `front`.
+    /// Overlapping pairs of slots, at least one of which changed. All changed slots, `present`, are
+    /// in the layer `front`.
     fn pairs_with_changed(
         &mut self,
         front: Option<usize>,
@@ -96,7 +98,8 @@ impl<T: Scalar> Space<T> {
         Ok(found)
     }
 
-    /// Stores the current pairs of the slots that changed. Everything that can fail comes first.
+    /// Stores the current pairs of the slots that changed. All steps that can fail precede the
+    /// first change.
     fn take_over(&mut self, found: &[[u32; 2]]) -> Result<Events> {
         let Changes { slots, changed, leaving, updates, .. } = &self.changes;
         let update = updates + 1;
@@ -129,8 +132,8 @@ impl<T: Scalar> Space<T> {
         Ok(ids)
     }
 
-    /// The pairs that overlapped at this update and at the one before, sorted; none once
-    /// there has been another update.
+    /// The pairs that overlapped at this update and at the one before, sorted; None if there was
+    /// another update after these events.
     pub fn stayed(&self, events: &Events) -> Result<Option<Vec<[Id; 2]>>> {
         if events.update != self.changes.updates {
             return Ok(None);
@@ -160,7 +163,7 @@ impl Changes {
         self.updates = updates;
     }
 
-    /// Makes room for so many slots.
+    /// Increases the number of slots to `slots`.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         memory::lengthen(&mut self.changed, slots, false)
     }
@@ -178,7 +181,7 @@ impl Changes {
         }
     }
 
-    /// Those in which there is a shape, if `any_removed`; all otherwise.
+    /// The changed slots with a shape, if `any_removed`; otherwise all changed slots.
     fn present<T: Scalar>(&self, layers: &Layers<T>, any_removed: bool) -> Result<Vec<u32>> {
         if !any_removed {
             return memory::collect(self.slots.iter().copied());
@@ -198,7 +201,7 @@ impl Changes {
         self.updates += 1;
     }
 
-    /// Bytes of memory that they keep, used or not.
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let words = self.slots.capacity() + self.leaving.capacity();
         4 * (words + 2 * self.found.capacity()) + self.changed.capacity()

@@ -15,8 +15,8 @@ const CHUNK: usize = 1 << 14;
 /// Pairs compared at a time; what is found fits into the first-level cache.
 const STEPS: usize = 1 << 9;
 
-/// With fewer pairs than one for so many slots, it takes longer to count the pairs of each slot
-/// than to sort by comparison.
+/// If there are more slots per pair than this, counting the pairs of each slot takes longer than
+/// sorting by comparison.
 const SLOTS_PER_PAIR: usize = 16;
 
 /// The key of two slots in either order.
@@ -63,7 +63,8 @@ pub(super) fn sorted(
     }
     memory::resize(&mut keys, pairs.len(), 0)?;
     keys.truncate(pairs.len());
-    // Now they are the ends; each pair goes before those that are already there.
+    // `starts` now has the end of the keys of each slot; each key is written before those already
+    // written.
     for some in pairs.chunks(CHUNK) {
         pulse.check(some.len())?;
         for &pair in some {
@@ -104,8 +105,8 @@ fn move_larger_ahead(keys: &mut [Key]) {
     keys[keys.len() - 1] = larger;
 }
 
-/// What is only in `old`, and what only in `new`. Both are ascending without duplicates, those of
-/// `old` by `key`.
+/// The items that are only in `old`, and those that are only in `new`. Both are ascending without
+/// duplicates, those of `old` by `key`.
 #[inline(always)]
 pub(super) fn difference<V: Copy + Default>(
     old: &[V],
@@ -148,7 +149,7 @@ fn append<V: Copy>(values: &mut Vec<V>, more: &[V]) -> Result<()> {
     Ok(())
 }
 
-/// The keys of two ascending lists that have none in common.
+/// Merges two ascending lists without common keys.
 pub(super) fn merged(a: &[Key], b: &[Key]) -> Result<Vec<Key>> {
     let mut pulse = Pulse::current();
     let mut all = memory::with_capacity(a.len() + b.len())?;

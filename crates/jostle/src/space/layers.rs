@@ -39,14 +39,14 @@ const MAX_SIMILAR: usize = 4;
 /// each factor of this in size, and 64 layers in all.
 const RATIO: usize = 4;
 
-/// Minimum leaf capacity of a layer. The capacity is that of the settings times the layer's share of
-/// all shapes: so the leaves of all layers are about equally wide, and a leaf overlaps few leaves of
-/// another layer.
+/// Minimum leaf capacity of a layer. The capacity is that of the settings times the layer's share
+/// of all shapes: so the leaves of all layers are about equally wide, and a leaf overlaps few
+/// leaves of another layer.
 const MIN_LEAF_CAPACITY: usize = 2;
 
-/// If at most one of this number of shapes has not left a layer, the next layer of about its size has
-/// leaves [`LARGER`] times as large. It is built and searched for pairs faster, and queries take
-/// about as long.
+/// If at most one of this number of shapes has not left a layer, the next layer of about its size
+/// has leaves [`LARGER`] times as large. It is built and searched for pairs faster, and queries
+/// take about as long.
 const SHORT_LIVED: usize = 16;
 
 /// Factor of the leaf capacity of layers that most shapes leave soon.
@@ -88,7 +88,8 @@ pub(super) struct Layers<T> {
     layers: Vec<Layer<T>>,
     /// The index of the layer of each slot, [`FRESH`] or [`NO_SHAPE`].
     layer_of: Vec<u8>,
-    /// Slots of shapes that became fresh after the last layer was built; some may be fresh no longer.
+    /// Slots of shapes that became fresh after the last layer was built; some may be fresh no
+    /// longer.
     fresh: Vec<u32>,
     /// Whether each slot is in `fresh`.
     listed: Vec<bool>,
@@ -200,7 +201,8 @@ impl<T: Scalar> Layers<T> {
         usize::from(self.layer_of[slot as usize]) == layer
     }
 
-    /// The layer that contains all shapes in these slots; None if there is none, or it has many others.
+    /// The layer that contains all shapes in these slots; None if there is none, or it has many
+    /// others.
     pub(super) fn common_layer(&self, slots: &[u32]) -> Option<usize> {
         let index = usize::from(self.layer_of[*slots.first()? as usize]);
         let layer = self.layers.get(index)?;
@@ -208,8 +210,8 @@ impl<T: Scalar> Layers<T> {
         (together && layer.len <= RATIO * slots.len()).then_some(index)
     }
 
-    /// Builds a layer of all fresh shapes and returns its index; None if no shape is fresh. After an
-    /// error the shapes of all layers that were to be merged are fresh.
+    /// Builds a layer of all fresh shapes and returns its index; None if no shape is fresh. After
+    /// an error the shapes of all layers that were to be merged are fresh.
     pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Result<Option<usize>> {
         let mut rows = self.take_fresh();
         let any = !rows.is_empty();
@@ -353,8 +355,8 @@ impl<T: Scalar> Layers<T> {
         (distance != T::ZERO).then(|| tree.grown(distance)).transpose()
     }
 
-    /// Adds the pairs of shapes of two layers, or of one with itself, as pairs of slots. Their trees
-    /// are those in `grown`, if any.
+    /// Adds the pairs of shapes of two layers, or of one with itself, as pairs of slots. Their
+    /// trees are those in `grown`, if any.
     pub(super) fn join(
         &self,
         [a, b]: [usize; 2],
@@ -430,7 +432,7 @@ impl<T: Scalar> Layers<T> {
         self.layers[index].len
     }
 
-    /// Bytes of memory that they keep, used or not.
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let of_layer = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.layer_of.capacity() + self.listed.capacity();

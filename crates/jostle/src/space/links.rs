@@ -60,7 +60,7 @@ impl Links {
         Ok(list)
     }
 
-    /// Makes room for pairs of so many slots.
+    /// Increases the number of slots to `slots`.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         memory::lengthen(&mut self.heads, slots, NONE)
     }
@@ -125,12 +125,12 @@ impl Links {
         })
     }
 
-    /// All pairs, in no promised order.
+    /// All pairs, in unspecified order.
     fn pairs(&self) -> impl Iterator<Item = [u32; 2]> {
         self.records.iter().map(|record| record.slots).filter(|slots| slots[0] != NONE)
     }
 
-    /// Adds a pair that is not there.
+    /// Adds a pair that is not linked yet.
     fn link(&mut self, slots: [u32; 2]) {
         let next = slots.map(|slot| self.heads[slot as usize]);
         let record = Record { slots, next, back: [NONE; 2] };
@@ -149,7 +149,7 @@ impl Links {
         }
     }
 
-    /// Takes a pair out.
+    /// Removes the pair of a record.
     fn unlink(&mut self, index: u32) {
         let Record { slots, next, back } = self.records[index as usize];
         for side in 0..2 {
@@ -171,7 +171,7 @@ impl Links {
         self.records.len() >= FEW && self.len() <= self.records.len() / 4
     }
 
-    /// Bytes of memory that they keep, used or not.
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let words = self.free.capacity() + self.heads.capacity();
         self.records.capacity() * size_of::<Record>() + words * size_of::<u32>()
@@ -179,7 +179,7 @@ impl Links {
 }
 
 impl Record {
-    /// Where in the record a slot stands.
+    /// The position of a slot in the record.
     fn side(&self, slot: u32) -> usize {
         usize::from(self.slots[1] == slot)
     }

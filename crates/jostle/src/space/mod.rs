@@ -4,7 +4,8 @@
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
 //! along others and along `walls`: `walks` computes their motions, `rides` has the floors on which
-//! they stand. Those that may meet form `islands`, and in an island a `crowd` finds them by `cells`.
+//! they stand. Those that may meet form `islands`, and in an island a `crowd` finds them by
+//! `cells`.
 
 mod call;
 mod cells;
@@ -116,13 +117,13 @@ impl<T: Scalar> Space<T> {
         self.period
     }
 
-    /// What `read` makes of the shapes with these ids. Refuses ids that no shape has.
+    /// The results of `read` for the shapes with these ids. Refuses ids that no shape has.
     pub fn read<V>(&self, ids: &[Id], read: impl Fn(Shape<T>) -> V) -> Result<Vec<V>> {
         let slots = self.slots.look_up(ids)?;
         memory::collect(slots.into_iter().map(|slot| read(self.slots.shape(slot))))
     }
 
-    /// Adds shapes; returns their ids. An id is never given twice.
+    /// Adds shapes; returns their ids. No id is used again.
     pub fn add(&mut self, shapes: &Shapes<T>) -> Result<Vec<Id>> {
         self.slots.check_room(shapes.len())?;
         // All memory is reserved first, so that a failure changes nothing.
@@ -147,9 +148,9 @@ impl<T: Scalar> Space<T> {
         self.layers.reserve_fresh(more)
     }
 
-    /// Gives shapes other centres. One that is given as a box goes on as its centre and half
-    /// its size, which is rounded. Refuses ids that no shape has or that are named twice, and
-    /// centres that are not finite; then nothing moves.
+    /// Sets the centres of shapes. A shape given as a box is stored as its centre and half its size
+    /// from then on, which are rounded. Refuses ids that no shape has or that are given twice, and
+    /// centres that are not finite; then nothing changes.
     pub fn move_to(&mut self, ids: &[Id], centers: &[[T; 2]]) -> Result<()> {
         if centers.len() != ids.len() {
             let (found, expected) = (centers.len(), ids.len());
@@ -175,7 +176,7 @@ impl<T: Scalar> Space<T> {
         })
     }
 
-    /// Gives shapes other radii, half sizes or both. Refuses what no shape can have.
+    /// Sets radii, half sizes or both. Refuses invalid values.
     pub fn resize(
         &mut self,
         ids: &[Id],
@@ -198,7 +199,7 @@ impl<T: Scalar> Space<T> {
         })
     }
 
-    /// Gives shapes other categories, masks or both.
+    /// Sets categories, masks or both.
     pub fn set_filter(
         &mut self,
         ids: &[Id],
@@ -216,7 +217,7 @@ impl<T: Scalar> Space<T> {
         })
     }
 
-    /// Removes shapes. Refuses ids that no shape has or that are named twice; then none goes.
+    /// Removes shapes. Refuses ids that no shape has or that are given twice; then nothing changes.
     pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
         let slots = self.slots.find(ids)?;
         self.reserve_changes(slots.len())?;
@@ -227,7 +228,7 @@ impl<T: Scalar> Space<T> {
             self.layers.remove(slot);
             self.changes.note(slot);
             if self.touching.has(slot) {
-                // The next update tells of its pairs by its id.
+                // The next update reports its pairs by its id.
                 self.changes.leaving.push(slot);
             } else {
                 self.slots.free(slot);
@@ -236,7 +237,7 @@ impl<T: Scalar> Space<T> {
         Ok(())
     }
 
-    /// Changes shapes, `set` saying of each whether it is another one now.
+    /// Changes shapes; `set` returns whether it has changed one.
     fn change(
         &mut self,
         ids: &[Id],
@@ -252,13 +253,13 @@ impl<T: Scalar> Space<T> {
         Ok(())
     }
 
-    /// Remembers that a shape is not what it was.
+    /// Records that a shape has changed.
     fn note(&mut self, slot: u32) {
         self.changes.note(slot);
         self.layers.freshen(slot);
     }
 
-    /// Bytes of memory that it keeps, used or not.
+    /// Allocated bytes, used or not.
     pub fn memory_bytes(&self) -> usize {
         self.slots.memory_bytes()
             + self.layers.memory_bytes()
@@ -268,7 +269,7 @@ impl<T: Scalar> Space<T> {
             + self.walls.memory_bytes()
     }
 
-    /// Says what is wrong with it, if anything is. For tests: it looks at everything.
+    /// Checks the invariants, for tests; the error describes the first violated one.
     pub fn check(&self) -> std::result::Result<(), String> {
         self.layers.check(&self.slots)
     }

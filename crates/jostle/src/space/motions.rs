@@ -1,8 +1,8 @@
 //! The motions of the shapes of one island, one after another.
 //!
-//! Each motion is stopped by all other shapes where they are at this time, so it ends in no overlap
-//! that was not there before. A floor that would move into what stands on it pushes it out of its
-//! way first. What stands on a floor is carried after the floor has moved, by the rest of its motion.
+//! Each motion is stopped by all other shapes at their current positions, so it causes no new
+//! overlap. A floor that would move into shapes that stand on it pushes them first. Shapes that
+//! stand on a floor are carried after the floor has moved, by the rest of its motion.
 
 use super::call::{Call, WALL};
 use super::crowd::Crowd;
@@ -23,9 +23,9 @@ pub struct Walk<T> {
     pub row: usize,
     /// Its centre afterwards, which may be outside the first period.
     pub center: [T; 2],
-    /// How far it has moved.
+    /// The displacement that it has made.
     pub moved: [T; 2],
-    /// What is left of its displacement.
+    /// The displacement without its components into obstacles.
     pub remaining: [T; 2],
     /// The obstacles met.
     pub hits: Vec<SlideHit<T>>,
@@ -37,7 +37,7 @@ pub struct Walk<T> {
     pub seen: [[T; 2]; 2],
 }
 
-/// What has happened to a shape before it moves itself: its floors have pushed it.
+/// How the floors of a shape have pushed it before its own motion.
 #[derive(Clone, Debug)]
 struct Pushed<T> {
     by: [T; 2],
@@ -82,7 +82,7 @@ pub struct Island<'a, T> {
     pub call: &'a Call<'a, T>,
     /// Its rows, ascending. The index of a shape is its position in this list.
     pub rows: &'a [u32],
-    /// That of the task.
+    /// The scratch of the task.
     pub scratch: &'a mut Scratch<T>,
 }
 
@@ -118,8 +118,8 @@ impl<T: Scalar> Island<'_, T> {
         Ok(())
     }
 
-    /// Pushes what stands on a shape out of its way, the uppermost first. Afterwards those that
-    /// overlapped it before are skipped.
+    /// Pushes the shapes that stand on a shape and would stop its motion, the uppermost first.
+    /// Afterwards those that overlapped it before are skipped.
     fn push_riders(&mut self, index: usize, pulse: &mut Pulse) -> Result<()> {
         let Scratch { riders, above, pushes, skipped, .. } = &mut *self.scratch;
         riders.list_above(index, above)?;
@@ -161,7 +161,7 @@ impl<T: Scalar> Island<'_, T> {
         Ok(())
     }
 
-    /// Pushes a shape by a displacement; it slides along what stops it.
+    /// Pushes a shape by a displacement; it slides along obstacles.
     fn push(&mut self, index: usize, by: [T; 2]) {
         let start = self.scratch.crowd.get(index).min;
         let (center, hits, seen) = self.with_walker(index, |walker| {
@@ -176,7 +176,7 @@ impl<T: Scalar> Island<'_, T> {
         all.seen = union(all.seen, seen);
     }
 
-    /// The motion of a shape among all others that are not skipped. Nothing changes.
+    /// The motion of a shape among all others that are not skipped, which is computed but not made.
     fn walk(&mut self, index: usize) -> Walk<T> {
         let (call, row) = (self.call, self.rows[index] as usize);
         let start = self.scratch.crowd.get(index).min;
@@ -232,7 +232,7 @@ impl<T: Scalar> Island<'_, T> {
         act(&mut walker)
     }
 
-    /// The centre of a shape now.
+    /// The current centre of a shape.
     fn center_of(&self, slot: u32) -> [T; 2] {
         match self.call.rides.rows[slot as usize] {
             NONE => self.call.slots.shape(slot).center(),

@@ -23,9 +23,8 @@ pub struct Wanted<T> {
 }
 
 impl<T: Scalar> Space<T> {
-    /// All overlapping pairs of ids, the smaller first, in no promised order; the same
-    /// whatever the number of threads. With a `mask` only those of which both have a category
-    /// in it.
+    /// All overlapping pairs of ids, the smaller first, in unspecified order, which does not depend
+    /// on the number of threads. With a `mask` only those of which both have a category in it.
     pub fn pairs(&mut self, mask: Option<u32>, max_pairs: usize) -> Result<Vec<[Id; 2]>> {
         self.pairs_within(&Wanted { distance: T::ZERO, mask, max_pairs })
     }
@@ -87,7 +86,7 @@ impl<T: Scalar> Space<T> {
         self.layers.fold(&self.slots, self.settings)?;
         match self.all_pairs(wanted) {
             Err(Error::TooManyPairs { .. }) => {
-                // Dead shapes may have been counted; they have been removed here.
+                // Shapes that have left their layers may have been counted; here there are none.
                 self.layers.part(&[], &self.slots, self.settings)?;
                 self.all_pairs(wanted)
             }

@@ -20,7 +20,8 @@ const FEW: usize = 256;
 /// Rows converted to ids between two checks for an interruption.
 const CHUNK: usize = 1 << 14;
 
-/// As [`FEW`], for a call: looks that cost about as much as a tree of [`FEW`] shapes.
+/// Number of tests of fresh shapes in a call that take about as long as building a tree of [`FEW`]
+/// shapes.
 const FEW_LOOKS: usize = 64 * FEW;
 
 impl<T: Scalar> Space<T> {
@@ -39,7 +40,7 @@ impl<T: Scalar> Space<T> {
     fn search_here<R: Region<T>>(&mut self, regions: &[R], mask: Option<u32>) -> Result<Hits<Id>> {
         match self.search_all(regions, mask) {
             Err(Error::TooManyIds { .. }) => {
-                // Dead shapes may have been counted; they have been removed here.
+                // Shapes that have left their layers may have been counted; here there are none.
                 self.layers.part(&[], &self.slots, self.settings)?;
                 self.search_all(regions, mask)
             }
@@ -55,7 +56,7 @@ impl<T: Scalar> Space<T> {
         let layers = layers.collect::<Result<Vec<_>>>()?;
         let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
         fresh.extend(self.layers.fresh());
-        let mut all = Hits::with_room_for(regions.len())?;
+        let mut all = Hits::with_capacity(regions.len())?;
         let mut pulse = Pulse::current();
         for (question, region) in regions.iter().enumerate() {
             let start = all.ids.len();
@@ -85,8 +86,8 @@ impl<T: Scalar> Space<T> {
         Ok(all)
     }
 
-    /// The `k` shapes nearest to each point and not farther than `max_distance`, among what
-    /// has a category in `mask`, if there is one; of shapes as near the smaller id first.
+    /// The `k` shapes nearest to each point and not farther than `max_distance`; at equal distances
+    /// the smaller id first. If there is a `mask`, only shapes with a category in it.
     pub fn nearest(
         &mut self,
         points: &[[T; 2]],
@@ -122,15 +123,15 @@ impl<T: Scalar> Space<T> {
         }
     }
 
-    /// What each ray hits first, among what has a category in `mask`, if there is one; of
-    /// shapes as far the smaller id.
+    /// The first shape that each ray hits; at equal distances that with the smaller id. If there is
+    /// a `mask`, only shapes with a category in it.
     pub fn first_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
         let rays = self.prepare_rays(rays)?;
         query::first_hits_by(&rays, self.settings.threads, |best| self.look_along(mask, best))
     }
 
-    /// All shapes that each ray hits, nearest first, among what has a category in `mask`, if there
-    /// is one.
+    /// All shapes that each ray hits, nearest first. If there is a `mask`, only shapes with a
+    /// category in it.
     pub fn all_hits(&mut self, rays: &[Ray<T>], mask: Option<u32>) -> Result<RayHits<T>> {
         let rays = self.prepare_rays(rays)?;
         query::all_hits_by(&rays, self.settings.threads, |all| self.look_along(mask, all))

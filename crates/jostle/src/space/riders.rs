@@ -1,4 +1,5 @@
-//! The walkers of an island that stand on others: the order in which all move, and who stands on whom.
+//! The walkers of an island that stand on others: the order in which all move, and which stand on
+//! which.
 
 use crate::error::Result;
 use crate::memory;
@@ -6,20 +7,19 @@ use crate::memory;
 /// No walker.
 const NONE: u32 = u32::MAX;
 
-/// Riders of riders, up to this number of times, are pushed by a floor.
+/// A floor pushes riders, their riders and so on, up to this number of levels.
 const MAX_STACKED: u32 = 64;
 
 /// Walkers by their indices in the island, each with the floor on which it stands.
 #[derive(Debug, Default)]
 pub struct Riders {
-    /// All walkers in the order in which they move: a floor before what stands on it, otherwise
-    /// ascending.
+    /// All walkers in the order in which they move: a floor before its riders, otherwise ascending.
     pub order: Vec<u32>,
     /// The first rider of each; empty if nothing stands on another.
     first: Vec<u32>,
     /// The next rider of the same floor.
     next: Vec<u32>,
-    /// Which are in `order`.
+    /// Whether each is in `order`.
     listed: Vec<bool>,
     waiting: Vec<u32>,
 }
@@ -51,7 +51,7 @@ impl Riders {
         memory::resize(&mut self.listed, len, false)?;
         for index in 0..len {
             let mut next = Some(index);
-            // A floor that is listed or waits already ends the chain, also if it is a ring.
+            // The chain ends at a floor that is listed or waiting; so a ring ends, too.
             while let Some(index) = next.filter(|&index| !self.listed[index]) {
                 self.listed[index] = true;
                 memory::push(&mut self.waiting, index as u32)?;
@@ -59,7 +59,7 @@ impl Riders {
             }
             self.order.extend(std::iter::from_fn(|| self.waiting.pop()));
         }
-        // In a ring, the one that moves first stands on nothing.
+        // In a ring, the walker that moves first counts as having no floor.
         for &index in self.order.iter().rev() {
             self.listed[index as usize] = false;
             if let Some(floor) = floor(index as usize)
@@ -72,12 +72,12 @@ impl Riders {
         Ok(())
     }
 
-    /// Whether something stands on another.
+    /// Whether any walker stands on another.
     pub fn is_any(&self) -> bool {
         !self.first.is_empty()
     }
 
-    /// Lists what stands on a walker, and on that, and so on, a floor before what stands on it.
+    /// Lists the riders of a walker, their riders and so on, a floor before its riders.
     pub fn list_above(&self, index: usize, above: &mut Vec<Rider>) -> Result<()> {
         above.clear();
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);

@@ -12,7 +12,7 @@ pub const NONE: u32 = u32::MAX;
 /// The floors on which shapes stood after they moved, so that moving floors carry them.
 #[derive(Clone, Debug)]
 pub struct Rides<T> {
-    /// For each slot.
+    /// The ride of each slot, if it has one.
     pub all: Vec<Option<Ride<T>>>,
     /// The row of each slot in a call; [`NONE`] between calls.
     pub rows: Vec<u32>,
@@ -28,7 +28,7 @@ impl<T> Default for Rides<T> {
 type SavedRides<T> = (Vec<[Id; 2]>, Vec<[T; 2]>);
 
 impl<T: Scalar> Rides<T> {
-    /// Bytes of memory.
+    /// Allocated bytes.
     pub fn memory_bytes(&self) -> usize {
         self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
     }
@@ -43,7 +43,7 @@ impl<T: Scalar> Rides<T> {
         Ok((ids, centers))
     }
 
-    /// What [`save`](Self::save) has returned. The ids of removed shapes have no effect.
+    /// The rides from the result of [`save`](Self::save). Ids of removed shapes have no effect.
     pub fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
         let mut rides = Self::default();
         memory::lengthen(&mut rides.all, count, None)?;

@@ -1,7 +1,7 @@
 //! A slot map (generational indices): shapes in slots, and their ids.
 //!
-//! An id contains the slot of its shape in the low bits and the slot's generation above them.
-//! So the shape is found directly, and a slot that is used again has another id.
+//! An id contains the slot of its shape in the low bits and the slot's generation above them. So
+//! the shape is found directly, and when a slot is used again, its id is new.
 
 use super::saved::Saved;
 use crate::error::{Error, Result};
@@ -14,7 +14,8 @@ use crate::sorting;
 /// The id of a shape in a space, or of a particle in a world; at least 0.
 pub type Id = i64;
 
-/// A bit of a slot's generation: no shape is in it. No id has the bit, so none fits.
+/// The bit of a slot's generation that marks a vacant slot. No id has the bit, so no id refers to a
+/// vacant slot.
 const VACANT: u32 = 1 << 31;
 
 /// The columns of the shapes, and the generation of each slot.
@@ -29,12 +30,12 @@ pub(super) struct Slots<T> {
     radii: Vec<T>,
     /// Empty until a shape has half sizes.
     half_sizes: Vec<[T; 2]>,
-    /// Categories and masks; empty as long as nothing else than the defaults was given.
+    /// Categories and masks; empty until a shape has others than the defaults.
     filters: Vec<[u32; 2]>,
     generations: Vec<u32>,
     /// Slots to be used again, the last one first.
     free: Vec<u32>,
-    /// In which call of [`Slots::find`] each slot was named last.
+    /// The last call of [`Slots::find`] that was given each slot.
     named: Vec<u32>,
     call: u32,
     len: usize,
@@ -201,7 +202,7 @@ impl<T: Scalar> Slots<T> {
         Ok(slots)
     }
 
-    /// The slots of `ids`, which may be named more than once.
+    /// The slots of `ids`, which may contain an id more than once.
     pub(super) fn look_up(&self, ids: &[Id]) -> Result<Vec<u32>> {
         let mut slots = memory::with_capacity(ids.len())?;
         for (index, &id) in ids.iter().enumerate() {
@@ -226,7 +227,7 @@ impl<T: Scalar> Slots<T> {
         !self.free.contains(&slot)
     }
 
-    /// Refuses more shapes than there can be.
+    /// Refuses more shapes than the maximum.
     pub(super) fn check_room(&self, more: usize) -> Result<()> {
         if more <= self.free.len() || self.count() + (more - self.free.len()) <= MAX_ROWS {
             return Ok(());
@@ -265,13 +266,14 @@ impl<T: Scalar> Slots<T> {
         slot
     }
 
-    /// Forgets the shape in `slot`; its id stays known until the slot is freed.
+    /// Removes the shape in `slot`; the slot keeps its generation until it is freed.
     pub(super) fn remove(&mut self, slot: u32) {
         self.len -= 1;
         self.generations[slot as usize] |= VACANT;
     }
 
-    /// Lets a vacant slot be used again, by the next id; one that has run out of ids never is.
+    /// Frees a vacant slot, so that it is used again with the next generation; after the last
+    /// generation a slot is not used again.
     pub(super) fn free(&mut self, slot: u32) {
         let generation = (self.generations[slot as usize] & !VACANT) + 1;
         if generation == VACANT {
@@ -376,8 +378,8 @@ impl<T: Scalar> Slots<T> {
         }
     }
 
-    /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. What they
-    /// have in common is said once: a tree need not put that into its order.
+    /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. A value that all
+    /// have in common is stored once, so that a tree does not have to sort a column.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
         let Shapes { centers, radii, half_sizes, boxes, filters, .. } = shapes;
         let each = || slots.iter().map(|&slot| slot as usize);
@@ -411,7 +413,7 @@ impl<T: Scalar> Slots<T> {
         Ok(())
     }
 
-    /// Bytes of memory that they keep, used or not.
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let corners = self.mins.capacity() + self.maxes.capacity();
         let numbers = 2 * corners + self.radii.capacity();
@@ -422,7 +424,7 @@ impl<T: Scalar> Slots<T> {
     }
 }
 
-/// Replaces the contents of `to`; one value stands for all that are the same.
+/// Replaces the contents of `to`, by one value if all are equal.
 fn put<V: Copy + PartialEq>(
     to: &mut Each<V>,
     mut values: impl ExactSizeIterator<Item = V> + Clone,
@@ -441,7 +443,7 @@ fn put<V: Copy + PartialEq>(
     Ok(())
 }
 
-/// Slot and generation of an id; none where it cannot be one.
+/// Slot and generation of an id; None for a negative number.
 fn parts(id: Id) -> Option<(u32, u32)> {
     (id >= 0).then_some((id as u32, (id >> 32) as u32))
 }

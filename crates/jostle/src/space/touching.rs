@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::interrupt::Pulse;
 use crate::memory;
 
-/// Most pairs of the shapes that change at a time: half of what numbers of records can tell
-/// apart, so that as many others fit beside them.
+/// Maximum number of pairs of the shapes that change in an update: half of the numbers of records,
+/// so that as many other pairs can be linked.
 pub(super) const MAX_PAIRS: usize = 1 << 31;
 
 /// A list is linked if the shapes that changed have fewer than one of so many pairs.
@@ -20,7 +20,8 @@ const LINKED_BELOW: usize = 16;
 /// larger share than that of [`LINKED_BELOW`], so that the form does not change often.
 const LISTED_ABOVE: usize = 8;
 
-/// Changes of fewer linked pairs take less than 0.1 s and are not interrupted; more are not made.
+/// Maximum number of linked pairs that change in an update. So these changes, which are not
+/// interrupted, take less than 0.1 s.
 const MAX_LINKED: usize = 1 << 20;
 
 /// Pairs of slots.
@@ -29,7 +30,7 @@ pub(super) struct Touching {
     /// All pairs, ascending; empty if they are in `links`.
     list: Vec<Key>,
     links: Option<Links>,
-    /// Whether each slot is in a pair of the list; empty if that is not known.
+    /// Whether each slot is in a pair of the list; empty until it is computed.
     paired: Vec<bool>,
     /// Memory for sorting.
     starts: Vec<u32>,
@@ -48,7 +49,7 @@ pub(super) struct Difference {
 enum Next {
     /// All pairs.
     List(Vec<Key>),
-    /// The records to remove, each behind its key.
+    /// The records to remove, each after its key.
     Records(Vec<[i64; 2]>),
 }
 
@@ -58,7 +59,7 @@ impl Touching {
         Self { list, ..Self::default() }
     }
 
-    /// Makes room for pairs of so many slots.
+    /// Increases the number of slots to `slots`.
     pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
         self.links.as_mut().map_or(Ok(()), |links| links.widen(slots))
     }
@@ -94,7 +95,7 @@ impl Touching {
             return self.compare_list(&old, &rest, found);
         }
         self.links = Some(Links::of(&self.list, is_changed.len())?);
-        self.forget_list();
+        self.free_list();
         let links = self.links.as_ref().expect("they were made");
         let old = links.of_changed(slots, is_changed, MAX_LINKED)?.expect("they are few");
         self.compare_linked(old, found)
@@ -135,7 +136,7 @@ impl Touching {
     }
 
     /// Frees the memory of the list and of what belongs to it.
-    fn forget_list(&mut self) {
+    fn free_list(&mut self) {
         (self.list, self.paired, self.starts) = Default::default();
     }
 
@@ -171,7 +172,7 @@ impl Touching {
         }
     }
 
-    /// Bytes of memory that they keep, used or not.
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         let keys = self.list.capacity() + self.spare.capacity();
         let links = self.links.as_ref().map_or(0, Links::memory_bytes);

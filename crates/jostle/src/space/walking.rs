@@ -18,9 +18,9 @@ const FEW: usize = 64;
 /// The result of [`Space::move_and_slide`]; one value for each shape, in the order of the call.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Slides<T> {
-    /// How far each shape has moved.
+    /// The displacement that each shape has made.
     pub displacements: Vec<[T; 2]>,
-    /// The displacements that were given, without their components into the obstacles met.
+    /// The requested displacements without their components into the obstacles met.
     pub remaining: Vec<[T; 2]>,
     /// Whether a floor was met.
     pub on_floor: Vec<bool>,
@@ -42,10 +42,10 @@ pub struct Slides<T> {
 impl<T: Scalar> Space<T> {
     /// Moves shapes by displacements; they slide along the other shapes and do not enter them.
     ///
-    /// A shape that stood on a floor after its last motion is carried first if the floor has
-    /// moved since. A shape that overlaps others is moved out of them first if there is room;
-    /// those that it still overlaps do not stop it. A shape that is given as a box goes on as
-    /// its centre and half its size. Refuses what [`Space::move_to`] refuses.
+    /// A shape that stood on a floor after its last motion is carried first if the floor has moved
+    /// since. A shape that overlaps others is moved out of them first if other shapes do not
+    /// prevent it; those that it still overlaps do not stop it. A shape given as a box is stored as
+    /// its centre and half its size from then on. Errors as in [`Space::move_to`].
     pub fn move_and_slide(
         &mut self,
         ids: &[Id],
@@ -66,7 +66,7 @@ impl<T: Scalar> Space<T> {
         self.finish(&walkers, walks?)
     }
 
-    /// Refuses shapes that would meet themselves.
+    /// Refuses shapes that could collide with their own images.
     fn check_widths(&self, ids: &[Id], walkers: &[u32]) -> Result<()> {
         let is_wide = |&slot: &u32| {
             let shape = self.slots.shape(slot);
@@ -112,12 +112,12 @@ impl<T: Scalar> Space<T> {
         call.run(self.settings.threads)
     }
 
-    /// The id of what a shape has met.
+    /// The id of an obstacle that a shape has met.
     fn id_of_met(&self, slot: u32) -> Id {
         if slot & WALL == 0 { self.slots.id(slot) } else { -2 - Id::from(slot & !WALL) }
     }
 
-    /// Stores the new positions; nothing here fails after the first change.
+    /// Stores the new positions; nothing fails after the first change.
     fn finish(&mut self, walkers: &[u32], mut walks: Vec<Walk<T>>) -> Result<Slides<T>> {
         walks.sort_unstable_by_key(|walk| walk.row);
         let hits = walks.iter().map(|walk| walk.hits.len()).sum();

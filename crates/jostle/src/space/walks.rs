@@ -2,8 +2,8 @@
 //!
 //! Shapes whose paths may meet form an island, and so do a shape and the moving floor on which it
 //! stands. The shapes of an island move one after another, in the order of the call, but a floor
-//! before what stands on it. Islands move in parallel. So results do not depend on threads, nor on
-//! the order of shapes that do not meet.
+//! before the shapes that stand on it. Islands move in parallel. So results do not depend on
+//! threads, nor on the order of shapes that do not meet.
 
 use super::call::Call;
 use super::islands::{Islands, join_overlapping};
@@ -24,8 +24,9 @@ const WORTH_SHARING: usize = 64;
 const WORTH_WAKING: usize = 512;
 
 impl<T: Scalar> Call<'_, T> {
-    /// Moves all shapes. If one gets beyond the region by which its island was chosen, because it
-    /// was deep inside an obstacle or its floor moved far, its region grows and all is repeated.
+    /// Moves all shapes. If a shape leaves the region by which its island was chosen, because it
+    /// was deep inside an obstacle or its floor moved far, its region is enlarged and all motions
+    /// are computed again.
     pub fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
         let meets = |&slot: &u32| self.slots.shape(slot).category & self.rules.mask != 0;
         let may_meet = self.walkers.len() > 1 && self.walkers.iter().any(meets);

@@ -20,8 +20,8 @@ pub(super) struct Walls<T> {
 }
 
 impl<T: Scalar> Walls<T> {
-    /// Refuses ends that are equal or not finite, or so far apart that the square of their distance may
-    /// overflow, or farther apart than the period.
+    /// Refuses ends that are equal or not finite, or so far apart that the square of their distance
+    /// may overflow, or farther apart than the period.
     pub(super) fn new(
         given: Vec<[[T; 2]; 2]>,
         period: &Period<T>,
@@ -48,7 +48,7 @@ impl<T: Scalar> Walls<T> {
             let rule = "along each axis its ends must be at most a period apart";
             return Err(Error::at("walls", index, told(given[index]), rule));
         }
-        let ends = memory::collect(given.iter().map(|&ends| home(ends, period)))?;
+        let ends = memory::collect(given.iter().map(|&ends| in_first_period(ends, period)))?;
         let corners =
             |[a, b]: &[[T; 2]; 2]| [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])];
         let boxes = memory::collect(ends.iter().map(corners))?;
@@ -83,7 +83,7 @@ impl<T: Scalar> Walls<T> {
 }
 
 /// A segment with its middle in the first period.
-fn home<T: Scalar>([a, b]: [[T; 2]; 2], period: &Period<T>) -> [[T; 2]; 2] {
+fn in_first_period<T: Scalar>([a, b]: [[T; 2]; 2], period: &Period<T>) -> [[T; 2]; 2] {
     let turns = period.turns([0, 1].map(|axis| middle(a[axis], b[axis])));
     [a, b].map(|end| [end[0] - turns[0], end[1] - turns[1]])
 }
@@ -94,7 +94,7 @@ impl<T: Scalar> Space<T> {
         &self.walls.given
     }
 
-    /// Replaces the line segments. Refuses what no segment can be; then nothing changes.
+    /// Replaces the line segments. Refuses invalid ones; then nothing changes.
     pub fn set_walls(&mut self, ends: Vec<[[T; 2]; 2]>) -> Result<()> {
         self.walls = Walls::new(ends, &self.period, self.settings)?;
         Ok(())

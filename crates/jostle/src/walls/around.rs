@@ -1,4 +1,5 @@
-//! The walls around discs in a step: which of them a disc may touch, its contacts, and its next impact.
+//! The walls around discs in a step: which of them a disc may touch, its contacts, and its next
+//! impact.
 
 use std::cell::Cell;
 
@@ -22,7 +23,7 @@ const ROUNDING: f32 = 1e-6;
 /// this, in radii.
 const PART: f64 = 32.0;
 
-/// Parts of a trajectory at most.
+/// Maximum number of parts of a trajectory.
 const MAX_PARTS: f64 = 256.0;
 
 thread_local! {
@@ -63,8 +64,8 @@ impl Around<'_> {
     }
 
     /// Whether a disc may come within `extent` of a wall at the beginning of a straight path, and
-    /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not count
-    /// if the path leads away from it.
+    /// anywhere on it; false only if it certainly does not, in float32. The wall `left` does not
+    /// count if the path leads away from it.
     #[inline(always)]
     pub fn may_touch(&self, index: u32, path: &Path, extent: f32, left: Option<u32>) -> [bool; 2] {
         let [x, y] = path.displacement;
@@ -106,15 +107,16 @@ impl Around<'_> {
         found
     }
 
-    /// The wall with a number, if a disc that bounces off it may count as having left it: one that stands
-    /// still and has no images.
+    /// The wall with a number, if a disc that bounces off it may count as having left it: one that
+    /// stands still and has no images.
     pub fn left(&self, wall: u32) -> Option<u32> {
         (self.walls.torus.is_none() && !self.walls.any_moves).then_some(wall)
     }
 
-    /// Calls `act` with the number and the offset of each wall that a disc may touch while its centre
-    /// is in a box given by two corners, or that is nearer than `extent` to its surface there; and
-    /// with others. A wall acts as if it were moved by the offset, which is 0 but on a torus.
+    /// Calls `act` with the number and the offset of each wall that a disc may touch, or whose
+    /// distance from its surface may be less than `extent`, while its centre is in a box given by
+    /// two corners; also with some others. A wall acts as if it were moved by the offset, which is
+    /// 0 except on a torus.
     pub fn each(
         &self,
         index: u32,
@@ -186,8 +188,8 @@ impl Around<'_> {
         search.first
     }
 
-    /// Whether a disc stays where the walls near it were searched, if it moves by `longest` at most from
-    /// a position.
+    /// Whether a disc that moves from a position by at most `longest` stays in the region in which
+    /// walls near it were searched.
     fn stays_near(&self, index: u32, position: Vector, longest: f64) -> bool {
         let at = index as usize;
         let anchor = exact(self.particles.positions[at], self.particles.residuals[at]);
@@ -335,8 +337,8 @@ impl Walls {
             && along <= line.length + far
     }
 
-    /// Whether a disc on a segment may touch the wall with a number between two times, by its extent
-    /// along the wall and across it, and by the direction in which it moves.
+    /// Whether a disc on a segment may touch the wall with a number between two times, by its
+    /// extent along the wall and across it, and by the direction in which it moves.
     #[inline(always)]
     fn may_hit(
         &self,

@@ -9,12 +9,12 @@ use crate::trajectory::{Vector, dot, vector};
 /// a line.
 const SAME: f64 = 1.0 - 1e-9;
 
-/// Pushes of a disc out of walls in one call, at most.
+/// Maximum number of pushes of a disc out of walls in one call.
 const MAX_PUSHES: usize = 8;
 
-/// Two normals whose cosine is below this are those of walls at an acute angle. Out of such a spike a
-/// disc is pushed along both walls at once: pushes out of one wall after the other would push it
-/// from wall to wall, and converge very slowly.
+/// Two normals whose cosine is below this are those of walls at an acute angle. A disc between them
+/// is pushed out of both at once, because alternating pushes out of one wall after the other
+/// converge very slowly.
 const OPPOSED: f64 = -0.5;
 
 /// Walls whose angle has a smaller sine count as parallel.
@@ -96,9 +96,9 @@ impl Walls {
 }
 
 impl Around<'_> {
-    /// Position of a disc that is pushed out of some walls with their offsets, by `most` at most; each time out of the
-    /// one that it overlaps most, and of another if the two form a spike. Its centre crosses none of
-    /// them, starting at `from`.
+    /// Position of a disc that is pushed out of some walls with their offsets, by at most `most`.
+    /// Each push is out of the wall that it overlaps most, and also out of another one at an acute
+    /// angle to it. On the path from `from` its centre crosses none of them.
     pub fn push_out(
         &self,
         walls: &[(u32, Vector)],

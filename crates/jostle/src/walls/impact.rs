@@ -127,7 +127,7 @@ impl Line {
             [sum / pull, 2.0 * beyond / sum]
         };
         let times = roots.map(|t| segment.time + t);
-        // What is not a number is no root.
+        // NaN is no root.
         times.into_iter().filter(|&time| time > after).fold(f64::INFINITY, f64::min)
     }
 }

@@ -29,15 +29,15 @@ pub use around::Around;
 pub use contact::Contact;
 pub use moving::Clock;
 pub use near::Near;
-use torus::{Image, check_torus, each_image, home, less, sides};
+use torus::{Image, check_torus, each_image, less, sides, torus_offset};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
 pub const FIRST: u32 = MAX_WALLS as u32;
 
-/// Walls that a box of the tree may hold before it splits, at most.
+/// Maximum number of walls in a leaf of the tree.
 const LEAF_CAPACITY: usize = 12;
 
-/// Walls of a world at most.
+/// Maximum number of walls of a world.
 pub const MAX_WORLD_WALLS: usize = 1 << 24;
 
 /// A line segment that discs cannot cross.
@@ -83,8 +83,8 @@ struct Line {
     has_end: [bool; 2],
     /// Length of its displacement in the step.
     displacement_length: f64,
-    /// What was added to the ends of the wall, see [`home`].
-    home: Vector,
+    /// The offset that was added to the ends of the wall, see [`torus_offset`].
+    torus_offset: Vector,
 }
 
 /// A part of a wall.
@@ -109,7 +109,7 @@ impl Default for Sides {
 #[derive(Debug, Default)]
 pub struct Walls {
     all: Vec<Wall>,
-    /// The sides of the torus on which they are.
+    /// Width and height of the torus, if the container is one.
     torus: Option<Vector>,
     /// The walls, and on a torus their images near it, by the row of the tree.
     images: Vec<Image>,
@@ -117,7 +117,7 @@ pub struct Walls {
     lines: Vec<Line>,
     /// The same in float32, moved by the offsets of images.
     segments: LineSegments,
-    /// Where in this order each wall is.
+    /// The index of each wall in this order.
     indices: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
     /// wall k lies.
@@ -125,15 +125,15 @@ pub struct Walls {
     covering: Vec<Image>,
     tree: Quadtree<f32>,
     sides: Sides,
-    /// Then a step reads the velocity of each wall.
+    /// Whether any wall has a velocity; then a step reads those of all walls.
     any_moves: bool,
     /// Whether all coefficients of restitution are 1, apart from those of the sides.
     are_elastic: bool,
 }
 
 impl Line {
-    fn of(wall: &Wall, home: Vector) -> Self {
-        let ends = wall.exact_ends().map(|end| vector(|k| end[k] + home[k]));
+    fn of(wall: &Wall, torus_offset: Vector) -> Self {
+        let ends = wall.exact_ends().map(|end| vector(|k| end[k] + torus_offset[k]));
         let offset = vector(|k| ends[1][k] - ends[0][k]);
         let length = dot(offset, offset).sqrt();
         let largest = size(ends[0], 0.0).max(size(ends[1], 0.0));
@@ -144,7 +144,7 @@ impl Line {
             least_radius: ROUNDING * largest,
             has_end: [true; 2],
             displacement_length: 0.0,
-            home,
+            torus_offset,
         }
     }
 
@@ -219,7 +219,7 @@ impl Walls {
             let wall = &all[image.wall as usize];
             Line {
                 displacement_length: wall.displacement_length(dt),
-                ..Line::of(wall, home(wall.exact_ends(), *torus))
+                ..Line::of(wall, torus_offset(wall.exact_ends(), *torus))
             }
         };
         let radii = images.iter().map(|image| line(image).least_radius.max(1e-18) as f32).collect();
@@ -351,12 +351,12 @@ impl Walls {
 /// walls to the torus.
 fn add_images(all: &[Wall], sides: Vector, images: &mut Vec<Image>, bounds: &mut Vec<[f32; 4]>) {
     for (wall, index) in (0..).zip(0..all.len()) {
-        let home = home(all[index].exact_ends(), Some(sides));
+        let torus_offset = torus_offset(all[index].exact_ends(), Some(sides));
         let moved = |[a, b, c, d]: [f32; 4], by: Vector| {
             let add = |v: f32, by: f64| (f64::from(v) + by) as f32;
             [add(a, by[0]), add(b, by[1]), add(c, by[0]), add(d, by[1])]
         };
-        let own = moved(bounds[index], home);
+        let own = moved(bounds[index], torus_offset);
         bounds[index] = own;
         let [a, b, c, d] = own.map(f64::from);
         each_image([[a, b], [c, d]], sides, |offset| {

@@ -1,8 +1,9 @@
 //! Walls that move with a constant velocity.
 //!
-//! The trajectory of a disc is computed in the frame of reference of the wall. It is a parabola or a
-//! straight line too, so the same formulas give the time of impact. Walls that share an end should have the
-//! same velocity: which part of a wall acts on a disc is decided with the others seen from that wall.
+//! The trajectory of a disc is computed in the frame of reference of the wall. It is a parabola or
+//! a straight line too, so the same formulas give the time of impact. Walls that share an end
+//! should have the same velocity: which part of a wall acts on a disc is decided with the others
+//! seen from that wall.
 
 use super::{FIRST, Line, Wall, Walls, are_elastic};
 use crate::error::{Error, Result};
@@ -28,7 +29,7 @@ impl Wall {
         dot(by, by).sqrt()
     }
 
-    /// The box around its places in a step of `dt` seconds.
+    /// The bounding box of its positions in a step of `dt` seconds.
     pub(super) fn swept_bounds(&self, dt: f64) -> [f32; 4] {
         let ([a, b], by) = (self.ends, self.displacement(dt).map(|v| v as f32));
         let low = |k: usize| a[k].min(b[k]) + by[k].min(0.0);
@@ -86,12 +87,12 @@ impl Walls {
             if wall.moves() {
                 wall.advance(dt);
                 let line = &mut self.lines[index as usize];
-                *line = Line { has_end: line.has_end, ..Line::of(wall, line.home) };
+                *line = Line { has_end: line.has_end, ..Line::of(wall, line.torus_offset) };
             }
         }
     }
 
-    /// Takes back the walls before a step.
+    /// Restores the walls before a step.
     pub fn restore(&mut self, all: Vec<Wall>) {
         self.all = all;
         self.any_moves = self.all.iter().any(Wall::moves);
@@ -129,7 +130,7 @@ impl Walls {
     }
 }
 
-/// The clock of a window, for the places of walls.
+/// The time of a window, for the positions of walls.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Seconds from the beginning of the step to that of the window.

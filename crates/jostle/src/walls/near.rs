@@ -15,9 +15,9 @@ pub(super) const MARGIN: f64 = 1e-6;
 /// A wall near a disc.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NearWall {
-    /// Its number.
+    /// Number of the wall.
     pub(super) number: u32,
-    /// The wall, or its image, in float32: next to those of the same disc in memory.
+    /// The wall, or its image, in float32, adjacent in memory to those of the same disc.
     pub(super) segment: LineSegment,
 }
 
@@ -32,7 +32,7 @@ pub struct Near {
     /// Distances from their positions at the beginning of the step within which discs were
     /// searched.
     pub(super) max_displacements: Vec<f32>,
-    /// Displacements after which discs certainly touch no wall yet; at most these distances.
+    /// Displacements up to which discs certainly touch no wall; at most these distances.
     pub(super) free: Vec<f32>,
     /// Walls and discs that were found, and the same sorted by discs.
     found: Vec<[u32; 2]>,
@@ -41,9 +41,9 @@ pub struct Near {
 }
 
 impl Near {
-    /// Takes the walls that overlap the circles of `bounds`, which are in the order of the discs, or are
-    /// nearer to them than `usual`, which is 0 on a torus: then fewer discs leave the bounds in which
-    /// their walls are known.
+    /// Finds the walls that overlap the circles of `bounds`, which are in the order of the discs,
+    /// or whose distance from a circle is less than `usual` (on a torus 0). With this distance
+    /// fewer discs leave the bounds in which their walls are known.
     pub fn fill(
         &mut self,
         walls: &Walls,
@@ -96,8 +96,8 @@ impl Near {
         Ok(())
     }
 
-    /// Sorts the walls that were found by discs, and finds the displacements after which these touch
-    /// none yet.
+    /// Sorts the walls that were found by discs, and computes the displacements up to which these
+    /// touch none.
     fn arrange(&mut self, walls: &Walls, bounds: &Quadtree<f32>, max_displacements: &[f32]) {
         let Self { starts, walls: near, offsets, free, found, sorted, .. } = self;
         starts.resize(bounds.len() + 1, 0);

@@ -1,15 +1,15 @@
-//! Walls on a torus: a wall acts as if it were repeated by whole sides of the torus.
+//! Walls on a torus: each wall is repeated with the period of the torus.
 //!
-//! The tree contains the images that a disc may touch which begins a step on the torus and stays in
-//! its bounds. Farther away the position of a disc is moved to the torus first.
+//! The tree contains the images that may touch a disc which begins a step on the torus and stays in
+//! its bounds. The position of a disc farther away is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
 use crate::container::{Container, NINE_IMAGES, ROUNDING, size};
 use crate::error::{Error, Result};
 use crate::trajectory::{Vector, dot, vector};
 
-/// Share of the shorter side within which a disc is, with its radius, around the torus while it
-/// stays in its bounds: a quarter for the radius, an eighth for the displacement, and a reserve.
+/// Maximum distance from the torus of a disc in its bounds, with its radius, as a share of the
+/// shorter side: a quarter for the radius, an eighth for the displacement, and a reserve.
 const NEAR: f64 = 0.38;
 
 /// A wall that is moved by an offset.
@@ -20,7 +20,7 @@ pub(super) struct Image {
     pub(super) offset: Vector,
 }
 
-/// A position less an offset.
+/// A position minus an offset.
 #[inline(always)]
 pub(super) fn less(position: Vector, offset: Vector) -> Vector {
     vector(|k| position[k] - offset[k])
@@ -52,14 +52,14 @@ pub fn check_torus(container: Container, walls: &[Wall]) -> Result<()> {
     }
 }
 
-/// What has to be added to the ends of a wall so that its middle is on the torus.
-pub(super) fn home([a, b]: [Vector; 2], torus: Option<Vector>) -> Vector {
+/// The offset that moves the middle of a wall to the torus.
+pub(super) fn torus_offset([a, b]: [Vector; 2], torus: Option<Vector>) -> Vector {
     let Some(sides) = torus else { return [0.0; 2] };
     vector(|k| -(0.5 * (a[k] + b[k]) / sides[k]).floor() * sides[k])
 }
 
-/// Calls `act` with the offset of each image, apart from the wall itself, of a wall whose places are
-/// in a box given by two corners, that a disc on the torus may touch.
+/// Calls `act` with the offset of each image, apart from the wall itself, of a wall in a box given
+/// by two corners, that a disc on the torus may touch.
 pub(super) fn each_image([min, max]: [Vector; 2], sides: Vector, mut act: impl FnMut(Vector)) {
     let margin = NEAR * sides[0].min(sides[1]);
     let first = [0, 1].map(|k| ((-margin - max[k]) / sides[k]).ceil() as i32);

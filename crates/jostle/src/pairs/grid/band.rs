@@ -39,7 +39,8 @@ impl<T, const SIZES: usize> Default for Band<T, SIZES> {
 }
 
 impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
-    /// Replaces the shapes by `items` of some number of rows and by the last row of the band before.
+    /// Replaces the shapes by `items` of some number of rows and by the last row of the band
+    /// before.
     pub(super) fn fill<'a>(
         &mut self,
         layout: &Layout,
@@ -54,9 +55,9 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
         self.copy_row(layout, last, count)?;
-        // Until the sums are formed, `starts[cell + 2]` counts the shapes of `cell`. Then `starts[cell + 1]`
-        // is the index of its next shape.
-        // Nested loops: the compiler does not inline `flatten`.
+        // Until the sums are formed, `starts[cell + 2]` counts the shapes of `cell`. Then
+        // `starts[cell + 1]` is the index of its next shape. The loops are nested, because the
+        // compiler does not inline `flatten`.
         for piece in items.clone() {
             for item in piece {
                 self.starts[own + layout.cell(item.key) + 2] += 1;

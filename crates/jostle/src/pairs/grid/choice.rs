@@ -10,21 +10,21 @@ use crate::simd::LANES;
 const FOR_EACH_SAMPLED: usize = 64;
 const SAMPLES: [usize; 2] = [32, 4096];
 
-/// The fractions of the sample that are tried as small shapes. Smaller fractions were slower in most scenes
-/// (`docs/benchmarks-notes.md`).
+/// The fractions of the sample that are tried as small shapes. Smaller fractions were slower in
+/// most scenes (`docs/benchmarks-notes.md`).
 const FRACTIONS: [f64; 4] = [1.0, 0.98, 0.95, 0.9];
 
 /// If all shapes are small, the largest size of the sample times this is the limit of small shapes.
 const MARGIN: f64 = 1.0 + 1.0 / 16.0;
 
-/// Times as multiples of that of a test of a shape against one block of others, measured with AVX-512
-/// (`docs/benchmarks-notes.md`): to sort a small shape; to sort a large one, list the bands that it may reach
-/// and sort it again for a grid of larger cells.
+/// Times as multiples of that of a test of a shape against one block of others, measured with
+/// AVX-512 (`docs/benchmarks-notes.md`): to sort a small shape; to sort a large one, list the bands
+/// that it may reach and sort it again for a grid of larger cells.
 const SHAPE: f64 = 8.0;
 const LARGE: f64 = 50.0;
 
-/// The time of a tree for each shape, in the same unit. A grid that takes as long has about 24 shapes in a
-/// cell, or a seventh of its shapes are large.
+/// The time of a tree for each shape, in the same unit. A grid that takes as long has about 24
+/// shapes in a cell, or a seventh of its shapes are large.
 const TREE: f64 = 16.0;
 
 /// Number of cells whose shapes are tested against a shape: half of its own cell, and four others.

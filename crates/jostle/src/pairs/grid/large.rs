@@ -10,7 +10,8 @@ use crate::memory;
 use crate::quadtree::partition::Item;
 use crate::sorting;
 
-/// Maximum number of entries of all lists for each shape of the grid: more would need too much memory.
+/// Maximum number of entries of all lists for each shape of the grid: more would need too much
+/// memory.
 const MAX_ENTRIES: usize = 4;
 
 /// Columns and rows of cells, both ends included.

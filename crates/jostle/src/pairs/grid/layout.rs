@@ -50,9 +50,9 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// A grid for `len` shapes between `min` and `max` that overlap only within a distance along each
-    /// axis; None if the tree is faster, because most cells would be empty, or if there are too many
-    /// cells. If there are `large` shapes, their keys are those of one more band.
+    /// A grid for `len` shapes between `min` and `max` that overlap only within a distance along
+    /// each axis; None if the tree is faster, because most cells would be empty, or if there are
+    /// too many cells. If there are `large` shapes, their keys are those of one more band.
     pub(super) fn over<T: Scalar>(
         [min, max]: [[T; 2]; 2],
         distance: [f64; 2],
@@ -105,9 +105,9 @@ impl Layout {
         if self.axis == 0 { [along, across] } else { [across, along] }
     }
 
-    /// The keys of some centres: the leading bits are the number of the band, the others that of the
-    /// cell in it. Rounding is monotone, so centres that differ by less than a cell are in the same
-    /// one or in neighbouring ones.
+    /// The keys of some centres: the leading bits are the number of the band, the others that of
+    /// the cell in it. Rounding is monotone, so centres that differ by less than a cell are in the
+    /// same one or in neighbouring ones.
     #[inline(always)]
     pub(super) fn keys<const COUNT: usize>(
         &self,
@@ -138,8 +138,8 @@ impl Layout {
         (u64::from(key) & ((1 << (KEY_BITS - self.bits)) - 1)) as usize
     }
 
-    /// The columns and the rows, the last one included, of all centres within a distance along each axis
-    /// of a center.
+    /// The columns and the rows, the last one included, of all centres within a distance along each
+    /// axis of a center.
     #[inline(always)]
     pub(super) fn around(&self, center: [f64; 2], distance: [f64; 2]) -> [[u32; 2]; 2] {
         [self.axis, 1 - self.axis].map(|axis| {

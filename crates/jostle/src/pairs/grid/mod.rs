@@ -1,10 +1,10 @@
 //! All pairs of circles or rectangles, by uniform grids.
 //!
-//! A cell is at least as wide and as high as a small shape. A small shape is tested only against those of its
-//! own cell, of the next cell and of three cells of the row before. Pairs with the other neighbouring cells
-//! are found from the other shape. The tested shapes are two contiguous ranges. A large shape is tested
-//! against the small ones of all cells that it may reach. The pairs of two large shapes are found in the
-//! same way by a grid of larger cells, until few are left.
+//! A cell is at least as wide and as high as a small shape. A small shape is tested only against
+//! those of its own cell, of the next cell and of three cells of the row before. Pairs with the
+//! other neighbouring cells are found from the other shape. The tested shapes are two contiguous
+//! ranges. A large shape is tested against the small ones of all cells that it may reach. The pairs
+//! of two large shapes are found in the same way by a grid of larger cells, until few are left.
 //!
 //! The shapes are partitioned into bands of adjacent rows. Each band, which fits into the
 //! second-level cache, is then sorted into its cells and searched. No more of the grid is stored.
@@ -35,11 +35,12 @@ use layout::Layout;
 use search::Search;
 use sizes::{CIRCLES, EQUAL, Input, Keyed, RECTANGLES, ROUNDED, Rows};
 
-/// For fewer shapes the tree or brute force is faster. Measured with AVX-512; the same for all processors,
-/// because the order of the pairs depends on it.
+/// For fewer shapes the tree or brute force is faster. Measured with AVX-512; the same for all
+/// processors, because the order of the pairs depends on it.
 const MIN_SHAPES: usize = 300;
 
-/// As [`MIN_SHAPES`], for shapes of different sizes, for which the choice of a grid takes about 2 µs.
+/// As [`MIN_SHAPES`], for shapes of different sizes, for which the choice of a grid takes about 2
+/// µs.
 const MIN_DIFFERENT: usize = 512;
 
 /// Maximum number of tasks for several threads. A task sorts the band before its first one too.
@@ -57,15 +58,16 @@ pub(super) struct Grid<T> {
     rounded: Levels<T, ROUNDED>,
 }
 
-/// Some of the pairs; `rest` are rows of large shapes whose pairs with each other are not in `found`.
+/// Some of the pairs; `rest` are rows of large shapes whose pairs with each other are not in
+/// `found`.
 pub(super) struct Part {
     pub(super) found: Found,
     pub(super) rest: Vec<u32>,
 }
 
 impl<T: Scalar> Grid<T> {
-    /// The overlapping pairs of rows, `i < j`, except those of two shapes of `rest`. None if there are filters,
-    /// boxes or a period, or if a tree is faster.
+    /// The overlapping pairs of rows, `i < j`, except those of two shapes of `rest`. None if there
+    /// are filters, boxes or a period, or if a tree is faster.
     pub(super) fn find(
         &mut self,
         shapes: &Shapes<T>,
@@ -179,8 +181,8 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         Ok(())
     }
 
-    /// The pairs of the small shapes of a grid, and of a small and a large one. None if there are so many
-    /// large ones that the tree is faster.
+    /// The pairs of the small shapes of a grid, and of a small and a large one. None if there are
+    /// so many large ones that the tree is faster.
     fn level(
         &mut self,
         input: &(impl Input<T, SIZES> + ?Sized),

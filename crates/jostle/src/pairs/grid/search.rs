@@ -68,8 +68,8 @@ impl<T: Scalar, const SIZES: usize> Work<T> for Search<'_, '_, T, SIZES> {
     }
 }
 
-/// Blocks with overlaps: the row of the caller of one shape, the first index of the block, and a bit for
-/// each of its shapes that overlaps the one.
+/// Blocks with overlaps: the row of the caller of one shape, the first index of the block, and a
+/// bit for each of its shapes that overlaps the one.
 struct Hits {
     list: [[u32; 3]; MAX_HITS],
     count: usize,
@@ -99,8 +99,8 @@ struct Tester<'a, T, S, const SIZES: usize> {
 }
 
 impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
-    /// Tests [`AT_A_TIME`] shapes, and the others of the last one's cell, against those that may overlap
-    /// them. Returns the next index.
+    /// Tests [`AT_A_TIME`] shapes, and the others of the last one's cell, against those that may
+    /// overlap them. Returns the next index.
     #[inline(always)]
     fn test_some(
         &self,
@@ -159,7 +159,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         index
     }
 
-    /// Tests the shapes of a cell against later ones up to `end`, and against those of a range before.
+    /// Tests the shapes of a cell against later ones up to `end`, and against those of a range
+    /// before.
     #[inline(always)]
     fn test_cell(
         &self,
@@ -207,7 +208,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         output.accept(count);
     }
 
-    /// For each row of the band that a large shape may reach, its first cell and the one after its last.
+    /// For each row of the band that a large shape may reach, its first cell and the one after its
+    /// last.
     #[inline(always)]
     fn rows(
         &self,
@@ -278,7 +280,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         }
     }
 
-    /// Tests a shape against others; returns the number of pairs. `spare` has capacity for all and one more block.
+    /// Tests a shape against others; returns the number of pairs. `spare` has capacity for all and
+    /// one more block.
     #[inline(always)]
     fn test_blocks(
         &self,

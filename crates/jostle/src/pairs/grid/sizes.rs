@@ -1,5 +1,5 @@
-//! Shapes with the sizes that a grid sorts with them: none for circles of one radius, a radius, half
-//! sizes, or both.
+//! Shapes with the sizes that a grid sorts with them: none for circles of one radius, a radius,
+//! half sizes, or both.
 
 use std::ops::Range;
 
@@ -86,7 +86,8 @@ impl<T: Scalar, const SIZES: usize> Input<T, SIZES> for [Item<T, SIZES>] {
     }
 }
 
-/// Shapes with the keys of their cells. The key of a large shape is that of the block after the last band.
+/// Shapes with the keys of their cells. The key of a large shape is that of the block after the
+/// last band.
 pub(super) struct Keyed<'a, T, I: ?Sized> {
     pub(super) layout: Layout,
     /// Half the width and the height of the largest small shape.
