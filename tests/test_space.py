@@ -136,7 +136,7 @@ class LivingSpace(RuleBasedStateMachine):
         assert self.events.left.tolist() == [list(pair) for pair in sorted(self.before - now)]
         self.before = now
         if old is not None and not hasattr(self, "was_asked"):
-            with pytest.raises(RuntimeError, match="ask before the next update"):
+            with pytest.raises(RuntimeError, match="read it before the next update"):
                 _ = old.stayed
         self.__dict__.pop("was_asked", None)
 
