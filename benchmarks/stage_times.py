@@ -63,8 +63,8 @@ def pile(count: int) -> jostle.World | None:
 
 
 def settled(world: jostle.World, steps: int) -> jostle.World:
-    """Step a world on one thread."""
-    world.threads = 1
+    """Step a world on one thread; nothing falls asleep."""
+    world.threads, world.sleeping = 1, False
     world.step(FRAME, steps)
     return world
 
