@@ -130,6 +130,12 @@ impl Motions {
         self.0[index as usize].position.vector()
     }
 
+    /// Its position with what rounding removed from it.
+    #[inline(always)]
+    pub fn exact(&self, index: u32) -> [f64; 2] {
+        exact(self.position(index), self.residual(index))
+    }
+
     /// What rounding removed from its position.
     #[inline(always)]
     pub fn residual(&self, index: u32) -> [f32; 2] {

@@ -6,6 +6,7 @@ mod torus;
 
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
+use crate::tolerance::{ROUNDING, gap};
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
 pub use torus::{MAX_TOURS, NINE_IMAGES, minimum_image_within};
 
@@ -45,9 +46,6 @@ pub struct Wall {
     /// Distance from surface to surface; negative if they overlap.
     pub gap: f32,
 }
-
-/// Relative size of the rounding of positions in float32, with a reserve for sums.
-pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// Maximum number of walls that a particle can touch at once.
 pub const MAX_WALLS: usize = 4;
@@ -314,13 +312,10 @@ impl Container {
                 wall([0.0, -1.0], max[1] - radius - position[1]),
             ],
             Self::Circle { center, radius: outer } => {
-                let offset = [center[0] - position[0], center[1] - position[1]];
-                let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-                if length == 0.0 {
-                    return [None; MAX_WALLS];
-                }
-                let inward = [offset[0] / length, offset[1] / length];
-                [wall(inward, outer - radius - length), None, None, None]
+                let offset = [0, 1].map(|k| f64::from(center[k]) - f64::from(position[k]));
+                let free = f64::from(*outer) - f64::from(radius);
+                let (Some(inward), gap) = gap(offset, free) else { return [None; MAX_WALLS] };
+                [wall(inward.map(|v| v as f32), -gap as f32), None, None, None]
             }
         }
     }

@@ -187,7 +187,7 @@ impl WallContact {
         let own = scene.restitution * scene.particles.restitutions[index];
         let surfaces = Surfaces {
             gap: wall.gap,
-            contact_distance: scene.particles.radii[index],
+            size: scene.particles.radii[index],
             normal_speed: wall.inward[0] * u + wall.inward[1] * v,
             restitution: own * scene.walls.walls.restitution(number),
             speeds: [kick.speed, 0.0],

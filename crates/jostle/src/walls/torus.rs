@@ -4,7 +4,8 @@
 //! its bounds. The position of a disc farther away is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
-use crate::container::{Container, NINE_IMAGES, ROUNDING, size};
+use crate::container::{Container, NINE_IMAGES, size};
+use crate::tolerance::ROUNDING;
 use crate::error::{Error, Result};
 use crate::trajectory::{Vector, dot, vector};
 

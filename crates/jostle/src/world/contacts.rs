@@ -4,10 +4,13 @@
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
+use crate::motion::exact;
 use crate::parallel;
 use crate::particles::Particles;
+use crate::tolerance::{are_uneven, gap, size_of};
+use crate::trajectory::vector;
 
-/// Overlap, as a share of the sum of radii, from which positions are corrected where nothing rests.
+/// Overlap, as a share of the size, from which positions are corrected where nothing rests.
 const OVERLAP: f32 = 0.003;
 
 /// Candidate pairs that one thread tests for overlap at a time.
@@ -98,10 +101,16 @@ fn find_overlapping(
 fn overlap(particles: &Particles, [a, b]: [u32; 2], image: [f32; 2]) -> bool {
     let [p, q] = [a, b].map(|index| particles.positions[index as usize]);
     let [c, d] = [a, b].map(|index| particles.residuals[index as usize]);
+    let [r, s] = [a, b].map(|index| particles.radii[index as usize]);
     let [x, y] = [0, 1].map(|k| (q[k] - p[k] + image[k]) + (d[k] - c[k]));
-    let radius_sum = particles.radii[a as usize] + particles.radii[b as usize];
-    let limit = radius_sum * (1.0 - OVERLAP);
-    x * x + y * y < limit * limit
+    let (contact_distance, size) = (r + s, size_of(r, s));
+    let limit = contact_distance - OVERLAP * size;
+    if !are_uneven(size, contact_distance) {
+        return x * x + y * y < limit * limit;
+    }
+    let [p, q] = [exact(p, c), exact(q, d)];
+    let offset = vector(|k| q[k] - p[k] + f64::from(image[k]));
+    gap(offset, f64::from(r) + f64::from(s)).1 < f64::from(-OVERLAP * size)
 }
 
 /// Moves some pairs from lists to others, which are empty.
