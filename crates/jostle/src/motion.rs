@@ -154,14 +154,12 @@ impl Motions {
         self.0[index as usize].displacement.vector()
     }
 
-    /// Replaces its position; a coordinate that changes has no residual.
+    /// Replaces its position, and chooses the float32 of it.
     #[inline(always)]
-    pub fn set_position(&self, index: u32, position: [f32; 2]) {
+    pub fn place(&self, index: u32, exact: [f64; 2], rounded: [f32; 2]) {
         let row = &self.0[index as usize];
-        let (old, kept) = (row.position.vector(), row.residual.vector());
-        let is_same = |k: usize| position[k] == old[k];
-        row.residual.set_vector([0, 1].map(|k| if is_same(k) { kept[k] } else { 0.0 }));
-        row.position.set_vector(position);
+        row.residual.set_vector(residual(exact, rounded));
+        row.position.set_vector(rounded);
     }
 
     /// Adds a displacement to its position.

@@ -94,7 +94,7 @@ pub struct Limits {
     /// An impact is ignored if without it the surfaces would overlap by less than this at the end
     /// of the window. A later window resolves it, because then the surfaces touch as it begins.
     pub tolerance: f64,
-    /// The same for surfaces that touch or overlap where the motion begins.
+    /// The same for surfaces that touch, or overlap, where the motion begins.
     pub touching_tolerance: f64,
     /// Overlap from which on surfaces are deep in each other. Position correction moves them apart.
     pub deep: f64,
@@ -106,11 +106,16 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The limits for surfaces that touch or overlap where the motion begins.
+    /// The limits for surfaces with a gap where the motion begins, negative if they overlap.
     #[inline(always)]
-    pub fn of_overlap(&self, overlap: f64) -> Self {
-        let is_deep = overlap > self.deep;
-        let tolerance = if is_deep { self.deep_tolerance } else { self.touching_tolerance };
+    pub fn of_gap(&self, gap: f64) -> Self {
+        let tolerance = if gap > self.rounding {
+            self.tolerance
+        } else if gap < -self.deep {
+            self.deep_tolerance
+        } else {
+            self.touching_tolerance
+        };
         Self { tolerance, ..*self }
     }
 
@@ -229,7 +234,7 @@ impl Relative {
         if qq <= square {
             let length = qq.sqrt();
             let normal_speed = -approach / length.max(f64::MIN_POSITIVE);
-            let limits = limits.of_overlap(contact_distance - length);
+            let limits = limits.of_gap(length - contact_distance);
             let kind = limits.kind(normal_speed, 0.0, self.start)?;
             return (self.start <= limits.until).then_some(Impact { time: self.start, kind });
         }
@@ -247,6 +252,8 @@ impl Relative {
         }
         let back = (free / ww).sqrt();
         let time = self.start + (closest - back).max(0.0);
+        // The square of the gap is missing, which does not matter where the gap is small.
+        let limits = limits.of_gap(0.5 * (qq - square) / contact_distance);
         let kind = limits.kind(back * ww / contact_distance, 0.0, time)?;
         (time <= limits.until).then_some(Impact { time, kind })
     }
@@ -258,10 +265,11 @@ impl Relative {
         let square = dot(q, q) - contact_distance * contact_distance;
         let rate = 2.0 * dot(q, w);
         let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
+        let limits = limits.of_gap(dot(q, q).sqrt() - contact_distance);
         let wait = if square > 0.0 {
             first_root([square, rate, rest[0], rest[1], rest[2]], span)?
         } else if let Some(kind) =
-            self.kind_at(0.0, &limits.of_overlap(contact_distance - dot(q, q).sqrt()))
+            self.kind_at(0.0, &limits)
         {
             return Some(Impact { time: self.start, kind });
         } else {
@@ -271,7 +279,7 @@ impl Relative {
         if wait > span {
             return None;
         }
-        let kind = self.kind_at(wait, limits)?;
+        let kind = self.kind_at(wait, &limits)?;
         Some(Impact { time: self.start + wait, kind })
     }
 
@@ -295,8 +303,9 @@ pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits)
     if lowest > 0.0 {
         return None;
     }
+    let limits = limits.of_gap(gap);
     let wait = if gap <= 0.0 {
-        if let Some(kind) = limits.of_overlap(-gap).kind(-speed, pull, start) {
+        if let Some(kind) = limits.kind(-speed, pull, start) {
             return Some(Impact { time: start, kind });
         }
         if pull <= 0.0 || speed <= 0.0 {
@@ -339,23 +348,23 @@ pub fn round_impact(
 ) -> Option<Impact> {
     let span = limits.until - start;
     let inside = contact_distance * contact_distance - dot(q, q);
-    let kind_at = |wait: f64, limits: &Limits| {
+    let limits = limits.of_gap(contact_distance - dot(q, q).sqrt());
+    let kind_at = |wait: f64| {
         let offset = vector(|k| q[k] + (v[k] + 0.5 * a[k] * wait) * wait);
         let velocity = vector(|k| v[k] + a[k] * wait);
         let length = dot(offset, offset).sqrt().max(f64::MIN_POSITIVE);
         let [speed, pull] = [dot(offset, velocity) / length, dot(offset, a) / length];
         limits.kind(speed, pull, start + wait)
     };
-    let touching = || limits.of_overlap(dot(q, q).sqrt() - contact_distance);
     let rate = -2.0 * dot(q, v);
     let rest = [-dot(v, v) - dot(q, a), -dot(v, a), -0.25 * dot(a, a)];
     let wait = if inside > 0.0 {
         first_root([inside, rate, rest[0], rest[1], rest[2]], span)?
-    } else if let Some(kind) = kind_at(0.0, &touching()) {
+    } else if let Some(kind) = kind_at(0.0) {
         return Some(Impact { time: start, kind });
     } else {
         first_root([rate.max(f64::MIN_POSITIVE), rest[0], rest[1], rest[2], 0.0], span)?
     };
-    let kind = kind_at(wait, limits)?;
+    let kind = kind_at(wait)?;
     Some(Impact { time: start + wait, kind })
 }

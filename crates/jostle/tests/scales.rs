@@ -21,6 +21,12 @@ enum Other {
 }
 
 impl Other {
+    /// Whether a disc stays on it, or bounces on it again and again, although numbers are rounded. It
+    /// rolls down a small disc.
+    fn is_stable(self) -> bool {
+        !matches!(self, Self::Movable(_)) && (self.radius() == 0.0 || self.radius() > 1e4)
+    }
+
     fn radius(self) -> f64 {
         match self {
             Self::Fixed(radius) | Self::Kinematic(radius) | Self::Movable(radius) => radius,
@@ -29,20 +35,22 @@ impl Other {
     }
 }
 
-/// A small disc that approaches something, which is below it: towards −y. The place of contact is
-/// near (`place`, `place`).
+/// A disc of radius 1 that approaches something. The place of contact is near (`place`, `place`), and
+/// the normal there is +y turned by an angle clockwise.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     other: Other,
-    /// Displacement of the small disc in a sub-step, in radii.
+    angle: f64,
+    place: f64,
+    /// Gap at the beginning.
+    gap: f64,
+    /// Displacement in a sub-step against the normal.
     travel: f64,
     restitution: f32,
+    /// Acceleration against the normal.
     gravity: f64,
     /// Seconds of a step.
     dt: f64,
-    place: f64,
-    /// Gap at the beginning, in radii.
-    gap: f64,
     substeps: usize,
 }
 
@@ -53,21 +61,63 @@ fn split(value: f64) -> [f32; 2] {
 }
 
 impl Case {
-    /// The world; the small disc has row 0.
+    fn is_stable(&self) -> bool {
+        self.angle == 0.0 && !matches!(self.other, Other::Movable(_)) || self.other.is_stable()
+    }
+
+    fn normal(&self) -> [f64; 2] {
+        [self.angle.sin(), self.angle.cos()]
+    }
+
+    /// The point that is so far from the place of contact, along the surface and along the normal.
+    fn point(&self, along: f64, normal: f64) -> [f64; 2] {
+        let [x, y] = self.normal();
+        [self.place + y * along + x * normal, self.place - x * along + y * normal]
+    }
+
+    /// The same in float32.
+    fn rounded(&self, along: f64, normal: f64) -> [f32; 2] {
+        self.point(along, normal).map(|v| v as f32)
+    }
+
+    /// The ends of the wall.
+    fn ends(&self, half: f64) -> [[f32; 2]; 2] {
+        [self.rounded(-half, 0.0), self.rounded(half, 0.0)]
+    }
+
+    /// The distance from the surface of the other body to a point.
+    fn distance(&self, [x, y]: [f64; 2], center: Option<[f64; 2]>) -> f64 {
+        let from = |of: [f64; 2]| ((x - of[0]).powi(2) + (y - of[1]).powi(2)).sqrt();
+        match self.other {
+            Other::Wall(half) => {
+                let [[a, b], [c, d]] = self.ends(half).map(|end| end.map(f64::from));
+                let [u, v] = [c - a, d - b];
+                ((y - b) * u - (x - a) * v) / (u * u + v * v).sqrt()
+            }
+            Other::Floor(_) => y - f64::from(self.place as f32),
+            Other::Round(radius) => {
+                let center = self.rounded(0.0, radius).map(f64::from);
+                f64::from(radius as f32) - from(center)
+            }
+            _ => from(center.expect("there is another disc")) - f64::from(self.other.radius() as f32),
+        }
+    }
+
+    /// The world; the disc has row 0, another disc row 1.
     fn world(&self) -> World {
-        let (place, radius) = (self.place, self.other.radius());
-        // The centre of the other disc is a float32; the small one is placed against it.
-        let center = f64::from((place - radius) as f32);
-        let height = match self.other {
-            Other::Wall(_) | Other::Floor(_) | Other::Round(_) => place,
-            _ => center + radius,
-        };
-        let [y, residual] = split(height + 1.0 + self.gap);
-        let speed = (self.travel * self.substeps as f64 / self.dt) as f32;
+        let radius = self.other.radius();
+        let center = self.rounded(0.0, -radius);
+        let [x, y] = self.normal();
+        // The surface of the other body, whose numbers are float32, is not exactly at the place.
+        let near = self.point(0.0, 1.0 + self.gap);
+        let by = 1.0 + self.gap - self.distance(near, Some(center.map(f64::from)));
+        let [[px, rx], [py, ry]] = [near[0] + by * x, near[1] + by * y].map(split);
+        let speed = self.travel * self.substeps as f64 / self.dt;
+        let velocity = |speed: f64| [(speed * x) as f32, (speed * y) as f32];
         let mut particles = Particles {
-            positions: vec![[place as f32, y]],
-            residuals: vec![[0.0, residual]],
-            velocities: vec![[0.0, -speed]],
+            positions: vec![[px, py]],
+            residuals: vec![[rx, ry]],
+            velocities: vec![velocity(-speed)],
             radii: vec![1.0],
             masses: vec![1.0],
             restitutions: vec![1.0],
@@ -75,39 +125,35 @@ impl Case {
             ..Particles::default()
         };
         if radius > 0.0 {
-            particles.positions.push([place as f32, center as f32]);
+            particles.positions.push(center);
             particles.residuals.push([0.0; 2]);
             let is_kinematic = matches!(self.other, Other::Kinematic(_));
-            particles.velocities.push([0.0, if is_kinematic { 0.5 * speed } else { 0.0 }]);
+            particles.velocities.push(velocity(if is_kinematic { 0.5 * speed } else { 0.0 }));
             particles.radii.push(radius as f32);
             particles.masses.push((radius * radius) as f32);
             particles.restitutions.push(1.0);
             particles.movable.push(matches!(self.other, Other::Movable(_)));
         }
-        let side = |length: f64| (place - length) as f32;
         let container = match self.other {
             Other::Floor(half) => Container::Box {
-                min: [side(half), place as f32],
-                max: [(place + half) as f32, (place + 2.0 * half) as f32],
+                min: [(self.place - half) as f32, self.place as f32],
+                max: [self.place + half, self.place + 2.0 * half].map(|v| v as f32),
             },
             Other::Round(radius) => {
-                let center = (place + radius) as f32;
-                let bottom = f64::from(center) - place;
-                Container::Circle { center: [place as f32, center], radius: bottom as f32 }
+                Container::Circle { center: self.rounded(0.0, radius), radius: radius as f32 }
             }
             _ => Container::None,
         };
         let settings = WorldSettings {
             restitution: self.restitution,
-            gravity: [0.0, -self.gravity as f32],
+            gravity: velocity(-self.gravity),
             container,
             substeps: Some(self.substeps),
             ..WorldSettings::default()
         };
         let mut world = World::new(particles, settings).expect("the case is valid");
         if let Other::Wall(half) = self.other {
-            let ends = [[side(half), place as f32], [(place + half) as f32, place as f32]];
-            world.set_walls(vec![Wall::new(ends)]).expect("the wall is valid");
+            world.set_walls(vec![Wall::new(self.ends(half))]).expect("the wall is valid");
         }
         world
     }
@@ -116,31 +162,21 @@ impl Case {
     fn gap(&self, world: &World) -> f64 {
         let particles = world.particles();
         let row = |row: usize| {
-            [0, 1].map(|k| {
-                f64::from(particles.positions[row][k]) + f64::from(particles.residuals[row][k])
-            })
+            let [x, y] = *particles.positions.get(row)?;
+            let [rx, ry] = particles.residuals[row];
+            Some([f64::from(x) + f64::from(rx), f64::from(y) + f64::from(ry)])
         };
-        let [x, y] = row(0);
-        match self.other {
-            Other::Fixed(radius) | Other::Kinematic(radius) | Other::Movable(radius) => {
-                let [p, q] = row(1);
-                let radius = f64::from(radius as f32);
-                ((x - p).powi(2) + (y - q).powi(2)).sqrt() - 1.0 - radius
-            }
-            Other::Wall(_) | Other::Floor(_) => y - self.place - 1.0,
-            Other::Round(radius) => {
-                let center = f64::from((self.place + radius) as f32);
-                let offset = ((x - self.place).powi(2) + (y - center).powi(2)).sqrt();
-                center - self.place - 1.0 - offset
-            }
-        }
+        self.distance(row(0).expect("there is a disc"), row(1)) - 1.0
     }
 
     /// The velocity of approach.
     fn approach(&self, world: &World) -> f64 {
-        let velocities = &world.particles().velocities;
-        let other = velocities.get(1).map_or(0.0, |v| f64::from(v[1]));
-        other - f64::from(velocities[0][1])
+        let velocity = |row: usize| {
+            let velocity = world.particles().velocities.get(row).copied().unwrap_or_default();
+            let [x, y] = self.normal();
+            f64::from(velocity[0]) * x + f64::from(velocity[1]) * y
+        };
+        velocity(1) - velocity(0)
     }
 
     /// One spacing of float32 at the place.
@@ -213,22 +249,22 @@ impl Case {
         };
         // At most ten bounces, each of which takes 2 √(2 height/gravity) seconds.
         let bounce = 2.0 / travel.sqrt();
-        let steps = ((10.0 * bounce) as usize / self.substeps).clamp(20, 600);
+        let steps = ((10.0 * bounce) as usize / self.substeps).clamp(20, 300);
         let before = energy(&world);
         for _ in 0..steps {
             case.step(&mut world);
             let error = (energy(&world) / before - 1.0).abs();
-            assert!(error < 4e-3, "{case:?}: height {height}, energy {error} off");
+            // 0.1 % of the speed in each of ten bounces.
+            assert!(error < 2e-2, "{case:?}: height {height}, energy {error} off");
         }
     }
 }
 
-/// Everything that a disc of radius 1 may meet, up to this ratio of sizes.
-fn others(most: i32) -> impl Iterator<Item = Other> {
-    let sizes = (0..=most).map(|exponent| 10f64.powi(exponent));
-    sizes.flat_map(|size| {
+/// Everything that a disc of radius 1 may meet, of some sizes.
+fn others() -> impl Iterator<Item = Other> {
+    [1.0, 30.0, 1e3, 1e5, 1e7].into_iter().flat_map(|size| {
         let discs = [Other::Fixed(size), Other::Kinematic(size), Other::Movable(size)];
-        let walls = [Other::Wall(10.0 * size), Other::Floor(10.0 * size), Other::Round(10.0 * size)];
+        let walls = [Other::Wall(5.0 * size), Other::Floor(30.0 * size), Other::Round((0.1 * size).max(30.0))];
         discs.into_iter().chain(walls)
     })
 }
@@ -238,17 +274,25 @@ fn travels() -> impl Iterator<Item = f64> {
     (0..=9).map(|exponent| 10f64.powi(-exponent))
 }
 
-/// Calls `act` with each combination of what the small disc meets, of restitutions, places and
+/// Calls `act` with each combination of what the disc meets, of restitutions, places, directions and
 /// numbers of sub-steps.
-fn each_case(most: i32, mut act: impl FnMut(Case)) {
-    for other in others(most) {
-        for restitution in [0.0, 0.5, 1.0] {
-            for place in [0.0, 1e5] {
-                for substeps in [1, 4] {
-                    let (travel, gravity, dt, gap) = (0.0, 0.0, 1.0 / 60.0, 0.0);
-                    let case =
-                        Case { other, travel, restitution, gravity, dt, place, gap, substeps };
-                    act(case);
+fn each_case(mut act: impl FnMut(Case)) {
+    for (other, restitution) in others().flat_map(|other| [0.0, 0.5, 1.0].map(|e| (other, e))) {
+        for (place, substeps) in [(0.0, 4), (1e5, 1)] {
+            for angle in [0.0, 0.7] {
+                if angle == 0.0 || !matches!(other, Other::Floor(_)) {
+                    let [travel, gravity, gap, dt] = [0.0, 0.0, 0.0, 1.0 / 60.0];
+                    act(Case {
+                        other,
+                        angle,
+                        place,
+                        gap,
+                        travel,
+                        restitution,
+                        gravity,
+                        dt,
+                        substeps,
+                    });
                 }
             }
         }
@@ -257,8 +301,10 @@ fn each_case(most: i32, mut act: impl FnMut(Case)) {
 
 #[test]
 fn every_approach_ends_with_a_bounce() {
-    each_case(7, |case| {
-        for travel in travels() {
+    each_case(|case| {
+        // There a residual has about this size, which no disc moves less.
+        let is_coarse = case.place > 0.0 && matches!(case.other, Other::Round(_));
+        for travel in travels().filter(|&travel| !is_coarse || travel > 1e-9) {
             Case { travel, gap: 2.3 * travel, ..case }.check_bounce();
         }
     });
@@ -267,18 +313,17 @@ fn every_approach_ends_with_a_bounce() {
 /// The disc falls from heights between nothing and a radius, and comes to rest on the surface.
 #[test]
 fn a_disc_rests_on_the_surface() {
-    each_case(7, |case| {
-        if case.restitution == 1.0 || matches!(case.other, Other::Movable(_)) {
+    each_case(|case| {
+        if case.restitution == 1.0 || !case.is_stable() {
             return;
         }
-        for gap in [-1e-4, 0.0, 1e-6, 0.02] {
+        for gap in [-1e-4, 0.0, 0.02] {
             for exponent in [-1, -4, -9] {
-                // The square of the sub-step is 1 over this in units of r/g.
-                let travel = 10f64.powi(exponent);
+                // What gravity adds to the displacement in a sub-step.
                 let h = case.dt / case.substeps as f64;
-                let gravity = travel / (h * h);
+                let gravity = 10f64.powi(exponent) / (h * h);
                 let case = Case { gap, gravity, ..case };
-                case.check_rest(400);
+                case.check_rest(150);
             }
         }
     });
@@ -287,11 +332,11 @@ fn a_disc_rests_on_the_surface() {
 /// An elastic disc bounces under gravity to the same height again and again.
 #[test]
 fn an_elastic_disc_bounces_under_gravity() {
-    each_case(7, |case| {
-        if case.restitution < 1.0 || matches!(case.other, Other::Movable(_)) {
+    each_case(|case| {
+        if case.restitution < 1.0 || !case.is_stable() {
             return;
         }
-        for height in [2.0, 30.0, 1e4] {
+        for height in [12.0, 400.0] {
             for travel in [1e-1, 1e-3, 1e-6] {
                 case.check_bounces(height, travel);
             }
@@ -302,8 +347,8 @@ fn an_elastic_disc_bounces_under_gravity() {
 /// Discs that overlap are moved apart, also where nothing presses them together.
 #[test]
 fn overlaps_are_corrected() {
-    each_case(7, |case| {
-        for gap in [-0.02, -0.5, -1.0] {
+    each_case(|case| {
+        for gap in [-0.02, -0.5, -0.9] {
             let case = Case { gap, ..case };
             let mut world = case.world();
             for _ in 0..120 {
@@ -314,4 +359,58 @@ fn overlaps_are_corrected() {
             assert!(left < 0.006 + case.coarse(), "{case:?}: {left} radii apart");
         }
     });
+}
+
+/// A disc rolls without friction over a floor of pieces; returns the speed that it loses, as a share.
+fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 {
+    let particles = Particles {
+        positions: vec![[1.0, 1.0]],
+        residuals: vec![[0.0; 2]],
+        velocities: vec![[speed, 0.0]],
+        radii: vec![1.0],
+        masses: vec![1.0],
+        restitutions: vec![1.0],
+        movable: vec![true],
+        ..Particles::default()
+    };
+    let settings = WorldSettings { restitution, gravity: [0.0, -10.0], ..WorldSettings::default() };
+    let mut world = World::new(particles, settings).expect("the disc is valid");
+    world.set_walls(pieces.iter().copied().map(Wall::new).collect()).expect("the floor is valid");
+    world.step(1.0 / 60.0, (48.0 / f64::from(speed) * 60.0) as usize).expect("steps succeed");
+    let [x, y] = world.particles().positions[0];
+    assert!(x > 45.0 && (0.99..1.2).contains(&y), "the disc is at ({x}, {y})");
+    1.0 - f64::from(world.particles().velocities[0][0] / speed)
+}
+
+/// Pieces of 0.25 radii, 190 joints.
+#[test]
+fn a_disc_rolls_over_pieces_that_miss_each_other() {
+    let mut random = jostle::scenes::random::Random::new(3);
+    for exponent in 0..=5 {
+        let size = 1e-3 * 10f64.powi(-exponent);
+        for (kind, is_random) in [(0, false), (1, false), (2, false), (3, true), (4, true)] {
+            let pieces: Vec<_> = (0..210)
+                .map(|number| {
+                    let start = 0.25 * f64::from(number) - 1.0;
+                    let share = if is_random { f64::from(random.unit()) } else { 1.0 };
+                    let sign = if number % 2 == 0 { 0.5 } else { -0.5 };
+                    let (along, up) = match kind {
+                        0 => (-size, 0.0),
+                        1 => (size, 0.0),
+                        2 => (0.0, sign * size),
+                        3 => (2.0 * (share - 0.5) * size, 0.0),
+                        _ => (0.0, (share - 0.5) * size),
+                    };
+                    [[start, up], [start + 0.25 + along, up]].map(|end| end.map(|v| v as f32))
+                })
+                .collect();
+            for (speed, restitution) in [(10.0, 0.0), (10.0, 0.5), (2.0, 0.0), (40.0, 0.0)] {
+                let lost = lost_on_floor(&pieces, speed, restitution);
+                assert!(
+                    lost.abs() < 1e-3,
+                    "kind {kind}, size {size}, speed {speed}, e = {restitution}: {lost} lost"
+                );
+            }
+        }
+    }
 }

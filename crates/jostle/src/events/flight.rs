@@ -430,7 +430,7 @@ impl Window<'_> {
             return false;
         }
         let length = square.sqrt();
-        let limits = limits.of_overlap(contact_distance - length);
+        let limits = limits.of_gap(length - contact_distance);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
         limits.kind(approach / length, 0.0, first.time).is_some()
     }
@@ -453,7 +453,7 @@ impl Window<'_> {
         let (at, walls) = ((now.position, now.time), self.flight.walls);
         walls.contacts(index, at, radius, rounding, contacts);
         for &Contact { wall, normal, gap, .. } in &*contacts {
-            let limits = self.wall_limits(now, index, wall).of_overlap(-gap);
+            let limits = self.wall_limits(now, index, wall).of_gap(gap);
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
             if limits.kind(approach, 0.0, now.time).is_some() {
@@ -476,7 +476,7 @@ impl Window<'_> {
             let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
             debug_assert!(gap.is_finite());
             let normal = container.normal(wall, now.position);
-            let limits = limits.of_overlap(-gap);
+            let limits = limits.of_gap(gap);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall, normal);
             }

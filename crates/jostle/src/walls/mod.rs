@@ -43,7 +43,7 @@ const POINT: f64 = 16.0;
 
 /// An end whose distance from another wall is at most this share of the radius of a disc lies on
 /// that wall, for this disc.
-const JOINED: f64 = 1e-3;
+const JOINED: f64 = 2e-3;
 
 /// An end may lie on other walls up to this share of the length of the shorter wall.
 const LONGEST_JOINT: f64 = 1.0 / 64.0;
