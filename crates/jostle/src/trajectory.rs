@@ -211,20 +211,31 @@ impl Relative {
         dot(nearest, nearest) <= contact_distance * contact_distance
     }
 
-    /// The first impact of two discs whose radii have the sum `contact_distance`.
+    /// The first impact before `until` of two discs whose radii have the sum `contact_distance`. The
+    /// limits are computed if they may touch.
     #[inline(always)]
-    pub fn impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
+    pub fn impact(
+        &self,
+        contact_distance: f64,
+        until: f64,
+        limits: impl Fn() -> Limits,
+    ) -> Option<Impact> {
         if self.acceleration == [0.0; 2] {
-            self.straight_impact(contact_distance, limits)
+            self.straight_impact(contact_distance, until, limits)
         } else {
-            self.curved_impact(contact_distance, limits)
+            self.curved_impact(contact_distance, &limits())
         }
     }
 
     /// The closest approach is found first and the impact from there, which keeps its accuracy
     /// when the displacement is a thousand radii long.
     #[inline(always)]
-    fn straight_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
+    fn straight_impact(
+        &self,
+        contact_distance: f64,
+        until: f64,
+        limits: impl Fn() -> Limits,
+    ) -> Option<Impact> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
         if approach >= 0.0 {
@@ -234,12 +245,12 @@ impl Relative {
         if qq <= square {
             let length = qq.sqrt();
             let normal_speed = -approach / length.max(f64::MIN_POSITIVE);
-            let limits = limits.of_gap(length - contact_distance);
+            let limits = limits().of_gap(length - contact_distance);
             let kind = limits.kind(normal_speed, 0.0, self.start)?;
-            return (self.start <= limits.until).then_some(Impact { time: self.start, kind });
+            return (self.start <= until).then_some(Impact { time: self.start, kind });
         }
         let ww = dot(w, w);
-        let span = limits.until - self.start;
+        let span = until - self.start;
         // Still approaching then, and still apart.
         if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
             return None;
@@ -252,10 +263,13 @@ impl Relative {
         }
         let back = (free / ww).sqrt();
         let time = self.start + (closest - back).max(0.0);
+        if time > until {
+            return None;
+        }
         // The square of the gap is missing, which does not matter where the gap is small.
-        let limits = limits.of_gap(0.5 * (qq - square) / contact_distance);
+        let limits = limits().of_gap(0.5 * (qq - square) / contact_distance);
         let kind = limits.kind(back * ww / contact_distance, 0.0, time)?;
-        (time <= limits.until).then_some(Impact { time, kind })
+        Some(Impact { time, kind })
     }
 
     /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
@@ -268,9 +282,7 @@ impl Relative {
         let limits = limits.of_gap(dot(q, q).sqrt() - contact_distance);
         let wait = if square > 0.0 {
             first_root([square, rate, rest[0], rest[1], rest[2]], span)?
-        } else if let Some(kind) =
-            self.kind_at(0.0, &limits)
-        {
+        } else if let Some(kind) = self.kind_at(0.0, &limits) {
             return Some(Impact { time: self.start, kind });
         } else {
             // They touch and separate: the root at 0 is divided out.

@@ -135,8 +135,7 @@ impl Block {
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let (contact_distance, size) =
-            (simd.load(&self.contact_distances), simd.load(&self.sizes));
+        let (contact_distance, size) = (simd.load(&self.contact_distances), simd.load(&self.sizes));
         let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), size));
         let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {

@@ -8,7 +8,7 @@ use crate::forces::{HotWalls, Thermostat};
 use crate::motion::{Motion, Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
-use crate::tolerance::{Tolerance, size_of};
+use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
 };
@@ -380,8 +380,8 @@ impl Window<'_> {
         if relative.separates() {
             return None;
         }
-        let limits = self.pair_limits(until, [(a, first), (b, second)], relative.start);
-        relative.impact(self.contact_distance(a, b), &limits)
+        let limits = || self.pair_limits(until, [(a, first), (b, second)], relative.start);
+        relative.impact(self.contact_distance(a, b), until, limits)
     }
 
     /// The next impact of a disc on a wall.
@@ -423,8 +423,13 @@ impl Window<'_> {
         image: Vector,
     ) -> bool {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
-        let limits = self.pair_limits(self.end, [(a, first), (b, second)], first.time);
         let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
+        // The rounding is at most a share of the size, which is at most twice this distance.
+        let farthest = (1.0 + 2.0 * COARSE) * contact_distance;
+        if square > farthest * farthest {
+            return false;
+        }
+        let limits = self.pair_limits(self.end, [(a, first), (b, second)], first.time);
         let near = contact_distance + limits.rounding;
         if square > near * near {
             return false;

@@ -5,8 +5,8 @@
 
 use super::{Contact, FIRST, Wall, Walls};
 use crate::container::{Container, NINE_IMAGES, size};
-use crate::tolerance::ROUNDING;
 use crate::error::{Error, Result};
+use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
 
 /// Maximum distance from the torus of a disc in its bounds, with its radius, as a share of the

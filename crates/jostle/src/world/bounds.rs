@@ -115,7 +115,8 @@ impl World {
                         if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
                     *max_displacement = (own.max(least) + by_forces).min(longest);
                     any_cut |= *max_displacement < own + by_forces;
-                    *radius = own_radius + *max_displacement + rounding_of(center, own_radius, sides);
+                    *radius =
+                        own_radius + *max_displacement + rounding_of(center, own_radius, sides);
                 }
                 if any_cut {
                     is_cut.store(true, Ordering::Relaxed);

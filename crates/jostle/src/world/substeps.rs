@@ -281,7 +281,8 @@ impl World {
 /// The smallest radius above 0; infinite if there is none. No result depends on it.
 fn smallest(radii: &[f32]) -> f32 {
     let of = |chunk: &[f32]| {
-        let positive = chunk.iter().map(|&radius| if radius > 0.0 { radius } else { f32::INFINITY });
+        let positive =
+            chunk.iter().map(|&radius| if radius > 0.0 { radius } else { f32::INFINITY });
         positive.fold(f32::INFINITY, |a, b| if b < a { b } else { a })
     };
     radii.chunks(256).map(of).fold(f32::INFINITY, f32::min)
