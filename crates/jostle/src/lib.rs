@@ -30,6 +30,7 @@ pub mod motion;
 pub mod flow;
 pub mod roots;
 pub mod trajectory;
+pub mod tolerance;
 pub mod container;
 pub mod walls;
 pub mod forces;

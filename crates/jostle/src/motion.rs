@@ -130,6 +130,12 @@ impl Motions {
         self.0[index as usize].position.vector()
     }
 
+    /// Its position with what rounding removed from it.
+    #[inline(always)]
+    pub fn exact(&self, index: u32) -> [f64; 2] {
+        exact(self.position(index), self.residual(index))
+    }
+
     /// What rounding removed from its position.
     #[inline(always)]
     pub fn residual(&self, index: u32) -> [f32; 2] {
@@ -148,14 +154,12 @@ impl Motions {
         self.0[index as usize].displacement.vector()
     }
 
-    /// Replaces its position; a coordinate that changes has no residual.
+    /// Replaces its position, and chooses the float32 of it.
     #[inline(always)]
-    pub fn set_position(&self, index: u32, position: [f32; 2]) {
+    pub fn place(&self, index: u32, exact: [f64; 2], rounded: [f32; 2]) {
         let row = &self.0[index as usize];
-        let (old, kept) = (row.position.vector(), row.residual.vector());
-        let is_same = |k: usize| position[k] == old[k];
-        row.residual.set_vector([0, 1].map(|k| if is_same(k) { kept[k] } else { 0.0 }));
-        row.position.set_vector(position);
+        row.residual.set_vector(residual(exact, rounded));
+        row.position.set_vector(rounded);
     }
 
     /// Adds a displacement to its position.

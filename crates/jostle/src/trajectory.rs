@@ -33,6 +33,8 @@ pub struct Segment {
     pub velocity: Vector,
     /// Whether gravity accelerates the disc.
     pub falls: bool,
+    /// Whether the disc has had no event in the window.
+    pub is_first: bool,
 }
 
 impl Segment {
@@ -48,7 +50,7 @@ impl Segment {
     #[inline(always)]
     pub fn moved(&self, time: f64, gravity: Vector) -> Self {
         let [position, velocity] = self.at(time, gravity);
-        Self { time, position, velocity, falls: self.falls }
+        Self { time, position, velocity, ..*self }
     }
 
     /// Centre at `time`.
@@ -79,7 +81,7 @@ pub struct Impact {
     pub kind: Kind,
 }
 
-/// Limits of a prediction for two surfaces.
+/// Limits of a prediction for two surfaces. The lengths are those of [`crate::tolerance`].
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Events after this time are not predicted.
@@ -90,26 +92,30 @@ pub struct Limits {
     /// positions to float32.
     pub rounding: f64,
     /// An impact is ignored if without it the surfaces would overlap by less than this at the end
-    /// of the window.
+    /// of the window. A later window resolves it, because then the surfaces touch as it begins.
     pub tolerance: f64,
-    /// The same for discs that overlap by more than [`DEEP`]. Many of them can have very many
-    /// impacts at the same time.
+    /// The same for surfaces that touch, or overlap, where the motion begins.
+    pub touching_tolerance: f64,
+    /// Overlap from which on surfaces are deep in each other. Position correction moves them apart.
+    pub deep: f64,
+    /// The tolerance for them: many of them can have very many impacts at the same time.
     pub deep_tolerance: f64,
     /// Duration of all bounces after an impact, divided by v/a, where v is the speed of the impact
     /// and a the acceleration: 2e/(1 − e) with the coefficient of restitution e.
     pub bounces: f64,
 }
 
-/// Impacts do not cause overlaps above this share of the sum of radii.
-const DEEP: f64 = 0.01;
-
 impl Limits {
-    /// The limits for two discs; `square` is that of the distance of their centres.
+    /// The limits for surfaces with a gap where the motion begins, negative if they overlap.
     #[inline(always)]
-    pub fn of_overlap(&self, square: f64, contact_distance: f64) -> Self {
-        let least = (1.0 - DEEP) * contact_distance;
-        let is_deep = square < least * least;
-        let tolerance = if is_deep { self.deep_tolerance } else { self.tolerance };
+    pub fn of_gap(&self, gap: f64) -> Self {
+        let tolerance = if gap > self.rounding {
+            self.tolerance
+        } else if gap < -self.deep {
+            self.deep_tolerance
+        } else {
+            self.touching_tolerance
+        };
         Self { tolerance, ..*self }
     }
 
@@ -205,47 +211,65 @@ impl Relative {
         dot(nearest, nearest) <= contact_distance * contact_distance
     }
 
-    /// The first impact of two discs whose radii have the sum `contact_distance`.
+    /// The first impact before `until` of two discs whose radii have the sum `contact_distance`. The
+    /// limits are computed if they may touch.
     #[inline(always)]
-    pub fn impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
+    pub fn impact(
+        &self,
+        contact_distance: f64,
+        until: f64,
+        limits: impl Fn() -> Limits,
+    ) -> Option<Impact> {
         if self.acceleration == [0.0; 2] {
-            self.straight_impact(contact_distance, limits)
+            self.straight_impact(contact_distance, until, limits)
         } else {
-            self.curved_impact(contact_distance, limits)
+            self.curved_impact(contact_distance, &limits())
         }
     }
 
     /// The closest approach is found first and the impact from there, which keeps its accuracy
     /// when the displacement is a thousand radii long.
     #[inline(always)]
-    fn straight_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
+    fn straight_impact(
+        &self,
+        contact_distance: f64,
+        until: f64,
+        limits: impl Fn() -> Limits,
+    ) -> Option<Impact> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
         if approach >= 0.0 {
             return None;
         }
         let (square, qq) = (contact_distance * contact_distance, dot(q, q));
-        let (wait, normal_speed) = if qq <= square {
-            (0.0, -approach / qq.sqrt().max(f64::MIN_POSITIVE))
-        } else {
-            let ww = dot(w, w);
-            let span = limits.until - self.start;
-            // Still approaching then, and still apart.
-            if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
-                return None;
-            }
-            let closest = -approach / ww;
-            let middle = vector(|k| q[k] + w[k] * closest);
-            let free = square - dot(middle, middle);
-            if free <= 0.0 {
-                return None;
-            }
-            let back = (free / ww).sqrt();
-            ((closest - back).max(0.0), back * ww / contact_distance)
-        };
-        let time = self.start + wait;
-        let kind = limits.of_overlap(qq, contact_distance).kind(normal_speed, 0.0, time)?;
-        (time <= limits.until).then_some(Impact { time, kind })
+        if qq <= square {
+            let length = qq.sqrt();
+            let normal_speed = -approach / length.max(f64::MIN_POSITIVE);
+            let limits = limits().of_gap(length - contact_distance);
+            let kind = limits.kind(normal_speed, 0.0, self.start)?;
+            return (self.start <= until).then_some(Impact { time: self.start, kind });
+        }
+        let ww = dot(w, w);
+        let span = until - self.start;
+        // Still approaching then, and still apart.
+        if -approach > ww * span && qq + (2.0 * approach + ww * span) * span > square {
+            return None;
+        }
+        let closest = -approach / ww;
+        let middle = vector(|k| q[k] + w[k] * closest);
+        let free = square - dot(middle, middle);
+        if free <= 0.0 {
+            return None;
+        }
+        let back = (free / ww).sqrt();
+        let time = self.start + (closest - back).max(0.0);
+        if time > until {
+            return None;
+        }
+        // The square of the gap is missing, which does not matter where the gap is small.
+        let limits = limits().of_gap(0.5 * (qq - square) / contact_distance);
+        let kind = limits.kind(back * ww / contact_distance, 0.0, time)?;
+        Some(Impact { time, kind })
     }
 
     /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
@@ -255,11 +279,10 @@ impl Relative {
         let square = dot(q, q) - contact_distance * contact_distance;
         let rate = 2.0 * dot(q, w);
         let rest = [dot(w, w) + dot(q, a), dot(w, a), 0.25 * dot(a, a)];
+        let limits = limits.of_gap(dot(q, q).sqrt() - contact_distance);
         let wait = if square > 0.0 {
             first_root([square, rate, rest[0], rest[1], rest[2]], span)?
-        } else if let Some(kind) =
-            self.kind_at(0.0, &limits.of_overlap(dot(q, q), contact_distance))
-        {
+        } else if let Some(kind) = self.kind_at(0.0, &limits) {
             return Some(Impact { time: self.start, kind });
         } else {
             // They touch and separate: the root at 0 is divided out.
@@ -268,7 +291,7 @@ impl Relative {
         if wait > span {
             return None;
         }
-        let kind = self.kind_at(wait, limits)?;
+        let kind = self.kind_at(wait, &limits)?;
         Some(Impact { time: self.start + wait, kind })
     }
 
@@ -292,6 +315,7 @@ pub fn flat_impact(gap: f64, speed: f64, pull: f64, start: f64, limits: &Limits)
     if lowest > 0.0 {
         return None;
     }
+    let limits = limits.of_gap(gap);
     let wait = if gap <= 0.0 {
         if let Some(kind) = limits.kind(-speed, pull, start) {
             return Some(Impact { time: start, kind });
@@ -336,6 +360,7 @@ pub fn round_impact(
 ) -> Option<Impact> {
     let span = limits.until - start;
     let inside = contact_distance * contact_distance - dot(q, q);
+    let limits = limits.of_gap(contact_distance - dot(q, q).sqrt());
     let kind_at = |wait: f64| {
         let offset = vector(|k| q[k] + (v[k] + 0.5 * a[k] * wait) * wait);
         let velocity = vector(|k| v[k] + a[k] * wait);

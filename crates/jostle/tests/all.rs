@@ -21,6 +21,7 @@ mod periodic;
 mod physics;
 mod query;
 mod ranks;
+mod scales;
 mod scenes;
 mod separate;
 mod sides;

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use super::{COLOURS, Contact, Counts, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
 use crate::simd::{LANES, PairIndices, for_each_lane};
+use crate::tolerance::{are_uneven, gap};
+use crate::trajectory::{Vector, vector};
 
 /// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the index
 /// behind those of all particles.
@@ -14,6 +16,8 @@ pub struct Block {
     pub images: [[f32; LANES]; 2],
     /// Sums of the radii.
     pub contact_distances: [f32; LANES],
+    /// The smaller diameters.
+    pub sizes: [f32; LANES],
     /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [[f32; LANES]; 2],
     /// Coefficients of restitution.
@@ -29,6 +33,8 @@ pub struct Block {
     pub indices: PairIndices,
     /// A bit for each lane in use.
     pub lanes: u32,
+    /// A bit for each contact whose radii are so different that float32 is too coarse for the gap.
+    pub uneven_sizes: u32,
     /// A bit for each contact whose particles touched or pushed each other during this step.
     pub touched: u32,
 }
@@ -39,6 +45,7 @@ impl Default for Block {
         Self {
             images: [zeros; 2],
             contact_distances: zeros,
+            sizes: zeros,
             // Not 0, so that effective masses are finite.
             inverse_masses: [[1.0; LANES]; 2],
             restitutions: zeros,
@@ -47,6 +54,7 @@ impl Default for Block {
             totals: [zeros; 2],
             indices: PairIndices::new([[0; LANES]; 2]),
             lanes: 0,
+            uneven_sizes: 0,
             touched: 0,
         }
     }
@@ -64,6 +72,9 @@ impl Block {
                 self.inverse_masses[k][lane] = contact.inverse_masses[k];
             }
             self.contact_distances[lane] = contact.contact_distance;
+            self.sizes[lane] = contact.size;
+            let is_uneven = are_uneven(contact.size, contact.contact_distance);
+            self.uneven_sizes |= u32::from(is_uneven) << lane;
             self.restitutions[lane] = contact.restitution;
             self.frictions[lane] = contact.friction;
             self.impulses[0][lane] = contact.impulse;
@@ -81,6 +92,7 @@ impl Block {
             indices: [0, 1].map(|k| self.indices.of(k)[lane]),
             image: [0, 1].map(|k| self.images[k][lane]),
             contact_distance: self.contact_distances[lane],
+            size: self.sizes[lane],
             inverse_masses: [0, 1].map(|k| self.inverse_masses[k][lane]),
             restitution: self.restitutions[lane],
             friction: self.frictions[lane],
@@ -90,6 +102,20 @@ impl Block {
             touched,
             ..Contact::default()
         })
+    }
+
+    /// Unit vector and gap of the contact of a lane, in float64; `exact` gives positions.
+    pub fn measure(
+        &self,
+        lane: usize,
+        radii: &[f32],
+        exact: impl Fn(u32) -> Vector,
+    ) -> (Option<Vector>, f64) {
+        let pair = [0, 1].map(|k| self.indices.of(k)[lane]);
+        let [p, q] = pair.map(exact);
+        let offset = vector(|k| q[k] - p[k] + f64::from(self.images[k][lane]));
+        let [r, s] = pair.map(|index| f64::from(radii[index as usize]));
+        gap(offset, r + s)
     }
 
     /// Calls `act` with each lane in use.

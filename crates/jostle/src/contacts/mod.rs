@@ -11,6 +11,7 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
 use crate::sorting;
+use crate::tolerance::{gap, size_of};
 pub use blocks::{Block, Blocks};
 use colouring::{Colouring, Edge, prioritize};
 
@@ -29,6 +30,8 @@ pub struct Contact {
     pub image: [f32; 2],
     /// Sum of the radii.
     pub contact_distance: f32,
+    /// The smaller diameter, see [`size_of`].
+    pub size: f32,
     /// Coefficient of restitution.
     pub restitution: f32,
     /// Coefficient of friction.
@@ -83,6 +86,7 @@ impl Default for Contact {
             indices: [0; 2],
             image: [0.0; 2],
             contact_distance: 0.0,
+            size: 0.0,
             restitution: 0.0,
             friction: 0.0,
             inverse_masses: [0.0; 2],
@@ -119,15 +123,14 @@ impl Contact {
         is_same
     }
 
-    /// Updates normal and gap to the positions.
-    pub fn measure(&mut self, motions: &Motions) {
-        let [a, b] = self.indices.map(|index| motions.position(index));
-        let offset = [0, 1].map(|k| b[k] - a[k] + self.image[k]);
-        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-        if length > 0.0 && length < f32::INFINITY {
-            self.normal = offset.map(|v| v / length);
-        }
-        self.gap = length - self.contact_distance;
+    /// Updates normal and gap to the positions in float32.
+    pub fn measure(&mut self, motions: &Motions, radii: &[f32]) {
+        let [a, b] = self.indices.map(|index| motions.position(index).map(f64::from));
+        let offset = [0, 1].map(|k| b[k] - a[k] + f64::from(self.image[k]));
+        let [r, s] = self.indices.map(|index| f64::from(radii[index as usize]));
+        let (normal, gap) = gap(offset, r + s);
+        self.normal = normal.map_or(self.normal, |normal| normal.map(|v| v as f32));
+        self.gap = gap as f32;
     }
 
     /// What contacts are sorted by.
@@ -254,6 +257,7 @@ impl Contacts {
                 indices,
                 image: *image,
                 contact_distance: particles.radii[i] + particles.radii[j],
+                size: size_of(particles.radii[i], particles.radii[j]),
                 restitution: restitution * own,
                 inverse_masses: [inverse_mass(i), inverse_mass(j)],
                 friction: particles.pair_friction(i, j),

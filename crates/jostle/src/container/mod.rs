@@ -6,6 +6,7 @@ mod torus;
 
 use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
+use crate::tolerance::{ROUNDING, gap};
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
 pub use torus::{MAX_TOURS, NINE_IMAGES, minimum_image_within};
 
@@ -45,9 +46,6 @@ pub struct Wall {
     /// Distance from surface to surface; negative if they overlap.
     pub gap: f32,
 }
-
-/// Relative size of the rounding of positions in float32, with a reserve for sums.
-pub const ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 /// Maximum number of walls that a particle can touch at once.
 pub const MAX_WALLS: usize = 4;
@@ -147,7 +145,7 @@ impl Container {
         if self.inner().contains(position, radius) {
             return position;
         }
-        self.clamp_exactly(position, radius)
+        self.clamp_rounded(position, radius)
     }
 
     /// A region in which particles are certainly inside the container.
@@ -161,7 +159,7 @@ impl Container {
     }
 
     #[inline(never)]
-    fn clamp_exactly(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
+    fn clamp_rounded(&self, position: [f32; 2], radius: f32) -> [f32; 2] {
         match self {
             Self::Box { min, max } => {
                 // Rounded inwards, so that position ± radius is inside the box.
@@ -198,6 +196,24 @@ impl Container {
                     scale *= 1.0 - shrink(turn);
                 }
                 *center
+            }
+            Self::None | Self::Torus { .. } => position,
+        }
+    }
+
+    /// Nearest position at which a disc is inside the container, in float64.
+    pub fn clamp_exactly(&self, position: Vector, radius: f64) -> Vector {
+        match self {
+            Self::Box { min, max } => vector(|k| {
+                let (low, high) = (f64::from(min[k]) + radius, f64::from(max[k]) - radius);
+                if low > high { 0.5 * (low + high) } else { position[k].clamp(low, high) }
+            }),
+            Self::Circle { center, radius: outer } => {
+                let center = center.map(f64::from);
+                let out = vector(|k| position[k] - center[k]);
+                let most = (f64::from(*outer) - radius).max(0.0);
+                let scale = most / dot(out, out).sqrt();
+                if scale < 1.0 { vector(|k| center[k] + out[k] * scale) } else { position }
             }
             Self::None | Self::Torus { .. } => position,
         }
@@ -303,26 +319,18 @@ impl Container {
 
     /// The walls around a particle, each flat one at its own index.
     #[inline]
-    pub fn walls(&self, position: [f32; 2], radius: f32) -> [Option<Wall>; MAX_WALLS] {
-        let wall = |inward, gap| Some(Wall { inward, gap });
-        match self {
-            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
-            Self::Box { min, max } => [
-                wall([1.0, 0.0], position[0] - radius - min[0]),
-                wall([-1.0, 0.0], max[0] - radius - position[0]),
-                wall([0.0, 1.0], position[1] - radius - min[1]),
-                wall([0.0, -1.0], max[1] - radius - position[1]),
-            ],
-            Self::Circle { center, radius: outer } => {
-                let offset = [center[0] - position[0], center[1] - position[1]];
-                let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-                if length == 0.0 {
-                    return [None; MAX_WALLS];
-                }
-                let inward = [offset[0] / length, offset[1] / length];
-                [wall(inward, outer - radius - length), None, None, None]
-            }
+    pub fn walls(&self, position: Vector, radius: f64) -> [Option<Wall>; MAX_WALLS] {
+        if let Self::Circle { center, radius: outer } = self {
+            let offset = vector(|k| f64::from(center[k]) - position[k]);
+            let (Some(inward), gap) = gap(offset, f64::from(*outer) - radius) else {
+                return [None; MAX_WALLS];
+            };
+            let wall = Wall { inward: inward.map(|v| v as f32), gap: -gap as f32 };
+            return [Some(wall), None, None, None];
         }
+        let gaps = self.gaps(position, radius);
+        let normals = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+        [0, 1, 2, 3].map(|k| gaps[k].map(|gap| Wall { inward: normals[k], gap: gap as f32 }))
     }
 }
 

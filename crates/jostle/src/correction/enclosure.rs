@@ -28,12 +28,16 @@ pub(super) struct Enclosure<'a> {
 }
 
 impl Enclosure<'_> {
-    /// Moves a particle into the container; returns its position.
+    /// Moves a particle into the container; returns its position. The stored float32 is inside, too:
+    /// where rounding to the nearest would not be, the residual has the rest. The exact position
+    /// stays where it is if it is inside, so that the slowest discs arrive at the wall.
     pub fn clamp(&self, index: u32) -> [f32; 2] {
-        let position = self.motions.position(index);
-        let allowed = self.container.clamp(position, self.particles.radii[index as usize]);
+        let (position, radius) =
+            (self.motions.position(index), self.particles.radii[index as usize]);
+        let allowed = self.container.clamp(position, radius);
         if allowed != position {
-            self.motions.set_position(index, allowed);
+            let exact = self.container.clamp_exactly(self.motions.exact(index), f64::from(radius));
+            self.motions.place(index, exact, allowed);
         }
         allowed
     }

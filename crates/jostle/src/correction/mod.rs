@@ -22,7 +22,7 @@ use pairs::{Block, Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
-const SLOP: f32 = 0.002;
+const SLOP: f32 = 0.0016;
 
 /// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
@@ -40,7 +40,7 @@ const ITERATIONS: usize = 6;
 
 /// Two particles are moved apart if they overlap by more than this share of the smaller diameter
 /// beyond [`SLOP`].
-const TOLERANCE: f32 = 0.001;
+const TOLERANCE: f32 = 0.0008;
 
 /// Displacements in an iteration, one for so many particles, from which on it is worth to find those
 /// that are far from all walls first.
@@ -91,10 +91,10 @@ pub struct Correction {
 
 impl Correction {
     /// Begins a step.
-    pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles) {
+    pub fn begin_step(&mut self, contacts: &Contacts) {
         let all = contacts.blocks.list.iter();
         self.blocks.clear();
-        self.blocks.extend(all.map(|of| Block::new(of, &particles.radii)));
+        self.blocks.extend(all.map(Block::new));
     }
 
     /// Notes in the contacts which of them have overlapped in the step.
@@ -124,7 +124,7 @@ impl Correction {
             // No rank has failed.
             halo.any(false)?;
         }
-        self.measure(contacts, motions, particles.len(), threads);
+        self.measure(contacts, motions, &particles.radii, threads);
         self.free_squares.resize(particles.len() + 1);
         if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {
             return Ok(());
@@ -147,9 +147,10 @@ impl Correction {
         &mut self,
         contacts: &Contacts,
         motions: &Motions,
-        len: usize,
+        radii: &[f32],
         threads: Option<usize>,
     ) {
+        let len = radii.len();
         let Self { displacements, positions, residuals, blocks, .. } = self;
         // One more for lanes without a pair.
         for vectors in [displacements, &mut *positions, &mut *residuals] {
@@ -166,7 +167,7 @@ impl Correction {
         let threads = if of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { threads };
         let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).zip(of.chunks(BLOCKS_OF_A_THREAD));
         parallel::for_each(threads, parts, |(blocks, of)| {
-            Measure { of, blocks, positions, residuals }.run();
+            Measure { of, blocks, positions, residuals, radii }.run();
         });
     }
 

@@ -2,8 +2,13 @@
 
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
 use crate::contacts;
-use crate::motion::{Scalars, Vectors};
+use crate::motion::{Scalars, Vectors, exact};
 use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
+use crate::trajectory::Vector;
+
+/// A disc acts near a much smaller one like a disc of this share of the smaller diameter, so that
+/// float32 is fine enough.
+const LARGEST: f32 = 64.0;
 
 /// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Few columns,
 /// because many iterations read them from the cache; what is computed from them is not stored.
@@ -12,10 +17,10 @@ use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 pub struct Block {
     /// Offsets from the first to the second, before the correction.
     offset: [[f32; LANES]; 2],
-    /// Sums of the radii.
+    /// Sums of the radii, at most [`LARGEST`] of the smaller diameter.
     contact_distances: [f32; LANES],
     /// The smaller diameters.
-    diameters: [f32; LANES],
+    sizes: [f32; LANES],
     indices: PairIndices,
     /// A bit for each pair whose first, and whose second does not move.
     fixed: [u32; 2],
@@ -29,12 +34,12 @@ pub struct Block {
 
 impl Block {
     /// The constants of some contacts.
-    pub fn new(of: &contacts::Block, radii: &[f32]) -> Self {
+    pub fn new(of: &contacts::Block) -> Self {
         let zeros = [0.0; LANES];
         let mut block = Self {
             offset: [zeros; 2],
             contact_distances: of.contact_distances,
-            diameters: zeros,
+            sizes: of.sizes,
             indices: of.indices,
             fixed: [0; 2],
             near: 0,
@@ -42,10 +47,8 @@ impl Block {
             has_images: of.images != [zeros; 2],
         };
         of.each_lane(|lane| {
-            let [p, q] = [0, 1].map(|k| radii[of.indices.of(k)[lane] as usize]);
-            // Points have no size: that of the other particle counts.
-            let smaller = if p.min(q) > 0.0 { p.min(q) } else { p.max(q) };
-            block.diameters[lane] = 2.0 * smaller;
+            let most = LARGEST * of.sizes[lane];
+            block.contact_distances[lane] = block.contact_distances[lane].min(most);
             for k in [0, 1] {
                 block.fixed[k] |= u32::from(of.inverse_masses[k][lane] == 0.0) << lane;
             }
@@ -66,6 +69,7 @@ impl Block {
         of: &contacts::Block,
         positions: &Vectors,
         residuals: &Vectors,
+        radii: &[f32],
     ) {
         let [ax, ay] = simd.gather(positions.words(), &self.indices, 0);
         let [bx, by] = simd.gather(positions.words(), &self.indices, 1);
@@ -79,11 +83,41 @@ impl Block {
         let [x, y] = [simd.add(x, simd.sub(dx, cx)), simd.add(y, simd.sub(dy, cy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
         let contact_distance = simd.load(&self.contact_distances);
+        let before = self.overlapped;
         self.overlapped |= simd.less(square, simd.mul(contact_distance, contact_distance));
         let far = simd.mul(simd.splat(1.0 + NEAR), contact_distance);
         self.near = simd.less(square, simd.mul(far, far));
         simd.store(x, &mut self.offset[0]);
         simd.store(y, &mut self.offset[1]);
+        if of.uneven_sizes != 0 {
+            let at = |index| exact(positions.get(index), residuals.get(index));
+            self.measure_exactly(of, before, |lane| of.measure(lane, radii, at));
+        }
+    }
+
+    /// The same for contacts that are too uneven for float32; `before` are those that overlapped in earlier sub-steps. Near the small disc the large one is
+    /// replaced by a smaller one with the same surface there.
+    #[cold]
+    fn measure_exactly(
+        &mut self,
+        of: &contacts::Block,
+        before: u32,
+        contact: impl Fn(usize) -> (Option<Vector>, f64),
+    ) {
+        for_each_lane(of.uneven_sizes, |lane| {
+            let lane = lane % LANES;
+            let (Some(normal), gap) = contact(lane) else { return };
+            let contact_distance = f64::from(self.contact_distances[lane]);
+            // A disc deep inside the other is moved out of it all the same.
+            let length = (contact_distance + gap).max(f64::from(SLOP * self.sizes[lane]));
+            for k in [0, 1] {
+                self.offset[k][lane] = (normal[k] * length) as f32;
+            }
+            let bit = 1 << lane;
+            let set = |bits: u32, is_set: bool| bits & !bit | if is_set { bit } else { 0 };
+            self.overlapped = set(self.overlapped, before & bit != 0 || gap < 0.0);
+            self.near = set(self.near, gap < f64::from(NEAR) * contact_distance);
+        });
     }
 
     /// Moves the pairs apart that overlap. Returns a bit for each of them.
@@ -101,9 +135,8 @@ impl Block {
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let (contact_distance, diameter) =
-            (simd.load(&self.contact_distances), simd.load(&self.diameters));
-        let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), diameter));
+        let (contact_distance, size) = (simd.load(&self.contact_distances), simd.load(&self.sizes));
+        let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), size));
         let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {
             return 0;
@@ -122,10 +155,10 @@ impl Block {
             });
             [nx, ny] = [simd.load(&normal[0]), simd.load(&normal[1])];
         }
-        let target = simd.sub(contact_distance, simd.mul(simd.splat(SLOP), diameter));
+        let target = simd.sub(contact_distance, simd.mul(simd.splat(SLOP), size));
         let zero = simd.splat(0.0);
         let softened = simd.mul(simd.splat(SOFTNESS), simd.max(simd.sub(target, length), zero));
-        let most = simd.mul(simd.splat(MOST), diameter);
+        let most = simd.mul(simd.splat(MOST), size);
         // The shares of each in the displacement.
         let [a, b] = [[0, 1], [1, 0]].map(|[own, other]| {
             let (one, half) = (simd.splat(1.0), simd.splat(0.5));
@@ -171,6 +204,7 @@ pub struct Measure<'a> {
     /// The state of all particles.
     pub positions: &'a Vectors,
     pub residuals: &'a Vectors,
+    pub radii: &'a [f32],
 }
 
 impl Measure<'_> {
@@ -186,7 +220,7 @@ impl Work<f32> for Measure<'_> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
         for (block, of) in self.blocks.iter_mut().zip(self.of) {
-            block.measure(simd, of, self.positions, self.residuals);
+            block.measure(simd, of, self.positions, self.residuals, self.radii);
         }
     }
 }

@@ -34,7 +34,7 @@ impl Simulation<'_> {
         let touch = self.wall_touch(index, 0, course, wall, normal);
         let mut velocities = [now.velocity];
         impulses::apply(&mut [touch], &mut velocities, &mut self.scratch.impulses);
-        let new = Segment { velocity: velocities[0], ..now };
+        let new = Segment { velocity: velocities[0], is_first: false, ..now };
         let own = Turned { index, now: &now, new: &new, count };
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::flight::{DEFERRED, Flight, Start, Window};
 use crate::pairs::Path;
+use crate::tolerance::size_of;
 use crate::trajectory::Segment;
 
 /// Relative error, with a large reserve, of the squares of distances in float32.
@@ -65,11 +66,12 @@ impl Start {
         Now { position, velocity, radius, falls, sizes: length(position) }
     }
 
-    /// Whether it is settled in a window of `span` seconds. Two such discs approach by less than
-    /// [`DEFERRED`] of the sum of their radii, so nothing happens to them, also if they overlap.
+    /// Whether it is settled in a window of `span` seconds, where `smallest` is the smallest radius.
+    /// Two such discs approach by less than [`DEFERRED`] of their size, so nothing happens to them,
+    /// also if they overlap.
     #[inline(always)]
-    pub fn is_settled(&self, span: f32) -> bool {
-        let farthest = DEFERRED as f32 * self.radius * (1.0 - MARGIN);
+    pub fn is_settled(&self, span: f32, smallest: f32) -> bool {
+        let farthest = DEFERRED as f32 * self.radius.min(smallest) * (1.0 - MARGIN);
         (self.is_supported | !self.is_movable) & (length(self.velocity) * span <= farthest)
     }
 
@@ -151,13 +153,14 @@ impl Window<'_> {
             return false;
         }
         let Passing { offset, velocity, contact_distance, .. } = *passing;
+        let size = size_of(own.radius, other.radius);
         let square = dot(offset, offset) - passing.error(dot(offset, offset));
         let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
         // (a + b)² is at most 2 (a² + b²).
         let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
         let approach = 2.0 * speeds * (self.end * self.end) as f32;
-        let [least, most] =
-            [1.0 - DEFERRED as f32, DEFERRED as f32].map(|share| share * contact_distance);
+        let most = DEFERRED as f32 * size;
+        let least = contact_distance - most;
         let is_slow = approach < most * most;
         let is_apart = square > least * least * (1.0 + MARGIN);
         is_slow & is_apart
@@ -320,6 +323,7 @@ mod tests {
                 position: [0, 1].map(|k| at[k] - velocity[k] * when * span - seam[k]),
                 velocity,
                 falls: false,
+                is_first: true,
             });
             let relative = Relative::of(&segments[0], &segments[1], seam, [0.0; 2]);
             if relative.touches(contact_distance, span) {
@@ -352,9 +356,9 @@ mod tests {
             velocities in [vector(-3.0..-1.5), vector(-3.0..-1.5)],
         ) {
             let starts = [([0.0; 2], velocities[0]), (offset, velocities[1])];
-            if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_settled(1.0)) {
+            if starts.iter().all(|&(position, velocity)| resting(position, velocity).is_settled(1.0, 1.0)) {
                 let segments = starts.map(|(position, velocity)| {
-                    Segment { time: 0.0, position, velocity, falls: false }
+                    Segment { position, velocity, ..Segment::default() }
                 });
                 let relative = Relative::of(&segments[0], &segments[1], [0.0; 2], [0.0; 2]);
                 let tolerance = 2.0 * DEFERRED;
@@ -363,10 +367,12 @@ mod tests {
                     end: 1.0,
                     rounding: 1e-7,
                     tolerance,
+                    touching_tolerance: tolerance,
+                    deep: 0.02,
                     deep_tolerance: tolerance,
                     bounces: 0.5,
                 };
-                prop_assert!(relative.impact(2.0, &limits).is_none());
+                prop_assert!(relative.impact(2.0, 1.0, || limits).is_none());
             }
         }
 
@@ -395,7 +401,7 @@ mod tests {
 
     #[test]
     fn discs_that_pass_far_away_are_left_out() {
-        let segment = |position, velocity| Segment { time: 0.0, position, velocity, falls: false };
+        let segment = |position, velocity| Segment { position, velocity, ..Segment::default() };
         let own = Now::of(&segment([0.0, 0.0], [1.0, 0.0]), 1.0);
         let other = Now::of(&segment([10.0, 2.1], [-9.0, 0.0]), 1.0);
         assert!(!own.may_meet(&other, [0.0; 2], 2.0));

@@ -1,31 +1,31 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
 use super::queue::Event;
-use crate::container::{Container, ROUNDING, size};
+use crate::container::Container;
 use crate::decomposition::Halo;
 use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
 use crate::motion::{Motion, Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
+use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
 };
 use crate::walls::{Around, Contact, FIRST};
 
-/// Relative size of the rounding of positions with residuals, with a reserve for sums.
-const PRECISION: f64 = ROUNDING / (1 << 24) as f64;
-
-/// The rounding counts as at most this share of the sum of radii, which matters far from the origin,
-/// where float32 is coarse.
-const COARSE: f64 = 1e-3;
-
-/// An impact without which the surfaces would overlap by less than this share of the sum of radii at
-/// the end of the window is left out.
+/// An impact without which the surfaces would overlap by less than this share of the size at the end
+/// of the window is left out, if it loses energy and follows another impact in the window.
 const SLIGHT: f64 = 1e-6;
 
-/// Two supported particles do not collide if they would overlap by less than this share of the sum
-/// of radii: their contact is solved at the beginning of the next sub-step.
+/// The same for other impacts. It is below the displacements of the slowest discs in a step.
+const SLIGHTEST: f64 = 1e-11;
+
+/// Overlap of two discs, as a share of the size, from which on position correction separates them.
+const DEEP: f64 = 0.01;
+
+/// Two supported particles do not collide if they would overlap by less than this share of the size:
+/// their contact is solved at the beginning of the next sub-step.
 pub const DEFERRED: f64 = 0.01;
 
 /// How a disc begins a window.
@@ -100,6 +100,8 @@ pub struct Flight<'a> {
     /// Distances from the positions at the beginning of the step; discs that get further are
     /// listed. Empty if none are to be listed.
     pub limits: &'a [f32],
+    /// The smallest radius above 0, or less.
+    pub smallest_radius: f32,
     /// What is shared with other ranks, if the world is distributed.
     pub halo: Option<Halo<'a>>,
     /// Whether it is known that all discs without events stay in their bounds.
@@ -167,7 +169,8 @@ impl Flight<'_> {
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
                 }
-                start.is_settled = !self.is_lossless && start.is_settled(self.end as f32);
+                start.is_settled =
+                    !self.is_lossless && start.is_settled(self.end as f32, self.smallest_radius);
             }
         });
         for &index in exhausted {
@@ -211,6 +214,7 @@ impl Window<'_> {
                 start.velocity.map(f64::from)
             },
             falls: start.falls,
+            is_first: true,
         }
     }
 
@@ -280,45 +284,51 @@ impl Window<'_> {
         f64::from(own * self.flight.walls.walls.restitution(wall))
     }
 
-    /// The limits for surfaces at `position` that are `contact_distance` from the centre; whether resting
-    /// contacts support their bodies, and the coefficient of restitution.
+    /// The limits for surfaces of a size that meet at a place; whether neither has had an impact in
+    /// the window, whether resting contacts support both, and the coefficient of restitution.
     #[inline(always)]
     fn limits(
         &self,
         until: f64,
-        position: Vector,
-        contact_distance: f64,
+        tolerance: &Tolerance,
+        is_first: bool,
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
-        let size = size(position, contact_distance);
-        let rounding = ROUNDING * size;
-        let at_most = |share: f64| {
-            if contact_distance > 0.0 {
-                rounding.min((share * contact_distance).max(PRECISION * size))
-            } else {
-                rounding
-            }
-        };
+        let slightest = tolerance.at_most(SLIGHTEST);
         let limits = Limits {
             until,
             end: self.end,
-            rounding: at_most(COARSE),
-            tolerance: at_most(SLIGHT),
-            deep_tolerance: rounding,
+            rounding: tolerance.rounding(),
+            tolerance: slightest,
+            touching_tolerance: slightest,
+            deep: f64::INFINITY,
+            deep_tolerance: slightest,
             bounces: f64::INFINITY,
         };
         if self.flight.is_lossless {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
-        let tolerance = if are_supported { DEFERRED * contact_distance } else { limits.tolerance };
+        let deferred = if are_supported { DEFERRED * tolerance.size() } else { 0.0 };
+        let slight = if restitution < 1.0 { tolerance.at_most(SLIGHT) } else { slightest };
         let restitution = restitution_at_rest(restitution);
-        let bounces = 2.0 * restitution / (1.0 - restitution);
-        Limits { tolerance, deep_tolerance: rounding.max(tolerance), bounces, ..limits }
+        Limits {
+            tolerance: slight.max(deferred),
+            touching_tolerance: if is_first { slightest } else { slight }.max(deferred),
+            bounces: 2.0 * restitution / (1.0 - restitution),
+            ..limits
+        }
     }
 
+    /// The limits for two discs on segments, from a time on.
     #[inline(always)]
-    fn pair_limits(&self, until: f64, position: Vector, pair: [u32; 2]) -> Limits {
+    fn pair_limits(&self, until: f64, now: [(u32, &Segment); 2], time: f64) -> Limits {
+        let pair = now.map(|(index, _)| index);
+        let radii = pair.map(|index| self.starts[index as usize].radius);
+        // They meet at the surface of the smaller disc, which is near its centre.
+        let is_swapped = if radii[0] == radii[1] { pair[1] < pair[0] } else { radii[1] < radii[0] };
+        let place = now[usize::from(is_swapped)].1.position_at(time, self.gravity());
+        let tolerance = Tolerance::of(f64::from(size_of(radii[0], radii[1])), place);
         let surfaces = || {
             let rests = |index: u32| {
                 let start = &self.starts[index as usize];
@@ -326,24 +336,27 @@ impl Window<'_> {
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
-        self.limits(until, position, self.contact_distance(pair[0], pair[1]), surfaces)
+        let is_first = now.iter().all(|(_, segment)| segment.is_first);
+        let limits = self.limits(until, &tolerance, is_first, surfaces);
+        let deep_tolerance = tolerance.rounding().max(limits.tolerance);
+        Limits { deep: DEEP * tolerance.size(), deep_tolerance, ..limits }
     }
 
+    /// The limits for a disc and a wall where the disc begins a segment.
     #[inline(always)]
-    fn wall_limits(&self, position: Vector, index: u32, wall: u32) -> Limits {
+    fn wall_limits(&self, now: &Segment, index: u32, wall: u32) -> Limits {
         let start = &self.starts[index as usize];
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
-        let contact_distance =
-            self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
-        self.limits(self.end, position, contact_distance, surfaces)
+        let size = self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
+        self.limits(self.end, &Tolerance::of(size, now.position), now.is_first, surfaces)
     }
 
     /// The limits at each side of the container.
     #[inline(always)]
-    fn side_limits(&self, position: Vector, index: u32) -> impl Fn(u32) -> Limits {
-        let first = self.wall_limits(position, index, 0);
+    fn side_limits(&self, now: &Segment, index: u32) -> impl Fn(u32) -> Limits {
+        let (first, now) = (self.wall_limits(now, index, 0), *now);
         let are_equal = self.flight.walls.walls.has_equal_sides();
-        move |side| if are_equal { first } else { self.wall_limits(position, index, side) }
+        move |side| if are_equal { first } else { self.wall_limits(&now, index, side) }
     }
 
     /// Sum of the radii of two discs.
@@ -367,10 +380,8 @@ impl Window<'_> {
         if relative.separates() {
             return None;
         }
-        let smaller = if a < b { first } else { second };
-        let position = smaller.position_at(relative.start, self.gravity());
-        let limits = self.pair_limits(until, position, [a, b]);
-        relative.impact(self.contact_distance(a, b), &limits)
+        let limits = || self.pair_limits(until, [(a, first), (b, second)], relative.start);
+        relative.impact(self.contact_distance(a, b), until, limits)
     }
 
     /// The next impact of a disc on a wall.
@@ -382,7 +393,7 @@ impl Window<'_> {
         if !self.flight.walls.is_empty() {
             let other =
                 self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
-                    self.wall_limits(segment.position, index, wall)
+                    self.wall_limits(segment, index, wall)
                 });
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
@@ -399,7 +410,7 @@ impl Window<'_> {
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
         }
-        let limits = self.side_limits(segment.position, index);
+        let limits = self.side_limits(segment, index);
         container.impact(segment, radius, self.flight.gravity, limits)
     }
 
@@ -412,16 +423,21 @@ impl Window<'_> {
         image: Vector,
     ) -> bool {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
-        let position = if a < b { first.position } else { second.position };
-        let limits = self.pair_limits(self.end, position, [a, b]);
         let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
+        // The rounding is at most a share of the size, which is at most twice this distance.
+        let farthest = (1.0 + 2.0 * COARSE) * contact_distance;
+        if square > farthest * farthest {
+            return false;
+        }
+        let limits = self.pair_limits(self.end, [(a, first), (b, second)], first.time);
         let near = contact_distance + limits.rounding;
         if square > near * near {
             return false;
         }
-        let limits = limits.of_overlap(square, contact_distance);
+        let length = square.sqrt();
+        let limits = limits.of_gap(length - contact_distance);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
-        limits.kind(approach / square.sqrt(), 0.0, first.time).is_some()
+        limits.kind(approach / length, 0.0, first.time).is_some()
     }
 
     /// Calls `act` with each wall that a disc touches and approaches as it begins a segment, and its
@@ -438,11 +454,11 @@ impl Window<'_> {
             return;
         }
         let radius = f64::from(self.starts[index as usize].radius);
-        let rounding = self.wall_limits(now.position, index, FIRST).rounding;
+        let rounding = self.wall_limits(now, index, FIRST).rounding;
         let (at, walls) = ((now.position, now.time), self.flight.walls);
         walls.contacts(index, at, radius, rounding, contacts);
-        for &Contact { wall, normal, .. } in &*contacts {
-            let limits = self.wall_limits(now.position, index, wall);
+        for &Contact { wall, normal, gap, .. } in &*contacts {
+            let limits = self.wall_limits(now, index, wall).of_gap(gap);
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
             if limits.kind(approach, 0.0, now.time).is_some() {
@@ -458,13 +474,14 @@ impl Window<'_> {
         if container.is_far(now.position, radius, [0.0; 2]) {
             return;
         }
-        let limits_of = self.side_limits(now.position, index);
+        let limits_of = self.side_limits(now, index);
         let gaps = container.gaps(now.position, radius);
         for (wall, gap) in (0..).zip(gaps) {
             let limits = limits_of(wall);
             let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
             debug_assert!(gap.is_finite());
             let normal = container.normal(wall, now.position);
+            let limits = limits.of_gap(gap);
             if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall, normal);
             }

@@ -456,7 +456,8 @@ impl Simulation<'_> {
             if self.history.courses[number as usize].stopped.is_some() {
                 continue;
             }
-            let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
+            let velocity = self.scratch.velocities[position];
+            let mut new = Segment { velocity, is_first: false, ..now };
             if kind == Kind::Hold && !is_heated {
                 self.hold(position, &mut new, window.end - time);
             }

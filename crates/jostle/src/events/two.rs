@@ -68,7 +68,8 @@ impl Simulation<'_> {
         if window.flight.has_friction {
             self.rub(&[touch], numbers.into_iter(), &mut velocities);
         }
-        let new = [0, 1].map(|k| Segment { velocity: velocities[k], ..now[k] });
+        let turned = |k: usize| Segment { velocity: velocities[k], is_first: false, ..now[k] };
+        let new = [0, 1].map(turned);
         if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
             return false;
         }

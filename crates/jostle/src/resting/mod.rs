@@ -36,7 +36,7 @@ use start::{Counts, Limits, Starts};
 use sweeps::{State, Sweeps};
 use walls::Walls;
 
-/// Surfaces touch if their gap is at most this share of the sum of radii.
+/// Surfaces touch if their gap is at most this share of the size; at a wall, of the radius.
 const TOUCHING: f32 = 0.003;
 
 /// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
@@ -161,9 +161,9 @@ pub struct WallPush {
     pub pushes: [f32; 2],
 }
 
-/// Whether surfaces with this gap count as touching.
-pub fn are_touching(gap: f32, contact_distance: f32) -> bool {
-    gap <= TOUCHING * contact_distance
+/// Whether surfaces of bodies of a size count as touching with this gap.
+pub fn are_touching(gap: f32, size: f32) -> bool {
+    gap <= TOUCHING * size
 }
 
 /// The sum of two vectors.
@@ -227,11 +227,11 @@ impl Support<'_> {
     }
 }
 
-/// Two surfaces as a sub-step begins.
+/// A disc and a wall as a sub-step begins.
 struct Surfaces {
     gap: f32,
-    /// Sum of the radii; the radius at a wall.
-    contact_distance: f32,
+    /// The radius.
+    size: f32,
     /// The speed at which they separate.
     normal_speed: f32,
     restitution: f32,
@@ -267,7 +267,7 @@ impl Surfaces {
         let [approach, separation] = limits.map(|limit| limit as f32 * most);
         let closing_speed = gap.max(0.0) / h;
         let is_near = closing_speed <= approach + a + b;
-        let is_touching = are_touching(gap, self.contact_distance);
+        let is_touching = are_touching(gap, self.size);
         let is_slow = normal_speed <= separation || self.has_pushed;
         // The square of the speed at which they fall onto each other, v² + 2 a d.
         let impact = normal_speed * normal_speed + 2.0 * most * closing_speed;
@@ -416,6 +416,8 @@ impl Resting {
                 frictions,
                 positions,
                 velocities,
+                motions: scene.motions,
+                radii: &scene.particles.radii,
                 speeds,
                 speed_of_all,
                 duration,

@@ -5,8 +5,8 @@
 use super::pairs::Block;
 use super::{FARTHEST, TOUCHING, friction};
 use crate::contacts;
-use crate::motion::Vectors;
-use crate::simd::{LANES, Number, PairIndices, Simd, Work};
+use crate::motion::{Motions, Vectors};
+use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 use crate::trajectory::rest_speeds;
 
 /// What the contacts of a [`Block`] have in all sub-steps of a step, and the sums of their impulses.
@@ -69,6 +69,8 @@ pub struct Starts<'a> {
     /// The state of all particles at the beginning of the sub-step.
     pub positions: &'a Vectors,
     pub velocities: &'a Vectors,
+    pub motions: &'a Motions,
+    pub radii: &'a [f32],
     /// The speeds that gravity and forces give to them in the sub-step, and 0.
     pub speeds: &'a Vectors,
     /// That speed if it is the same for all that move.
@@ -99,6 +101,8 @@ impl Work<f32> for Starts<'_> {
             let all = All {
                 positions: self.positions,
                 velocities: self.velocities,
+                motions: self.motions,
+                radii: self.radii,
                 speeds: self.speeds,
                 speed_of_all: self.speed_of_all,
                 duration: self.duration,
@@ -119,6 +123,8 @@ impl Work<f32> for Starts<'_> {
 struct All<'a> {
     positions: &'a Vectors,
     velocities: &'a Vectors,
+    motions: &'a Motions,
+    radii: &'a [f32],
     speeds: &'a Vectors,
     speed_of_all: Option<f32>,
     duration: f32,
@@ -141,10 +147,16 @@ fn start<S: Simd<f32>>(
     let length = simd.sqrt(simd.add(simd.mul(x, x), simd.mul(y, y)));
     // Coincident centres keep their normal.
     let is_apart = simd.less(zero, length) & simd.less(length, simd.splat(f32::INFINITY));
-    let nx = simd.choose(is_apart, simd.div(x, length), simd.load(&block.normal[0]));
-    let ny = simd.choose(is_apart, simd.div(y, length), simd.load(&block.normal[1]));
+    let mut nx = simd.choose(is_apart, simd.div(x, length), simd.load(&block.normal[0]));
+    let mut ny = simd.choose(is_apart, simd.div(y, length), simd.load(&block.normal[1]));
     let contact_distance = simd.load(&of.contact_distances);
-    let gap = simd.sub(length, contact_distance);
+    let mut gap = simd.sub(length, contact_distance);
+    if of.uneven_sizes != 0 {
+        let mut columns = [[0.0; LANES]; 3];
+        [nx, ny, gap].into_iter().zip(&mut columns).for_each(|(from, to)| simd.store(from, to));
+        measure_exactly(of, all, &mut columns);
+        [nx, ny, gap] = columns.each_ref().map(|column| simd.load(column));
+    }
 
     let [u, v] = difference(simd, all.velocities, &of.indices);
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
@@ -164,7 +176,7 @@ fn start<S: Simd<f32>>(
     let closing_speed = simd.div(simd.max(gap, zero), h);
     let is_near = simd.at_most(gap, farthest)
         & simd.at_most(closing_speed, simd.add(simd.add(approach, a), b));
-    let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), contact_distance));
+    let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), simd.load(&of.sizes)));
     let has_pushed = simd.less(zero, simd.load(&block.impulses[1]));
     let is_slow = simd.at_most(minus_approach, normal_speed)
         & (simd.at_most(normal_speed, separation) | has_pushed);
@@ -188,6 +200,19 @@ fn start<S: Simd<f32>>(
     let least_speeds = [bounce, simd.sub(simd.splat(-0.0), closing_speed)];
     block.begin(simd, [nx, ny], least_speeds, resting);
     fast != 0
+}
+
+/// Writes the normals and gaps of the contacts that are too uneven for float32.
+#[cold]
+fn measure_exactly(of: &contacts::Block, all: &All<'_>, columns: &mut [[f32; LANES]; 3]) {
+    for_each_lane(of.uneven_sizes, |lane| {
+        let lane = lane % LANES;
+        let (normal, gap) = of.measure(lane, all.radii, |index| all.motions.exact(index));
+        if let Some(normal) = normal {
+            (columns[0][lane], columns[1][lane]) = (normal[0] as f32, normal[1] as f32);
+        }
+        columns[2][lane] = gap as f32;
+    });
 }
 
 /// Vectors of the second particles minus those of the first.

@@ -4,7 +4,7 @@ use super::pairs::{Pass, Phase};
 use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
-use crate::motion::{Scalars, Vectors, exact};
+use crate::motion::{Scalars, Vectors};
 use crate::walls::{self, FIRST};
 
 /// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
@@ -49,19 +49,19 @@ impl Walls {
     ) -> Option<Self> {
         let motions = scene.motions;
         let (position, radius) = (motions.position(index as u32), scene.particles.radii[index]);
+        let exact = motions.exact(index as u32);
         let h = scene.flow.duration as f32;
         let far = f64::from(FARTHEST * kick.speed * h);
         let mut contacts = [None; MAX_WALLS];
         if !scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
-            let walls = scene.container.walls(position, radius);
+            let walls = scene.container.walls(exact, f64::from(radius));
             contacts = [0, 1, 2, 3].map(|k| {
                 WallContact::of(index, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
             });
         }
         let may_rest = || !scene.walls.is_far(index as u32, position, far as f32);
         if !scene.walls.is_empty() && may_rest() {
-            let position = exact(position, motions.residual(index as u32));
-            let position_now = (position, 0.0);
+            let position_now = (exact, 0.0);
             scene.walls.contacts(index as u32, position_now, f64::from(radius), far, found);
             let velocity = motions.velocity(index as u32);
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
@@ -187,7 +187,7 @@ impl WallContact {
         let own = scene.restitution * scene.particles.restitutions[index];
         let surfaces = Surfaces {
             gap: wall.gap,
-            contact_distance: scene.particles.radii[index],
+            size: scene.particles.radii[index],
             normal_speed: wall.inward[0] * u + wall.inward[1] * v,
             restitution: own * scene.walls.walls.restitution(number),
             speeds: [kick.speed, 0.0],

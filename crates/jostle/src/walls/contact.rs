@@ -71,7 +71,7 @@ impl Walls {
     pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<Contact> {
         let index = wall - FIRST;
         let part = self.line(index).part_at(position);
-        self.acts(index, part, position).then(|| self.contact(wall, position, radius))
+        self.acts(index, part, position, radius).then(|| self.contact(wall, position, radius))
     }
 
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross

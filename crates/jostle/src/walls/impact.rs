@@ -28,7 +28,8 @@ impl Walls {
         };
         for part in parts.into_iter().filter(has) {
             let until = first.map_or(limits.until, |impact| impact.time);
-            let found = self.first_while_acting(index, part, segment, gravity, until, |during| {
+            let disc = (segment, radius);
+            let found = self.first_while_acting(index, part, disc, gravity, until, |during| {
                 let [start, until] = during;
                 let limits = Limits { until, ..*limits };
                 let [position, velocity] = segment.at(start, gravity);
@@ -48,7 +49,7 @@ impl Walls {
                             velocity: velocity.map(|v| -v),
                             acceleration: acceleration.map(|v| -v),
                         };
-                        relative.impact(contact_distance, &limits)
+                        relative.impact(contact_distance, until, || limits)
                     }
                 }
             });
@@ -63,16 +64,16 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        segment: &Segment,
+        (segment, radius): (&Segment, f64),
         gravity: Vector,
         until: f64,
         test: impl Fn([f64; 2]) -> Option<Impact>,
     ) -> Option<Impact> {
         let mut start = segment.time;
         loop {
-            let end = self.next_change(index, part, segment, gravity, start).min(until);
+            let end = self.next_change(index, part, (segment, radius), gravity, start).min(until);
             let middle = segment.position_at(0.5 * (start + end), gravity);
-            if self.acts(index, part, middle)
+            if self.acts(index, part, middle, radius)
                 && let Some(impact) = test([start, end])
             {
                 return Some(impact);
@@ -89,7 +90,7 @@ impl Walls {
         &self,
         index: u32,
         part: Part,
-        segment: &Segment,
+        (segment, radius): (&Segment, f64),
         gravity: Vector,
         after: f64,
     ) -> f64 {
@@ -103,7 +104,7 @@ impl Walls {
         match part {
             Part::Side => of_both(own, [0.0; 2]),
             Part::End(end) => {
-                let others = self.covering(index, end).iter();
+                let others = self.covering(index, end, radius);
                 let others = others.map(|other| of_both(self.line(other.wall), other.offset));
                 others.fold(next(own, end, [0.0; 2]), f64::min)
             }

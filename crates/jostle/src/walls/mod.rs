@@ -16,7 +16,7 @@ mod torus;
 
 use std::cmp::Ordering;
 
-use crate::container::{Container, MAX_WALLS, ROUNDING, size};
+use crate::container::{Container, MAX_WALLS, size};
 use crate::error::{Error, Result};
 use crate::motion::exact;
 use crate::pairs::{LineSegment, LineSegments};
@@ -24,6 +24,7 @@ use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::{Each, Shapes};
+use crate::tolerance::{PRECISION, ROUNDING};
 use crate::trajectory::{Vector, dot, vector};
 pub use around::Around;
 pub use contact::Contact;
@@ -36,6 +37,16 @@ pub const FIRST: u32 = MAX_WALLS as u32;
 
 /// Maximum number of walls in a leaf of the tree.
 const LEAF_CAPACITY: usize = 12;
+
+/// Least distance of a point from a wall, in units of the rounding of positions with residuals.
+const POINT: f64 = 16.0;
+
+/// An end whose distance from another wall is at most this share of the radius of a disc lies on
+/// that wall, for this disc.
+const JOINED: f64 = 2e-3;
+
+/// An end may lie on other walls up to this share of the length of the shorter wall.
+const LONGEST_JOINT: f64 = 1.0 / 64.0;
 
 /// Maximum number of walls of a world.
 pub const MAX_WORLD_WALLS: usize = 1 << 24;
@@ -77,14 +88,24 @@ struct Line {
     along: Vector,
     length: f64,
     /// Smaller radii count as this: a point needs a distance from the wall that shows on which side
-    /// it is.
+    /// it is. About the rounding of positions with residuals.
     least_radius: f64,
+    /// The rounding of the ends to float32, for searches in the tree.
+    rounding: f64,
     /// Whether its ends act: of walls that share an end, that of the first does.
     has_end: [bool; 2],
     /// Length of its displacement in the step.
     displacement_length: f64,
     /// The offset that was added to the ends of the wall, see [`torus_offset`].
     torus_offset: Vector,
+}
+
+/// A wall, or its image on a torus, near an end of another wall.
+#[derive(Clone, Copy, Debug)]
+struct Covering {
+    image: Image,
+    /// Distance of the end from it; 0 if this is rounding.
+    distance: f64,
 }
 
 /// A part of a wall.
@@ -120,9 +141,9 @@ pub struct Walls {
     /// The index of each wall in this order.
     indices: Vec<u32>,
     /// `covering[starts[2 k + e]..starts[2 k + e + 1]]` are the other walls on which the end e of
-    /// wall k lies.
+    /// wall k lies for discs that are large enough, the nearest first.
     starts: Vec<u32>,
-    covering: Vec<Image>,
+    covering: Vec<Covering>,
     tree: Quadtree<f32>,
     sides: Sides,
     /// Whether any wall has a velocity; then a step reads those of all walls.
@@ -141,7 +162,8 @@ impl Line {
             ends,
             along: offset.map(|v| v / length),
             length,
-            least_radius: ROUNDING * largest,
+            least_radius: POINT * PRECISION * largest,
+            rounding: ROUNDING * largest,
             has_end: [true; 2],
             displacement_length: 0.0,
             torus_offset,
@@ -222,7 +244,7 @@ impl Walls {
                 ..Line::of(wall, torus_offset(wall.exact_ends(), *torus))
             }
         };
-        let radii = images.iter().map(|image| line(image).least_radius.max(1e-18) as f32).collect();
+        let radii = images.iter().map(|image| line(image).rounding.max(1e-18) as f32).collect();
         let shapes = Shapes::from_boxes(bounds, Each::Rows(radii), None)?;
         // A leaf of the walls is about as large as one of the bounds of particles.
         let leaf_capacity = settings.leaf_capacity.min(LEAF_CAPACITY);
@@ -305,12 +327,16 @@ impl Walls {
             let line = self.line(index);
             for (end, &point) in line.ends.iter().enumerate() {
                 let first = covering.len();
-                let tolerance = line.least_radius;
-                self.each_near([point; 2], tolerance, &mut stack, |other, offset| {
+                let rounding = ROUNDING * size(point, 0.0);
+                let farthest = rounding.max(LONGEST_JOINT * line.length);
+                self.each_near([point; 2], farthest, &mut stack, |other, offset| {
                     let (there, seen) = (self.line(other), less(point, offset));
                     let is_itself = other == index && offset == [0.0; 2];
-                    if !is_itself && there.distance(seen) <= tolerance {
-                        covering.push(Image { wall: other, offset });
+                    let distance = there.distance(seen);
+                    let most = rounding.max(LONGEST_JOINT * line.length.min(there.length));
+                    if !is_itself && distance <= most {
+                        let distance = if distance <= rounding { 0.0 } else { distance };
+                        covering.push(Covering { image: Image { wall: other, offset }, distance });
                         // On a torus the ends of one wall may be at the same point.
                         let is_before = other < index || other == index && end == 1;
                         if is_before && there.ends.contains(&seen) {
@@ -318,7 +344,10 @@ impl Walls {
                         }
                     }
                 });
-                covering[first..].sort_unstable_by_key(|image| image.wall);
+                covering[first..].sort_unstable_by(|a, b| {
+                    let by_wall = a.image.wall.cmp(&b.image.wall);
+                    a.distance.total_cmp(&b.distance).then(by_wall)
+                });
                 starts.push(covering.len() as u32);
             }
         }
@@ -328,14 +357,16 @@ impl Walls {
         }
     }
 
-    /// The other walls on which an end lies.
-    fn covering(&self, index: u32, end: usize) -> &[Image] {
+    /// The other walls on which an end lies, for a disc of this radius.
+    fn covering(&self, index: u32, end: usize, radius: f64) -> impl Iterator<Item = &Image> {
         let at = 2 * index as usize + end;
-        &self.covering[self.starts[at] as usize..self.starts[at + 1] as usize]
+        let all = &self.covering[self.starts[at] as usize..self.starts[at + 1] as usize];
+        let is_on = move |of: &&Covering| of.distance <= JOINED * radius;
+        all.iter().take_while(is_on).map(|of| &of.image)
     }
 
-    /// Whether a part of a wall acts on a disc with its centre at a point.
-    fn acts(&self, index: u32, part: Part, point: Vector) -> bool {
+    /// Whether a part of a wall acts on a disc of this radius with its centre at a point.
+    fn acts(&self, index: u32, part: Part, point: Vector, radius: f64) -> bool {
         let line = self.line(index);
         if line.part_at(point) != part {
             return false;
@@ -343,7 +374,7 @@ impl Walls {
         let Part::End(end) = part else { return true };
         let is_beside =
             |other: &Image| self.line(other.wall).part_at(less(point, other.offset)) == Part::Side;
-        line.has_end[end] && !self.covering(index, end).iter().any(is_beside)
+        line.has_end[end] && !self.covering(index, end, radius).any(is_beside)
     }
 }
 

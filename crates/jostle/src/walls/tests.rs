@@ -8,6 +8,8 @@ const LIMITS: Limits = Limits {
     end: 1.0,
     rounding: 1e-9,
     tolerance: 1e-9,
+    touching_tolerance: 1e-9,
+    deep: f64::INFINITY,
     deep_tolerance: 1e-9,
     bounces: f64::INFINITY,
 };
@@ -51,7 +53,7 @@ fn times_of_impact_are_those_of_the_oracle() {
         let (position, velocity) = (point().map(f64::from), point().map(|v| 3.0 * f64::from(v)));
         let falls = case % 2 == 0;
         let gravity = if falls { [1.0, -9.0] } else { [0.0; 2] };
-        let segment = Segment { time: 0.0, position, velocity, falls };
+        let segment = Segment { position, velocity, falls, ..Segment::default() };
         let radius = 0.3;
         if walls.lines.iter().any(|line| line.distance(position) < radius + 1e-3) {
             continue;

@@ -4,8 +4,9 @@
 //! its bounds. The position of a disc farther away is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
-use crate::container::{Container, NINE_IMAGES, ROUNDING, size};
+use crate::container::{Container, NINE_IMAGES, size};
 use crate::error::{Error, Result};
+use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
 
 /// Maximum distance from the torus of a disc in its bounds, with its radius, as a share of the

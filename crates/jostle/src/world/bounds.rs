@@ -115,7 +115,8 @@ impl World {
                         if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
                     *max_displacement = (own.max(least) + by_forces).min(longest);
                     any_cut |= *max_displacement < own + by_forces;
-                    *radius = own_radius + *max_displacement + rounding_of(center, sides);
+                    *radius =
+                        own_radius + *max_displacement + rounding_of(center, own_radius, sides);
                 }
                 if any_cut {
                     is_cut.store(true, Ordering::Relaxed);
@@ -233,14 +234,15 @@ pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
     0.5 * dt * dt * (x * x + y * y).sqrt()
 }
 
-/// Upper bound of the residual of a position, which on a torus may be that of the far side.
-pub(super) fn rounding(position: [f32; 2], container: &Container) -> f32 {
-    rounding_of(position, torus_sides(container))
+/// Upper bound of the residual of a position, which on a torus may be that of the far side, and of the
+/// error of a distance of about the radius in float32.
+pub(super) fn rounding(position: [f32; 2], radius: f32, container: &Container) -> f32 {
+    rounding_of(position, radius, torus_sides(container))
 }
 
 #[inline(always)]
-fn rounding_of([x, y]: [f32; 2], sides: f32) -> f32 {
-    f32::EPSILON * (x.abs() + y.abs() + sides)
+fn rounding_of([x, y]: [f32; 2], radius: f32, sides: f32) -> f32 {
+    f32::EPSILON * (x.abs() + y.abs() + sides + 4.0 * radius)
 }
 
 /// Sum of the sides of a torus; 0 for other containers.
@@ -323,7 +325,7 @@ impl<'a> StepBounds<'a> {
             let center = self.particles.positions[index as usize];
             let radius = self.particles.radii[index as usize]
                 + *max_displacement
-                + rounding(center, &self.container);
+                + rounding(center, self.particles.radii[index as usize], &self.container);
             let times = [0.0, f64::INFINITY];
             self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
         }
@@ -362,7 +364,7 @@ impl<'a> StepBounds<'a> {
             let tile = self.container.tile(middle);
             let offset = self.container.offset(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
-            let radius = radius + rounding(center, &self.container);
+            let radius = radius + rounding(center, radius, &self.container);
             // A step whose positions overflow is refused when they are stored.
             if center.into_iter().chain([radius]).all(f32::is_finite) {
                 self.grown.circles.push(Circle { index, center, radius, tile, times });

@@ -120,7 +120,11 @@ impl World {
         let circle = |index: usize| {
             let center = settings.container.wrap(particles.positions[index]);
             let radius = f64::from(particles.radii[index]) + f64::from(distances[index]);
-            let rounding = f64::from(rounding(particles.positions[index], &settings.container));
+            let rounding = f64::from(rounding(
+                particles.positions[index],
+                particles.radii[index],
+                &settings.container,
+            ));
             // Immovable particles need ghosts only if events are tracked or if they may wake others.
             let wakes = has_sleepers && !particles.is_static(index);
             let needs_ghosts = particles.movable[index] || settings.track_events || wakes;

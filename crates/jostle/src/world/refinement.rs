@@ -8,6 +8,7 @@
 use super::World;
 use super::domain::owns;
 use crate::resting::are_touching;
+use crate::tolerance::{gap, size_of};
 
 /// Ratio of masses up to which [`DEFAULT_SUBSTEPS`](super::settings::DEFAULT_SUBSTEPS) are enough.
 const RATIO_OF_A_REFINEMENT: f32 = 128.0;
@@ -52,9 +53,10 @@ impl World {
         }
         let [p, q] = [a, b].map(|index| particles.positions[index]);
         let offset = [0, 1].map(|k| q[k] - p[k] + image[k]);
-        let contact_distance = particles.radii[a] + particles.radii[b];
-        let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
-        if !are_touching(length - contact_distance, contact_distance) {
+        let radii = [a, b].map(|index| particles.radii[index]);
+        let contact_distance = f64::from(radii[0]) + f64::from(radii[1]);
+        let (_, gap) = gap(offset.map(f64::from), contact_distance);
+        if !are_touching(gap as f32, size_of(radii[0], radii[1])) {
             return None;
         }
         let (heavier, sign) =

@@ -28,6 +28,8 @@ pub(super) struct Substeps {
     may_rest: bool,
     has_friction: bool,
     has_accelerations: bool,
+    /// The smallest radius above 0.
+    smallest_radius: f32,
     /// Whether forces or resting contacts change velocities.
     has_kicks: bool,
     /// Whether all particles without events stay in their bounds in the first sub-step.
@@ -140,7 +142,7 @@ impl World {
         } else {
             scratch.wall_pushes.clear();
         }
-        scratch.correction.begin_step(contacts, particles);
+        scratch.correction.begin_step(contacts);
         let seconds = f64::from(dt) / scratch.substeps as f64;
         Substeps {
             count: scratch.substeps,
@@ -150,6 +152,7 @@ impl World {
             may_rest,
             has_friction,
             has_accelerations,
+            smallest_radius: smallest(&particles.radii),
             has_kicks: may_rest || is_pulled,
             is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
             is_refined: scratch.refinement > 1,
@@ -247,6 +250,7 @@ impl World {
             sensed: &scratch.sensed,
             senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
             limits: &scratch.limits,
+            smallest_radius: of.smallest_radius,
             threads: of.threads,
         };
         scratch.events.simulate(&flight, &mut bounds)
@@ -272,6 +276,16 @@ impl World {
         }
         self.scratch.correction.end_step(&mut self.contacts);
     }
+}
+
+/// The smallest radius above 0; infinite if there is none. No result depends on it.
+fn smallest(radii: &[f32]) -> f32 {
+    let of = |chunk: &[f32]| {
+        let positive =
+            chunk.iter().map(|&radius| if radius > 0.0 { radius } else { f32::INFINITY });
+        positive.fold(f32::INFINITY, |a, b| if b < a { b } else { a })
+    };
+    radii.chunks(256).map(of).fold(f32::INFINITY, f32::min)
 }
 
 /// The walls near each particle at a time of the step.

@@ -163,7 +163,7 @@ impl World {
             (pair, image, impulses)
         });
         contacts.keep_lasting(touched, particles, particles.len());
-        contacts.each(threads, |contact| contact.measure(motions));
+        contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
     }
 
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.

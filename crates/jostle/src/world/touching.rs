@@ -6,17 +6,13 @@ use super::World;
 use super::bounds::rounding;
 use super::islands::SleepingContact;
 use super::search::{self, ListScratch, Lists};
-use crate::container::{ROUNDING, size};
 use crate::error::Result;
 use crate::motion::exact;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
 use crate::space::Id;
-
-/// Surfaces touch if their gap is at most the rounding of float32, and at most this share of the sum
-/// of radii.
-const MOST: f64 = 1e-3;
+use crate::tolerance::{COARSE, Tolerance, gap, size_of};
 
 /// Scratch.
 #[derive(Debug, Default)]
@@ -78,7 +74,7 @@ impl World {
         let radii = shapes.radii.rows_mut();
         radii.clear();
         radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
-            radius * (1.0 + 2.0 * MOST as f32) + 2.0 * rounding(position, &container)
+            radius * (1.0 + 2.0 * COARSE as f32) + 2.0 * rounding(position, radius, &container)
         }));
         fill_filters(all.filters.iter().copied(), &mut shapes.filters);
         tree.rebuild_unchecked(shapes, self.settings.tree, &|_, _| Ordering::Equal)?;
@@ -91,21 +87,18 @@ impl World {
             let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));
             let contact_distance = f64::from(all.radii[a]) + f64::from(all.radii[b]);
             let [x, y] = container.minimum_image([q[0] - p[0], q[1] - p[1]]);
-            let near = contact_distance
-                + tolerance(
-                    size(p, contact_distance).max(size(q, contact_distance)),
-                    contact_distance,
-                );
-            x * x + y * y <= near * near
+            let [r, s] = [all.radii[a], all.radii[b]];
+            let near = |place| Tolerance::of(f64::from(size_of(r, s)), place).rounding();
+            let near = match r.total_cmp(&s) {
+                Ordering::Less => near(p),
+                Ordering::Greater => near(q),
+                Ordering::Equal => near(p).max(near(q)),
+            };
+            gap([x, y], contact_distance).1 <= near
         };
         let (tree, lists) = (&*tree, &*lists);
         let pairs = lists.iter().flat_map(|(_, pairs)| pairs);
         let pairs = pairs.map(|pair| pair.map(|index| tree.rows()[index as usize]));
         Ok(pairs.filter(move |&pair| touch(pair)))
     }
-}
-
-/// The gap below which surfaces touch that are so large and so far from the origin.
-fn tolerance(size: f64, contact_distance: f64) -> f64 {
-    (ROUNDING * size).min(MOST * contact_distance)
 }

@@ -106,8 +106,9 @@ impl World {
         let radii = shapes.radii.rows_mut();
         radii.clear();
         radii.extend(outside_limits.iter().map(|of| {
-            let rounding = rounding(particles.positions[index(of)], &settings.container);
-            particles.radii[index(of)] + of.1 as f32 * 1.000_01 + rounding
+            let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
+            let rounding = rounding(position, radius, &settings.container);
+            radius + of.1 as f32 * 1.000_01 + rounding
         }));
         let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
         let filters = filters.iter().map(|of| particles.filter(index(of)));

@@ -39,7 +39,7 @@ impl Asleep {
             for at in particles.clone().map(|at| at as usize) {
                 let (position, radius) = (all.positions[at], all.radii[at]);
                 let half_width =
-                    f64::from(radius) * 1.000_01 + f64::from(rounding(position, container));
+                    f64::from(radius) * 1.000_01 + f64::from(rounding(position, radius, container));
                 near.list_ranks(grid, container.wrap(position), half_width, &mut ranks);
                 for &rank in &ranks {
                     put_circle(&mut to[rank as usize], *name, all, at);
