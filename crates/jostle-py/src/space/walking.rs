@@ -88,12 +88,13 @@ impl PySpace {
     /// A shape that overlaps obstacles after that is moved out of them. Obstacles that it cannot leave
     /// do not stop it.
     ///
-    /// A floor that moves in the same call first pushes the shapes that stand on it, also on another
-    /// floor with its displacement; one that cannot move stops the floor. So no shape moves into an
-    /// obstacle. There is one exception: an obstacle may push or carry a shape against another
-    /// obstacle and overlap it there. This happens if it was moved before the call, or if `mask`
-    /// leaves out the category of the shape. `hits` includes what stops a shape that is carried or
-    /// pushed, and what pushes it.
+    /// A floor that moves in the same call first pushes the shapes that stand on it; one that cannot
+    /// move stops the floor. Floors that touch and have the same displacement are one body: each
+    /// pushes what stands on any of them, and nothing that does stops them. So no shape moves into
+    /// an obstacle. There is one exception: an obstacle may push or carry a shape against another
+    /// obstacle and overlap it there. This happens if it was moved before the call, if `mask` leaves
+    /// out the category of the shape, or if it is a part of a body. `hits` includes what stops a
+    /// shape that is carried or pushed, and what pushes it.
     ///
     /// Examples
     /// --------

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Solid, Surface, along_surface, dot};
+use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surface, dot};
 use crate::geometry::{Bounds, Scalar, Shape};
 use crate::period::Period;
 
@@ -72,6 +72,10 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 return;
             }
             self.look(rest);
+            let is_still = |obstacle: &Obstacle<T>| obstacle.motion == [T::ZERO; 2];
+            if rest == [T::ZERO; 2] && self.near.iter().all(is_still) {
+                return;
+            }
             let Some((share, hit, motion)) = self.advance(rest, left) else { return };
             self.record(hit);
             left = left * (T::ONE - share);
@@ -194,17 +198,16 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// obstacle and the motion of this. Obstacles that it overlaps at the start do not stop it.
     fn advance(&mut self, displacement: [T; 2], left: T) -> Option<(T, SlideHit<T>, [T; 2])> {
         let start = self.body;
-        let close = self.slop(T::ZERO);
         let (rules, period) = (self.rules, self.period);
         // An obstacle is moved back to its start with rounding errors.
-        let is_outside = |solid: &Solid<T>, body: &Shape<T>| {
-            !solid.overlaps(body) || (left != T::ZERO && solid.contact(body).1 <= close)
-        };
+        let back = |obstacle: &Obstacle<T>| length(obstacle.motion) * left;
         let is_solid = |obstacle: &Obstacle<T>| {
+            let close = slop(&start, &period, back(obstacle));
             obstacle.facing((&period, left), &start, |body, solid| {
                 let ledge = solid.shape_of(rules.one_way);
-                is_outside(solid, body)
-                    && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+                let is_outside =
+                    !solid.overlaps(body) || (left != T::ZERO && solid.contact(body).1 <= close);
+                is_outside && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
             })
         };
         let impact = |obstacle: &'_ Obstacle<T>| {
@@ -213,7 +216,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
             obstacle.facing((&period, left), &start, |body, solid| {
                 // Rounding errors grow with the distance of the obstacle, not with the
                 // displacement.
-                let (share, normal) = solid.enters(body, relative, self.slop(solid.span(body)))?;
+                let slop = self.slop(solid.span(body) + back(obstacle));
+                let (share, normal) = solid.enters(body, relative, slop)?;
                 // −0 becomes 0.
                 Some((share + T::ZERO, normal))
             })

@@ -64,7 +64,7 @@ impl<T: Scalar> Call<'_, T> {
 
     /// Whether a row is an obstacle of other rows, as far as `mask` decides.
     pub fn is_obstacle(&self, row: usize) -> bool {
-        self.slots.shape(self.walkers[row]).category & self.rules.mask != 0
+        self.slots.category(self.walkers[row]) & self.rules.mask != 0
     }
 
     /// What a row knows about the motions of obstacles.
@@ -159,7 +159,7 @@ pub struct Viewer<T> {
 }
 
 /// With more shapes that have moved, and more walkers, a tree is faster than testing each.
-const FEW_MOVED: usize = 64;
+const FEW_MOVED: usize = 16;
 const FEW_WALKERS: usize = 8;
 
 /// The obstacles that have moved since the last motion of a shape that moves in a call, as boxes

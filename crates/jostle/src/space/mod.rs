@@ -190,10 +190,10 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(slots.len())?;
         self.traces.reserve(slots.len(), self.slots.count())?;
         for (row, slot) in slots.into_iter().enumerate() {
-            let before = self.slots.center(slot);
+            let before = self.traces.is_new(slot).then(|| self.slots.center(slot));
             if set(&mut self.slots, slot, row) {
                 self.note(slot);
-                self.traces.note(slot, before);
+                before.into_iter().for_each(|before| self.traces.note(slot, before));
             }
         }
         Ok(())

@@ -143,18 +143,19 @@ impl<T: Scalar> Island<'_, T> {
         twins.clear();
         are_parts.clear();
         memory::resize(twins, len, false)?;
+        if len == 1 {
+            return riders.fill(len, 0..len, |_| None, false, |_, _| Ok(()));
+        }
         let mut are_any_twins = false;
-        if len > 1 {
-            let mut sorted: Vec<u32> = memory::collect(0..len as u32)?;
-            sorted.sort_unstable_by(|&a, &b| {
-                let [a, b] = [a, b].map(|index| displacement(index as usize));
-                a[0].total_order(&b[0]).then_with(|| a[1].total_order(&b[1]))
-            });
-            for pair in sorted.windows(2) {
-                let [a, b] = [pair[0] as usize, pair[1] as usize];
-                if displacement(a) == displacement(b) && displacement(a) != [T::ZERO; 2] {
-                    (twins[a], twins[b], are_any_twins) = (true, true, true);
-                }
+        let mut sorted: Vec<u32> = memory::collect(0..len as u32)?;
+        sorted.sort_unstable_by(|&a, &b| {
+            let [a, b] = [a, b].map(|index| displacement(index as usize));
+            a[0].total_order(&b[0]).then_with(|| a[1].total_order(&b[1]))
+        });
+        for pair in sorted.windows(2) {
+            let [a, b] = [pair[0] as usize, pair[1] as usize];
+            if displacement(a) == displacement(b) && displacement(a) != [T::ZERO; 2] {
+                (twins[a], twins[b], are_any_twins) = (true, true, true);
             }
         }
         let (crowd, twins) = (&*crowd, &*twins);
@@ -167,6 +168,18 @@ impl<T: Scalar> Island<'_, T> {
             if twins[index] {
                 each_ahead(call, crowd, index, displacement(index), |other| {
                     if displacement(other) == displacement(index) {
+                        ahead.push(other as u32);
+                    }
+                });
+            }
+            // All parts of its floor that it may reach.
+            if let Some(floor) = floor(index).filter(|&floor| twins[floor]) {
+                let body = crowd.get(index);
+                let length = |[x, y]: [T; 2]| x.abs() + y.abs();
+                let reach = length(displacement(index)) + length(displacement(floor));
+                let reach = reach + slop(body, &call.period, reach);
+                each_around(call, crowd, (body, reach), [T::ZERO; 2], |other, _| {
+                    if other != index && displacement(other) == displacement(floor) {
                         ahead.push(other as u32);
                     }
                 });
@@ -190,11 +203,15 @@ impl<T: Scalar> Island<'_, T> {
             return;
         }
         let displacement = |index: usize| call.displacements[rows[index] as usize];
-        each_ahead(call, crowd, index, displacement(index), |other| {
+        let (body, by) = (crowd.get(index), displacement(index));
+        let close = slop(body, &call.period, by[0].abs() + by[1].abs());
+        each_around(call, crowd, (body, close), by, |other, image| {
             let floor = call.moving_floor(rows[other] as usize);
             let floor = floor.and_then(|row| rows.binary_search(&row).ok());
+            let is_met = image.overlaps(body) || image.enters(body, by, close).is_some();
             if let Some(floor) = floor.filter(|&floor| floor != index && other != index)
-                && displacement(floor) == displacement(index)
+                && displacement(floor) == by
+                && is_met
             {
                 above.push(Rider::on_lowest(other as u32));
             }
@@ -229,7 +246,9 @@ impl<T: Scalar> Island<'_, T> {
             let body = crowd.get(rider.index as usize);
             let [a, b] = period.nearest_images(crowd.get(floor), body);
             let (normal, _) = contact(&a, &b);
-            let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO);
+            // One that is no obstacle meets the motion of its floor when it moves itself.
+            let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO)
+                && self.call.is_obstacle(self.rows[rider.index as usize] as usize);
             let is_inside = period.overlap(crowd.get(index), body);
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
             skipped[rider.index as usize] = false;
@@ -256,7 +275,7 @@ impl<T: Scalar> Island<'_, T> {
     /// Pushes a shape by a displacement; it slides along obstacles. Returns how far it has moved.
     fn push(&mut self, index: usize, by: [T; 2]) -> [T; 2] {
         let start = self.scratch.crowd.get(index).min;
-        let (center, hits, seen) = self.with_walker(index, ([T::ZERO; 2], false), |walker| {
+        let (center, hits, seen) = self.with_walker(index, Around::default(), |walker| {
             walker.slide(by);
             (walker.center(), std::mem::take(&mut walker.hits), walker.seen)
         });
@@ -279,13 +298,12 @@ impl<T: Scalar> Island<'_, T> {
             let pushed = self.scratch.pushed.get(index).map_or([T::ZERO; 2], |pushed| pushed.by);
             difference(by, pushed)
         });
-        let is_still = carried == [T::ZERO; 2];
         // What it stops has not passed through it.
         let is_passed = !call.is_obstacle(row);
         let [before, now] = self.scratch.reach;
         let reach = if is_passed { [0, 1].map(|axis| before[axis].max(now[axis])) } else { before };
-        let is_calm = is_still && reach == [T::ZERO; 2] && call.moved.is_empty();
-        let around = (reach, is_passed || !is_still);
+        let is_calm = carried == [T::ZERO; 2] && reach == [T::ZERO; 2] && call.moved.is_empty();
+        let around = Around { reach, is_passed, carried };
         let (center, remaining, hits, floor, kinds, seen) =
             self.with_walker(index, around, |walker| {
                 if !is_calm {
@@ -305,13 +323,11 @@ impl<T: Scalar> Island<'_, T> {
         Walk { row, center, moved, remaining, hits, floor, kinds, seen }
     }
 
-    /// Calls `act` with a shape that can move among all others that are not skipped. Of the shapes
-    /// of this call, those within `reach` are found, and they make the motions of this call too if
-    /// `is_passed`.
+    /// Calls `act` with a shape that can move among all others that are not skipped.
     fn with_walker<R>(
         &mut self,
         index: usize,
-        (reach, is_passed): ([T; 2], bool),
+        around: Around<T>,
         act: impl FnOnce(&mut Walker<'_, T>) -> R,
     ) -> R {
         let (call, rows) = (self.call, self.rows);
@@ -324,8 +340,8 @@ impl<T: Scalar> Island<'_, T> {
                 let bounds = &bounds.moved(call.period.span(turns));
                 call.find(&viewer, bounds, turns, stack, near);
                 let wide = Bounds {
-                    min: difference(bounds.min, reach),
-                    max: sum(bounds.max, reach),
+                    min: difference(bounds.min, around.reach),
+                    max: sum(bounds.max, around.reach),
                     ..*bounds
                 };
                 crowd.each_near(&wide, |other, body| {
@@ -333,9 +349,12 @@ impl<T: Scalar> Island<'_, T> {
                         return;
                     }
                     let index = call.walkers[rows[other] as usize];
-                    let makes = is_passed || call.traces.before(index, viewer.since).is_some();
-                    let motion =
-                        if makes { call.motion(&viewer, index, body.min) } else { [T::ZERO; 2] };
+                    let mut motion = call.motion(&viewer, index, body.min);
+                    let is_recorded = call.traces.before(index, viewer.since).is_some();
+                    if !around.is_passed && !is_recorded {
+                        motion =
+                            around.motion_with_floor(motion, slop(body, &call.period, T::ZERO));
+                    }
                     near.push(Obstacle { solid: Solid::Shape(*body), turns, motion, index });
                 });
             }
@@ -357,6 +376,31 @@ impl<T: Scalar> Island<'_, T> {
                 Err(_) => self.call.slots.shape(slot).center(),
             },
         }
+    }
+}
+
+/// Which motions of other shapes of a call a shape meets.
+struct Around<T> {
+    /// How far away from the path these shapes may be now.
+    reach: [T; 2],
+    /// Whether it meets all of them. Otherwise the others have been stopped by it, and it meets only
+    /// those that move with its floor.
+    is_passed: bool,
+    /// The motion of its floor, as far as it has not followed it yet.
+    carried: [T; 2],
+}
+
+impl<T: Scalar> Default for Around<T> {
+    fn default() -> Self {
+        Self { reach: [T::ZERO; 2], is_passed: false, carried: [T::ZERO; 2] }
+    }
+}
+
+impl<T: Scalar> Around<T> {
+    /// The motion of another shape, if it is that of the floor up to rounding errors.
+    fn motion_with_floor(&self, motion: [T; 2], slop: T) -> [T; 2] {
+        let [x, y] = difference(motion, self.carried);
+        if x.abs() <= slop && y.abs() <= slop { self.carried } else { [T::ZERO; 2] }
     }
 }
 

@@ -370,6 +370,11 @@ impl<T: Scalar> Slots<T> {
         [0, 1].map(|axis| middle(min[axis], max[axis]))
     }
 
+    /// The category of the shape in `slot`.
+    pub(super) fn category(&self, slot: u32) -> u32 {
+        self.filters.get(slot as usize).map_or(DEFAULT_CATEGORY, |[category, _]| *category)
+    }
+
     /// The shape in `slot`.
     pub(super) fn shape(&self, slot: u32) -> Shape<T> {
         let slot = slot as usize;

@@ -122,9 +122,9 @@ impl<T: Scalar> Space<T> {
     /// The obstacles that have moved since a call.
     fn moved_before(&self, walkers: &[u32], since: CallNumber, mask: u32) -> Result<Moved<T>> {
         let is_obstacle = |&slot: &u32| {
-            self.layers.has(slot)
+            self.slots.category(slot) & mask != 0
                 && self.rides.rows[slot as usize] == NONE
-                && self.slots.shape(slot).category & mask != 0
+                && self.layers.has(slot)
         };
         let moved = self.traces.moved_since(since).filter(is_obstacle);
         let moved = moved.filter_map(|slot| Some((slot, self.traces.before(slot, since)?)));
