@@ -193,7 +193,7 @@ impl<T: Scalar> Island<'_, T> {
         Ok(())
     }
 
-    /// Lists the shapes in the way of a shape that stand on another one with its displacement:
+    /// Lists the shapes that a shape would enter and that stand on another one with its displacement:
     /// both are parts of one floor.
     fn list_on_twins(&mut self, index: usize) {
         let (call, rows) = (self.call, self.rows);

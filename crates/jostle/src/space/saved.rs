@@ -45,8 +45,8 @@ pub struct Saved<T> {
     pub ride_centers: Vec<[T; 2]>,
     /// The number of the next call of `move_and_slide`.
     pub calls: i64,
-    /// For each slot the call since which obstacles that have moved are met on their way; missing
-    /// numbers are 0.
+    /// For each slot the call since which its shape meets the motions of obstacles; missing numbers
+    /// are 0.
     pub slid: Vec<i64>,
     /// For each slot the call since which its shape has moved; missing numbers are 0.
     pub moved: Vec<i64>,
