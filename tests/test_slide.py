@@ -59,7 +59,7 @@ def pairs_of(space: jostle.Space, ids) -> set:
 def test_never_inside(scene, up, seed: int) -> None:
     """Walkers come to overlap nothing, also while platforms are moved between calls.
 
-    Only a platform may carry a walker to where something else stops it.
+    Only a platform may carry or push a walker to where something else stops it.
     """
     space, ids, steps = scene
     rng = np.random.default_rng(seed)
@@ -72,7 +72,13 @@ def test_never_inside(scene, up, seed: int) -> None:
         slides = space.move_and_slide(ids, steps, up=up)
         is_carried = np.isin(floors, platforms)
         carried = np.sort(np.column_stack([ids, floors])[is_carried], axis=1)
-        assert pairs_of(space, ids) <= before | set(map(tuple, carried.tolist()))
+        pushed = {
+            (min(id, platform), max(id, platform))
+            for id, hits in zip(ids.tolist(), slides.hits.lists(), strict=True)
+            for platform in platforms.tolist()
+            if np.any(hits != platform)
+        }
+        assert pairs_of(space, ids) <= before | set(map(tuple, carried.tolist())) | pushed
         floors = slides.floors
         moved = space.centers(platforms) + rng.normal(0, scale, (len(platforms), 2))
         space.move(platforms, moved)
@@ -334,6 +340,303 @@ def test_a_crowd_that_falls_into_a_box_never_overlaps() -> None:
         velocities = slides.remaining.copy()
         assert len(space.contacts().depths) == 0
     assert np.isin(slides.floors, discs).sum() >= 8  # they stand on each other
+
+
+KINDS = {
+    "box": {"half_sizes": (5, 8)},
+    "disc": {"radii": 8.0},
+    "rounded": {"radii": 3.0, "half_sizes": (2, 5)},
+}
+
+
+def move_lifts(space: jostle.Space, lifts, by, way: str) -> None:
+    """Move them by `by`, in one motion, in two, or by a call of their own."""
+    if way == "twice":
+        space.move(lifts, space.centers(lifts) + np.array(by) * 0.75)
+        space.move(lifts, space.centers(lifts) + np.array(by) * 0.25)
+    elif way == "other call":
+        space.move_and_slide(lifts, np.tile(by, (len(lifts), 1)), mask=0)
+    else:
+        space.move(lifts, space.centers(lifts) + np.array(by))
+
+
+@pytest.mark.parametrize("one_way", [0, LEDGE])
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize(
+    ("way", "mask"),
+    [
+        ("move", None),
+        ("move", LEDGE),
+        ("twice", LEDGE),
+        ("after", None),
+        ("other call", None),
+        ("same call", LEDGE),
+    ],
+)
+def test_a_rising_lift_catches_what_falls_onto_it(one_way, dtype, way, mask) -> None:
+    """100 walkers above 100 lifts, at speeds up to a hundred times their height."""
+    rng = np.random.default_rng(1)
+    n, rules = 100, {"one_way": one_way, "mask": mask}
+    x = np.arange(n) * 100.0
+    for speed in (0.25, 0.5, 1, 2, 4, 8, 16, 64, 1600):
+        space = jostle.Space(dtype=dtype)
+        lifts = space.add(boxes=np.stack([x - 30, x * 0, x + 30, x * 0 + 8], 1), categories=LEDGE)
+        heights = rng.uniform(0, 60, n)
+        walkers = space.add(np.stack([x, -8 - heights], 1), half_sizes=(5, 8), categories=WALKER)
+        ids = np.concatenate([walkers, lifts])
+        velocities, has_landed = np.zeros((n, 2)), np.zeros(n, bool)
+        tolerance = 1e-9 if dtype == "float64" else 0.1 * max(1, speed / 64)
+        for _ in range(25):
+            velocities[:, 1] += 0.5
+            if way == "same call":
+                steps = np.concatenate([velocities, np.tile((0, -speed), (n, 1))])
+                slides = space.move_and_slide(ids, steps, **rules)
+            else:
+                if way != "after":
+                    move_lifts(space, lifts, (0, -speed), way)
+                slides = space.move_and_slide(walkers, velocities, **rules)
+            tops = space.centers(lifts)[:, 1] - 4
+            assert (space.centers(walkers)[:, 1] + 8 <= tops + tolerance).all()
+            velocities = slides.remaining[:n].copy()
+            on_floor = slides.on_floor[:n]
+            assert on_floor[has_landed].all()
+            has_landed |= on_floor
+            if way == "after":
+                move_lifts(space, lifts, (0, -speed), "move")
+        assert has_landed.all() or (speed < 2 and has_landed.mean() > 0.5)
+
+
+@pytest.mark.parametrize("shape", KINDS)
+@pytest.mark.parametrize(
+    "way", ["move", "one by one", "same call", "same call, masked", "same call, reversed"]
+)
+def test_platforms_that_move_together_carry_across_their_joints(shape: str, way: str) -> None:
+    """Rows of 1, 2 and 8 platforms, velocities of them and of the walker on them."""
+    for pieces in ([440.0], [40.0, 400.0], [55.0] * 8):
+        x = np.concatenate([[0], np.cumsum(pieces)])
+        boxes = np.stack([x[:-1], x[:-1] * 0, x[1:], x[1:] * 0 + 8], 1)
+        for vx in (-3, -1.5, -1, 0, 1, 1.5, 3):
+            for vy in (-2, -1, -0.5, 0, 0.5, 1, 2):
+                for walk in (0.2, 1, 3):
+                    space = jostle.Space()
+                    parts = space.add(boxes=boxes, categories=LEDGE)
+                    walker = space.add((20, -8.0), categories=WALKER, **KINDS[shape])
+                    rules = {"mask": LEDGE if way == "same call, masked" else None}
+                    space.move_and_slide(walker, (0, 0.5), **rules)
+                    ids, steps = [*parts, walker], [(vx, vy)] * len(parts) + [(walk, 0.5)]
+                    turn = -1 if way.endswith("reversed") else 1
+                    for _ in range(20):
+                        if way.startswith("same call"):
+                            slides = space.move_and_slide(ids[::turn], steps[::turn], **rules)
+                        else:
+                            for some in [parts] if way == "move" else parts[:, None]:
+                                space.move(some, space.centers(some) + np.array((vx, vy)))
+                            slides = space.move_and_slide([walker], [(walk, 0.5)], **rules)
+                        row = 0 if turn < 0 else -1
+                        moved = slides.displacements[row].tolist()
+                        case = (pieces, vx, vy, walk)
+                        assert moved == pytest.approx((vx + walk, vy), abs=1e-9), case
+                        assert slides.on_floor[row] and not slides.on_wall[row], case
+                    gaps = np.diff(space.centers(parts), axis=0)
+                    middles = (x[:-1] + x[1:]) / 2
+                    np.testing.assert_allclose(gaps[:, 0], np.diff(middles), atol=1e-9)
+                    np.testing.assert_allclose(gaps[:, 1], 0, atol=1e-9)
+
+
+def test_a_lift_does_not_drag_what_is_not_above_it() -> None:
+    """Beside it, below it, above it with a gap, and on a floor beside it."""
+    space = jostle.Space()
+    lift = space.add(boxes=(0, 0, 60, 8), categories=LEDGE)
+    space.add(boxes=(70, 8, 200, 16), categories=LEDGE)
+    places = [(-5.0, 4), (30, 20), (30, -40), (75, 0)]
+    walkers = space.add(places, half_sizes=(5, 8), categories=WALKER)
+    rules = {"one_way": LEDGE, "mask": LEDGE}
+    space.move_and_slide(walkers, np.zeros((4, 2)), **rules)
+    for by in ((0, -10), (0, 10), (3, 10), (-3, -10), (0, 200)):
+        space.move(lift, space.centers(lift) + np.array(by))
+        slides = space.move_and_slide(walkers, np.zeros((4, 2)), **rules)
+        assert slides.displacements.tolist() == np.zeros((4, 2)).tolist(), by
+        assert len(slides.hits.ids) == 0
+
+
+def test_a_lift_that_moves_away_downwards_lets_fall() -> None:
+    space = jostle.Space()
+    lift = space.add(boxes=(0, 0, 60, 8))
+    walker = space.add((30, -20), half_sizes=(5, 8))
+    for _ in range(5):
+        space.move(lift, space.centers(lift) + np.array((0, 30)))
+        slide = space.move_and_slide(walker, (0, 1))
+        assert not slide.on_floor and slide.displacement.tolist() == [0, 1]
+
+
+def test_a_long_move_is_a_motion_and_a_new_shape_is_not() -> None:
+    for way in ("move", "remove and add"):
+        space = jostle.Space()
+        wall = space.add((-500, 0), half_sizes=(5, 50))
+        walker = space.add((0, 0), half_sizes=(5, 8))
+        space.move_and_slide(walker, (0, 0))
+        if way == "move":
+            space.move(wall, (500, 0))
+        else:
+            space.remove(wall)
+            wall = space.add((500, 0), half_sizes=(5, 50))
+        slide = space.move_and_slide(walker, (0, 1))
+        moved = [510, 1] if way == "move" else [0, 1]
+        assert slide.displacement.tolist() == pytest.approx(moved)
+        assert list(slide.hits) == ([wall] if way == "move" else [])
+
+
+def test_every_call_meets_what_has_moved_since_the_last_motion_of_its_walkers() -> None:
+    """Walkers in calls of their own, in any order; one is added after the motion."""
+    space = jostle.Space()
+    lift = space.add(boxes=(0, 0, 90, 8))
+    first, second = (space.add((x, -20), half_sizes=(5, 8)) for x in (10, 40))
+    for walker in (first, second):
+        space.move_and_slide(walker, (0, 0))
+    for frame in range(6):
+        space.move(lift, space.centers(lift) + np.array((0, -40)))
+        third = space.add((70, space.centers(lift)[1] + 27), half_sizes=(5, 8))
+        for walker in [first, second, third][:: (-1) ** frame]:
+            space.move_and_slide(walker, (0, 0.5))
+            feet = space.centers(walker)[1] + 8
+            assert feet == pytest.approx(space.centers(lift)[1] - 4)
+            assert len(space.pairs()) == 0
+        space.remove(third)
+
+
+def test_there_and_back_is_no_motion() -> None:
+    space = jostle.Space()
+    wall = space.add((-50, 0), half_sizes=(5, 50))
+    walker = space.add((0, 0), half_sizes=(5, 8))
+    space.move_and_slide(walker, (0, 0))
+    for x in (50, -50):
+        space.move(wall, (x, 0))
+    assert space.move_and_slide(walker, (0, 1)).displacement.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_copies_keep_what_has_moved(way) -> None:
+    space = jostle.Space(dtype="float32")
+    gone, lift = space.add(boxes=[(200, 0, 260, 8), (0, 0, 60, 8)], categories=LEDGE)
+    walker = space.add((30, -20), half_sizes=(5, 8))
+    space.move_and_slide(walker, (0, 0))
+    space.move([gone, lift], [(230, 9), (30, -100)])
+    space.remove(gone)
+    twin = way(space)
+    for one in (space, twin):
+        slide = one.move_and_slide(walker, (0, 0.5), one_way=LEDGE)
+        assert slide.floor == lift and one.centers(walker)[1] == pytest.approx(-112)
+
+
+def test_a_lift_crosses_the_edge_of_a_periodic_plane() -> None:
+    for by in ((0, -40), (30, 0), (-30, 0), (10, 40)):
+        space = jostle.Space(period=(100, 90))
+        lift = space.add((95, 5), half_sizes=(4, 4))
+        away = np.array(by) * 0.5
+        walker = space.add(np.array((95, 5)) + away, radii=2.0)
+        space.move_and_slide(walker, (0, 0))
+        space.move(lift, np.array((95, 5)) + by)
+        slide = space.move_and_slide(walker, (0, 0))
+        assert len(space.pairs()) == 0 and list(slide.hits) == [lift]
+        along = slide.displacement @ away / np.linalg.norm(away)
+        assert along == pytest.approx(np.linalg.norm(by) / 2 + 6, abs=1.5)
+
+
+def test_a_lift_and_a_ceiling_leave_what_is_between_in_its_place() -> None:
+    """It overlaps the lift as long as there is no room, and is pushed out afterwards."""
+    space = jostle.Space()
+    lift = space.add(boxes=(0, 0, 60, 8))
+    ceiling = space.add(boxes=(0, -30, 60, -20))
+    walker = space.add((30, -8), half_sizes=(5, 8))
+    space.move_and_slide(walker, (0, 0.5))
+    for top, fall, y in ((-3, 0.5, -11), (-8, 0, -12), (-2, 0.5, -10)):
+        space.move(lift, (30, top + 4))
+        slide = space.move_and_slide(walker, (0, fall))
+        assert space.centers(walker)[1] == pytest.approx(y)
+        assert pairs_of(space, [walker]) == ({(lift, walker)} if top == -8 else set())
+        assert slide.on_ceiling == (top == -8) and (ceiling in slide.hits) == (top == -8)
+
+
+@pytest.mark.parametrize("way", ["move", "same call"])
+def test_a_rider_below_a_ceiling_does_not_pull_a_platform_apart(way: str) -> None:
+    space = jostle.Space()
+    boxes = [(0, 0, 20, 8), (20, 0, 60, 8), (60, 0, 90, 8)]
+    parts = space.add(boxes=boxes, categories=LEDGE)
+    space.add(boxes=(0, -30, 60, -18), categories=WALL)
+    rider = space.add((18, -8), half_sizes=(5, 8), categories=WALKER)
+    ids, starts = [*parts, rider], space.centers(parts)
+    space.move_and_slide(rider, (0, 0.5))
+    for frame in range(1, 5):
+        if way == "move":
+            space.move(parts, space.centers(parts) + np.array((0, -1)))
+            space.move_and_slide(rider, (0, 0.5))
+        else:
+            space.move_and_slide(ids, [(0, -1)] * 3 + [(0, 0.5)])
+        np.testing.assert_allclose(space.centers(parts), starts - (0, frame), atol=1e-9)
+        assert space.centers(rider)[1] > -10 - 1e-9
+
+
+def test_moved_obstacles_do_not_depend_on_ids_threads_or_their_number() -> None:
+    """Many more obstacles than a call tests one by one, in any order, added before or after."""
+    rng = np.random.default_rng(5)
+    places, steps = rng.uniform(0, 400, (300, 2)), rng.normal(0, 6, (4, 300, 2))
+    walks = rng.normal(0, 2, (4, 60, 2))
+    found = []
+    for order, threads in ((np.arange(300), 1), (rng.permutation(300), 2)):
+        space = jostle.Space(threads=threads)
+        ids = space.add(places[order], half_sizes=(3, 1), categories=LEDGE)
+        free = np.stack(np.divmod(np.arange(60), 8), 1) * 50.0 + 7
+        walkers = space.add(free, radii=1.0, categories=WALKER)
+        shown = []
+        for step, walk in zip(steps, walks, strict=True):
+            space.move(ids, space.centers(ids) + step[order])
+            if threads == 1:
+                slides = space.move_and_slide(walkers, walk, mask=LEDGE)
+                shown.append([space.centers(walkers), slides.remaining, slides.on_floor])
+            else:  # few at once, which are tested one by one
+                parts = [
+                    space.move_and_slide(walkers[k : k + 4], walk[k : k + 4], mask=LEDGE)
+                    for k in range(0, 60, 4)
+                ]
+                remaining, floors = (
+                    np.concatenate([getattr(part, name) for part in parts])
+                    for name in ("remaining", "on_floor")
+                )
+                shown.append([space.centers(walkers), remaining, floors])
+        found.append(shown)
+    for one, other in zip(*found, strict=True):
+        for a, b in zip(one, other, strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from(["float32", "float64"]), st.booleans())
+def test_nothing_leaves_a_room_that_moves(seed: int, dtype: str, is_one_call: bool) -> None:
+    """Walls that move together by up to a thousand times the width of the room."""
+    rng = np.random.default_rng(seed)
+    space = jostle.Space(dtype=dtype)
+    sides = [(-12, -12, -10, 12), (10, -12, 12, 12), (-12, -12, 12, -10), (-12, 10, 12, 12)]
+    walls = space.add(boxes=sides, categories=WALL)
+    shapes = [(1.0, (0, 0)), (0.0, (0.7, 0.4)), (0.3, (0.2, 0.5))]
+    ids = [space.add((0, 0), *shape, categories=WALKER) for shape in shapes]
+    for _ in range(15):
+        by = rng.normal(0, 1, 2) * 10 ** rng.uniform(-3, 3.3)
+        steps = rng.normal(0, 1, (3, 2)) * 10 ** rng.uniform(-3, 3)
+        up = [(0, 0), (0, -1)][int(rng.integers(2))]
+        if is_one_call:
+            # `walls` are in the way of each other; `move` has no obstacles.
+            space.set_filter(walls, masks=WALKER)
+            all_steps = np.concatenate([np.tile(by, (4, 1)), steps])
+            space.move_and_slide([*walls, *ids], all_steps, up=up, mask=WALL)
+        else:
+            space.move(walls, space.centers(walls) + by)
+            space.move_and_slide(ids, steps, up=up, mask=WALL)
+        low, high = space.boxes(walls)[0, 2:], space.boxes(walls)[1, :2]
+        room = np.array([low[0], space.boxes(walls)[2, 3], high[0], space.boxes(walls)[3, 1]])
+        size = np.abs(room).max()
+        slack = size * (1e-12 if dtype == "float64" else 1e-5)
+        for box in space.boxes(ids).astype(float):
+            assert (box[:2] >= room[:2] - slack).all() and (box[2:] <= room[2:] + slack).all()
 
 
 @pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1]])

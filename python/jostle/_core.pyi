@@ -1697,7 +1697,9 @@ class Space:
     def move(self, ids: ArrayLike, centers: _Vectors, *, boxes: None = None) -> None:
         """Change the centres or the boxes of shapes.
 
-        Shapes whose values are unchanged cost almost nothing.
+        Shapes whose values are unchanged cost almost nothing. For shapes that slide, this is a motion
+        along a straight line, however long: see :meth:`move_and_slide`. To put an obstacle elsewhere
+        without a motion, remove it and add another one.
 
         Parameters
         ----------
@@ -1724,6 +1726,7 @@ class Space:
         --------
         resize : Change radii or half sizes.
         update : The pairs that enter and leave by it.
+        move_and_slide : Moves shapes among obstacles, which push them if they have moved.
 
         Examples
         --------
@@ -1818,16 +1821,25 @@ class Space:
         Notes
         -----
         Shapes of one call that may meet move one after another, in the order of `ids`, except that a
-        floor moves before the shapes that stand on it. The order of other shapes has no effect. A
-        shape that overlaps obstacles at the start, because they have moved, is first moved out of
-        them. Obstacles that it cannot leave do not stop it.
+        floor moves before the shapes that stand on it, the foremost of shapes with the same
+        displacement first, and shapes whose category `mask` leaves out last. The order of other
+        shapes has no effect.
 
-        A shape that met a floor in its last call is carried by it: if the floor has moved since, the
-        shape moves by the same vector first. A floor that moves in the same call first pushes the
-        shapes that stand on it; one that cannot move stops the floor. So no shape moves into an
-        obstacle. There is one exception: a floor may carry a shape against another obstacle and
-        overlap it there. This happens if the floor was moved before the call, or if `mask` leaves
-        out the category of the shape. `hits` includes what stops a shape that is carried or pushed.
+        The motions that obstacles have made since the last call for a shape, by :meth:`move` or by
+        another call, are repeated first, all at the same time: what meets the shape pushes it. A
+        shape that met a floor in its last call is carried by it: it moves by the same vector, and
+        other obstacles that move by this vector do not stop it. Several motions between two calls
+        count as one along a straight line; of motions with calls between them, the last one counts.
+        A shape that overlaps obstacles after that is moved out of them. Obstacles that it cannot leave
+        do not stop it.
+
+        A floor that moves in the same call first pushes the shapes that stand on it; one that cannot
+        move stops the floor. Floors that touch and have the same displacement are one body: each
+        pushes what stands on any of them, and nothing that does stops them. So no shape moves into
+        an obstacle. There is one exception: an obstacle may push or carry a shape against another
+        obstacle and overlap it there. This happens if it was moved before the call, if `mask` leaves
+        out the category of the shape, or if it is a part of a body. `hits` includes what stops a
+        shape that is carried or pushed, and what pushes it.
 
         Examples
         --------

@@ -126,7 +126,7 @@ fn move_platforms(scene: &Scene, space: &mut Space<f64>, period: &Period<f64>) -
 }
 
 /// In each of four calls, walkers come to overlap nothing that they did not overlap before. Only a
-/// platform that has moved by itself may carry what stands on it to where something else stops it.
+/// platform that has moved by itself may carry or push a walker to where something else stops it.
 fn assert_stays_free(
     scene: &Scene,
     mut space: Space<f64>,
@@ -140,12 +140,15 @@ fn assert_stays_free(
         let before = space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
         let slides = space.move_and_slide(ids, displacements, &scene.rules(u32::MAX, 4)).unwrap();
         for pair in space.pairs(None, DEFAULT_MAX_PAIRS).unwrap() {
-            let is_carried = (0..ids.len()).any(|k| {
-                let (id, floor) = (ids[k], floors[k]);
-                moved.contains(&floor) && pair == [id.min(floor), id.max(floor)]
+            let is_pressed = (0..ids.len()).any(|k| {
+                let other = if pair[0] == ids[k] { pair[1] } else { pair[0] };
+                let hits = &slides.ids[slides.offsets[k]..slides.offsets[k + 1]];
+                pair.contains(&ids[k])
+                    && moved.contains(&other)
+                    && (floors[k] == other || hits.iter().any(|hit| *hit != other))
             });
             let is_of_walker = pair.iter().any(|id| ids.contains(id));
-            prop_assert!(!is_of_walker || before.contains(&pair) || is_carried, "{pair:?} {round}");
+            prop_assert!(!is_of_walker || before.contains(&pair) || is_pressed, "{pair:?} {round}");
         }
         floors = slides.floors;
     }
@@ -277,6 +280,56 @@ proptest! {
             let pairs = space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
             prop_assert!(pairs.iter().all(|pair| !ids.contains(&pair[1])), "{pairs:?}");
         }
+    }
+
+    /// A box that was moved pushes another one, which is at rest, by the rest of its motion along the
+    /// axis on which they meet; a one-way box only one that is above it.
+    #[test]
+    fn a_box_that_was_moved_pushes_what_is_in_its_way(
+        away in [-30.0..30.0f64, -30.0..30.0f64],
+        motion in [-50.0..50.0f64, -50.0..50.0f64],
+        is_along in 0usize..4,
+        one_way in prop_oneof![Just(0), Just(WALL)],
+        calls in 1usize..3,
+    ) {
+        let motion = [0, 1].map(|axis| if is_along == axis { 0.0 } else { motion[axis] });
+        let reach = [6.0, 9.0];
+        prop_assume!((0..2).any(|axis| away[axis].abs() > reach[axis]));
+        let mut space = Space::new(Settings::default()).unwrap();
+        let lift = add(&mut space, &[([0.0; 2], [5.0, 1.0], 0.0)], WALL);
+        let walker = add(&mut space, &[(away, [1.0, 8.0], 0.0)], WALKER);
+        let rules = SlideRules::new(u32::MAX, 4, [0.0, -1.0], 0.8, one_way).unwrap();
+        space.move_and_slide(&walker, &[[0.0; 2]], &rules).unwrap();
+        for k in 1..=calls {
+            let share = k as f64 / calls as f64;
+            space.move_to(&lift, &[motion.map(|v| v * share)]).unwrap();
+        }
+        let slides = space.move_and_slide(&walker, &[[0.0; 2]], &rules).unwrap();
+        // The share of the motion after which the gap along each axis is closed, and opens again.
+        let (mut enter, mut leave, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, 0);
+        for k in 0..2 {
+            let ends = [-reach[k], reach[k]].map(|side| (away[k] + side) / motion[k]);
+            let is_inside = away[k].abs() < reach[k];
+            let [first, last] = match (motion[k] == 0.0, is_inside) {
+                (true, true) => [f64::NEG_INFINITY, f64::INFINITY],
+                (true, false) => [f64::INFINITY; 2],
+                _ => [ends[0].min(ends[1]), ends[0].max(ends[1])],
+            };
+            if first > enter {
+                (enter, axis) = (first, k);
+            }
+            leave = leave.min(last);
+        }
+        let is_met = enter < leave && (0.0..1.0).contains(&enter)
+            && (one_way == 0 || (axis == 1 && away[1] < -reach[1]));
+        let mut expected = [0.0; 2];
+        if is_met {
+            expected[axis] = motion[axis] * (1.0 - enter);
+        }
+        let found = slides.displacements[0];
+        prop_assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-9), "{found:?} {expected:?}");
+        prop_assert_eq!(slides.ids.len(), usize::from(is_met));
+        prop_assert_eq!(slides.on_floor[0], is_met && axis == 1 && motion[1] < 0.0);
     }
 
     #[test]

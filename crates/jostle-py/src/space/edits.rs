@@ -106,7 +106,9 @@ impl PySpace {
 
     /// Change the centres or the boxes of shapes.
     ///
-    /// Shapes whose values are unchanged cost almost nothing.
+    /// Shapes whose values are unchanged cost almost nothing. For shapes that slide, this is a motion
+    /// along a straight line, however long: see :meth:`move_and_slide`. To put an obstacle elsewhere
+    /// without a motion, remove it and add another one.
     ///
     /// Parameters
     /// ----------
@@ -133,6 +135,7 @@ impl PySpace {
     /// --------
     /// resize : Change radii or half sizes.
     /// update : The pairs that enter and leave by it.
+    /// move_and_slide : Moves shapes among obstacles, which push them if they have moved.
     ///
     /// Examples
     /// --------

@@ -70,6 +70,10 @@ fn state_of<T: Scalar + Element>(py: Python<'_>, saved: Saved<T>) -> PyResult<Bo
         table(py, saved.rides)?.into_any(),
         table(py, saved.ride_centers)?.into_any(),
         segments(py, &saved.walls)?.into_any(),
+        saved.calls.into_bound_py_any(py)?,
+        column(py, saved.slid).into_any(),
+        column(py, saved.moved).into_any(),
+        table(py, saved.before)?.into_any(),
     ];
     PyTuple::new(py, columns)
 }
@@ -114,6 +118,12 @@ fn restored<T: Scalar + Element>(
     let count = corners.boxes_len()?;
     let half_sizes = Argument::reals("state", &item(2)?)?;
     let rides = Argument::integers("state", &item(10)?)?.id_pairs()?;
+    let calls = |index: usize| -> PyResult<Vec<i64>> {
+        let calls = Argument::integers("state", &item(index)?)?;
+        let len = calls.len()?;
+        Ok(calls.long_ids("call")?.rows(len))
+    };
+    let moved = calls(15)?;
     let saved = Saved {
         corners: corners.boxes(count)?,
         radii: Argument::reals("state", &item(1)?)?.real_each(count)?.rows(count),
@@ -128,6 +138,10 @@ fn restored<T: Scalar + Element>(
         ride_centers: Argument::reals("state", &item(11)?)?.pairs(rides.len())?,
         rides,
         walls: Argument::reals("state", &item(12)?)?.segments()?,
+        calls: item(13)?.extract()?,
+        slid: calls(14)?,
+        before: Argument::reals("state", &item(16)?)?.pairs(moved.len())?,
+        moved,
     };
     let restore = || Space::restore(settings, settings::period_in(period)?, saved);
     Ok(shared(detached(py, restore)?.map_err(refused)?))

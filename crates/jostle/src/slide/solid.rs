@@ -23,16 +23,34 @@ pub struct Obstacle<T> {
     pub solid: Solid<T>,
     /// The periods by which this image of it is moved; 0 in a plane that is not periodic.
     pub turns: Turns,
+    /// The displacement that has brought it here since the last motion of the shape that moves.
+    pub motion: [T; 2],
     /// Its index for the caller.
     pub index: u32,
 }
 
 impl<T: Scalar> Obstacle<T> {
-    /// Calls `act` with a body and this image of the obstacle, both where the formula of
-    /// [`Period::overlap`] has them: the body in the first period, and the one with the higher
-    /// centre moved by minus one period if the image is another one.
+    /// Calls `act` with a body and this image of the obstacle, when the share `left` of its motion
+    /// is still to come, both where the formula of [`Period::overlap`] has them: the body in the
+    /// first period, and the one with the higher centre moved by minus one period if the image is
+    /// another one.
     #[inline(always)]
     pub fn facing<R>(
+        &self,
+        (period, left): (&Period<T>, T),
+        body: &Shape<T>,
+        act: impl FnOnce(&Shape<T>, &Solid<T>) -> R,
+    ) -> R {
+        if left != T::ZERO && self.motion != [T::ZERO; 2] {
+            let solid = self.solid.moved(self.motion.map(|v| v * left));
+            let before = Self { solid, motion: [T::ZERO; 2], ..*self };
+            return before.facing_now(period, body, act);
+        }
+        self.facing_now(period, body, act)
+    }
+
+    #[inline(always)]
+    fn facing_now<R>(
         &self,
         period: &Period<T>,
         body: &Shape<T>,

@@ -61,10 +61,28 @@ impl<'a, T: Scalar> Walker<'a, T> {
         self.body.min
     }
 
-    /// Moves it with the obstacle on which it stands, which has moved by `displacement`; others
-    /// stop it, and this one too unless it is the `platform`.
-    pub fn carry(&mut self, displacement: [T; 2], platform: Option<u32>) {
-        self.shift(displacement, platform);
+    /// Repeats the motions that have brought the obstacles to where they are, all at the same time,
+    /// while the floor on which it stands carries it by `displacement`. What meets it pushes it,
+    /// and an obstacle that moves with its floor is at rest relative to it.
+    pub fn carry(&mut self, displacement: [T; 2]) {
+        let (mut velocity, mut left) = (displacement, T::ONE);
+        for _ in 0..ATTEMPTS {
+            let rest = velocity.map(|v| v * left);
+            if self.period.is_exceeded_by(rest) {
+                return;
+            }
+            self.look(rest);
+            let is_still = |obstacle: &Obstacle<T>| obstacle.motion == [T::ZERO; 2];
+            if rest == [T::ZERO; 2] && self.near.iter().all(is_still) {
+                return;
+            }
+            let Some((share, hit, motion)) = self.advance(rest, left) else { return };
+            self.record(hit);
+            left = left * (T::ONE - share);
+            let relative = [velocity[0] - motion[0], velocity[1] - motion[1]];
+            let [x, y] = along_surface(self.rules, relative, hit.normal);
+            velocity = [motion[0] + x, motion[1] + y];
+        }
     }
 
     /// Moves it out of the obstacles that it overlaps, the deepest overlap first: along the normal,
@@ -77,34 +95,40 @@ impl<'a, T: Scalar> Walker<'a, T> {
             // By rounding, its floor may have moved it into the floor itself, which must still stop
             // it.
             let is_solid = |near: &Obstacle<T>| {
-                near.facing(&period, &start, |body, solid| {
+                near.facing((&period, T::ZERO), &start, |body, solid| {
                     let ledge = solid.shape_of(rules.one_way);
                     ledge.is_none_or(|shape| is_above(rules, body, shape, close))
                 })
             };
-            let Some((normal, depth, _)) = self.deepest(&self.body, &is_solid) else { return };
+            let deepest = self.deepest(&self.body, T::ZERO, &is_solid);
+            let Some((normal, depth, _)) = deepest else { return };
             let out = -(depth + self.slop(depth));
             let out = [normal[0] * out, normal[1] * out];
-            if let Some((share, hit)) = self.shift(out, None)
+            if let Some((share, hit)) = self.shift(out)
                 && let Some(around) = around(out.map(|v| v * (T::ONE - share)), hit.normal)
             {
-                self.shift(around, None);
+                self.shift(around);
             }
         }
     }
 
     /// Moves it by a displacement that is not its own, up to the first obstacle. It does not leave
     /// an obstacle that is wider than a period.
-    fn shift(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
+    fn shift(&mut self, displacement: [T; 2]) -> Option<(T, SlideHit<T>)> {
         if self.period.is_exceeded_by(displacement) {
             return None;
         }
         self.look(displacement);
-        let (share, hit) = self.advance(displacement, except)?;
+        let (share, hit, _) = self.advance(displacement, T::ZERO)?;
+        self.record(hit);
+        Some((share, hit))
+    }
+
+    /// Adds a hit of a motion that is not its own, unless the obstacle has been met before.
+    fn record(&mut self, hit: SlideHit<T>) {
         if self.hits.iter().all(|before| before.index != hit.index) {
             self.hits.push(hit);
         }
-        Some((share, hit))
     }
 
     /// Moves it by a displacement, sliding along obstacles.
@@ -116,7 +140,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 return;
             }
             self.look(rest);
-            let Some((share, hit)) = self.advance(rest, None) else { return };
+            let Some((share, hit, _)) = self.advance(rest, T::ZERO) else { return };
             self.hits.push(hit);
             let left = [rest[0] * (T::ONE - share), rest[1] * (T::ONE - share)];
             rest = along_surface(self.rules, left, hit.normal);
@@ -169,26 +193,31 @@ impl<'a, T: Scalar> Walker<'a, T> {
         self.known = Some(region);
     }
 
-    /// Moves it along a displacement until it meets an obstacle; returns the share that it has
-    /// moved, and the obstacle. Obstacles that it overlaps at the start do not stop it.
-    fn advance(&mut self, displacement: [T; 2], except: Option<u32>) -> Option<(T, SlideHit<T>)> {
+    /// Moves it along a displacement until it meets an obstacle, while obstacles make the share
+    /// `left` of their motions. Returns the share of the displacement that it has made, the
+    /// obstacle and the motion of this. Obstacles that it overlaps at the start do not stop it.
+    fn advance(&mut self, displacement: [T; 2], left: T) -> Option<(T, SlideHit<T>, [T; 2])> {
         let start = self.body;
-        let close = self.slop(T::ZERO);
         let (rules, period) = (self.rules, self.period);
+        // An obstacle is moved back to its start with rounding errors.
+        let back = |obstacle: &Obstacle<T>| length(obstacle.motion) * left;
         let is_solid = |obstacle: &Obstacle<T>| {
-            Some(obstacle.index) != except
-                && obstacle.facing(&period, &start, |body, solid| {
-                    let ledge = solid.shape_of(rules.one_way);
-                    !solid.overlaps(body)
-                        && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
-                })
+            let close = slop(&start, &period, back(obstacle));
+            obstacle.facing((&period, left), &start, |body, solid| {
+                let ledge = solid.shape_of(rules.one_way);
+                let is_outside =
+                    !solid.overlaps(body) || (left != T::ZERO && solid.contact(body).1 <= close);
+                is_outside && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+            })
         };
         let impact = |obstacle: &'_ Obstacle<T>| {
-            obstacle.facing(&period, &start, |body, solid| {
+            let motion = obstacle.motion;
+            let relative = [0, 1].map(|axis| displacement[axis] - motion[axis] * left);
+            obstacle.facing((&period, left), &start, |body, solid| {
                 // Rounding errors grow with the distance of the obstacle, not with the
                 // displacement.
-                let (share, normal) =
-                    solid.enters(body, displacement, self.slop(solid.span(body)))?;
+                let slop = self.slop(solid.span(body) + back(obstacle));
+                let (share, normal) = solid.enters(body, relative, slop)?;
                 // −0 becomes 0.
                 Some((share + T::ZERO, normal))
             })
@@ -202,56 +231,65 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 .then_with(|| height(*b_normal).total_order(&height(*a_normal)))
                 .then_with(|| a_of.order(b_of))
         });
-        let first = first
-            .map(|((share, normal), obstacle)| (share, SlideHit { index: obstacle.index, normal }));
-        let share = first.map_or(T::ONE, |(share, _)| share);
-        let end = self.free_end(displacement, share, &is_solid);
+        let first = first.map(|((share, normal), obstacle)| {
+            (share, SlideHit { index: obstacle.index, normal }, obstacle.motion)
+        });
+        let share = first.map_or(T::ONE, |(share, ..)| share);
+        let motion = first.map_or([T::ZERO; 2], |(.., motion)| motion);
+        let path = (length(displacement) + length(motion) * left) * share;
+        let slop = self.slop(path);
+        let (end, reached) = self.free_end(displacement, (share, left), slop, &is_solid);
         self.body.min = end;
         self.body.max = end;
-        first
+        first.map(|(share, hit, motion)| {
+            (if left == T::ZERO { share } else { reached }, hit, motion)
+        })
     }
 
-    /// The deepest overlap of a shape with a solid obstacle: the unit normal towards the obstacle,
+    /// The deepest overlap of a shape with a solid obstacle, before the share `left` of its motion: the unit normal towards the obstacle,
     /// the depth, and the upper bound of its rounding errors.
     fn deepest(
         &self,
         body: &Shape<T>,
+        left: T,
         is_solid: &impl Fn(&Obstacle<T>) -> bool,
     ) -> Option<([T; 2], T, T)> {
-        let period = &self.period;
-        let overlaps = |near: &Obstacle<T>| near.facing(period, body, |body, it| it.overlaps(body));
+        let at = (&self.period, left);
+        let overlaps = |near: &Obstacle<T>| near.facing(at, body, |body, it| it.overlaps(body));
         let inside = self.near.iter().filter(|near| overlaps(near) && is_solid(near));
-        let contact =
-            |near: &Obstacle<T>| near.facing(period, body, |body, solid| solid.contact(body));
+        let contact = |near: &Obstacle<T>| near.facing(at, body, |body, solid| solid.contact(body));
         let deepest = inside.map(|near| (contact(near), near)).reduce(|a, b| {
             let order = b.0.1.total_order(&a.0.1).then_with(|| a.1.order(b.1));
             if order == Ordering::Greater { b } else { a }
         });
         let ((normal, depth), near) = deepest?;
-        let span = near.facing(period, body, |body, solid| solid.span(body));
+        let span = near.facing(at, body, |body, solid| solid.span(body));
         Some((normal, depth, self.slop(span)))
     }
 
     /// The position after a share of a displacement, changed by rounding errors only, at which
-    /// no solid obstacle is overlapped.
+    /// no solid obstacle is overlapped, and the share. Meanwhile obstacles make this share of what
+    /// is `left` of their motions. `slop` bounds the rounding errors of the path.
     fn free_end(
         &self,
         displacement: [T; 2],
-        share: T,
+        (share, left): (T, T),
+        slop: T,
         is_solid: &impl Fn(&Obstacle<T>) -> bool,
-    ) -> [T; 2] {
+    ) -> ([T; 2], T) {
         let start = self.body.min;
-        let path = length(displacement) * share;
-        let slop = self.slop(path);
         let at =
             |share: T| [start[0] + displacement[0] * share, start[1] + displacement[1] * share];
-        let overlapped = |center: [T; 2]| {
-            self.deepest(&Shape { min: center, max: center, ..self.body }, is_solid)
+        let overlapped = |center: [T; 2], share: T| {
+            let body = Shape { min: center, max: center, ..self.body };
+            self.deepest(&body, left * (T::ONE - share), is_solid)
         };
         let mut center = at(share);
         let mut factor = T::from_f64(1.0 / 64.0);
         for _ in 0..ATTEMPTS {
-            let Some((normal, depth, close)) = overlapped(center) else { return center };
+            let Some((normal, depth, close)) = overlapped(center, share) else {
+                return (center, share);
+            };
             let slop = slop.max(close);
             if depth > slop + slop + slop + slop {
                 break;
@@ -266,11 +304,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
             back = back * T::from_f64(4.0);
             let is_ahead = share > T::ZERO;
             if !is_ahead {
-                return start;
+                return (start, T::ZERO);
             }
             let center = at(share);
-            if overlapped(center).is_none() {
-                return center;
+            if overlapped(center, share).is_none() {
+                return (center, share);
             }
         }
     }

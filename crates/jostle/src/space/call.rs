@@ -4,10 +4,16 @@
 use super::layers::Layers;
 use super::rides::{NONE, Rides};
 use super::slots::Slots;
+use super::traces::{CallNumber, Traces, motion, swept};
 use super::walls::Walls;
+use crate::error::Result;
 use crate::geometry::{Bounds, Scalar, Shape};
+use crate::memory;
 use crate::period::{Period, Turns};
+use crate::quadtree::Quadtree;
 use crate::query::each_overlap;
+use crate::settings::Settings;
+use crate::shapes::{Each, Shapes};
 use crate::slide::{Obstacle, SlideRules, Solid};
 
 /// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
@@ -23,6 +29,12 @@ pub struct Call<'a, T> {
     pub walls: &'a Walls<T>,
     /// The floors on which shapes stand.
     pub rides: &'a Rides<T>,
+    /// Where shapes were before they moved.
+    pub traces: &'a Traces<T>,
+    /// The call since which all rows have moved.
+    pub since: CallNumber,
+    /// The obstacles that have moved since and do not move in this call.
+    pub moved: Moved<T>,
     /// The period of the plane.
     pub period: Period<T>,
     /// How shapes slide.
@@ -50,9 +62,22 @@ impl<T: Scalar> Call<'_, T> {
         Some((self.slots.slot(ride.floor)?, ride.center))
     }
 
-    /// The minimum image of the displacement of a floor.
-    pub fn carried(&self, now: [T; 2], before: [T; 2]) -> [T; 2] {
-        self.period.minimum_image([now[0] - before[0], now[1] - before[1]])
+    /// Whether a row is an obstacle of other rows, as far as `mask` decides.
+    pub fn is_obstacle(&self, row: usize) -> bool {
+        self.slots.category(self.walkers[row]) & self.rules.mask != 0
+    }
+
+    /// What a row knows about the motions of obstacles.
+    pub fn viewer(&self, row: usize) -> Viewer<T> {
+        Viewer { since: self.traces.since(self.walkers[row]), floor: self.ride(row) }
+    }
+
+    /// The motion of an obstacle since the last motion of a shape; if the obstacle has not moved
+    /// since, its motion in this call.
+    pub fn motion(&self, viewer: &Viewer<T>, slot: u32, now: [T; 2]) -> [T; 2] {
+        let floor = viewer.floor.filter(|&(floor, _)| floor == slot).map(|(_, before)| before);
+        let before = floor.or_else(|| self.traces.before(slot, viewer.since));
+        motion(&self.period, before.unwrap_or_else(|| self.slots.center(slot)), now)
     }
 
     /// The row of the floor of a row, if it moves in this call too.
@@ -61,34 +86,133 @@ impl<T: Scalar> Call<'_, T> {
         Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
     }
 
+    /// By how much a row has been moved since the last motion of any row, before this call.
+    pub fn moved_before(&self, row: usize) -> [T; 2] {
+        let slot = self.walkers[row];
+        let before = self.traces.before(slot, self.since);
+        let now = self.slots.center(slot);
+        before.map_or([T::ZERO; 2], |before| motion(&self.period, before, now))
+    }
+
     /// Lists the images of obstacles that do not move in this call, in a region that is moved by
     /// minus these periods.
     pub fn find(
         &self,
+        viewer: &Viewer<T>,
         bounds: &Bounds<T>,
         turns: Turns,
         stack: &mut Vec<u32>,
         near: &mut Vec<Obstacle<T>>,
     ) {
+        let is_any_moved = !self.moved.is_empty();
+        let is_moved = |slot: u32| is_any_moved && self.traces.before(slot, viewer.since).is_some();
         for number in self.layers.indices() {
             let (tree, slot) = self.layers.layer(number);
             each_overlap(tree, bounds, -T::INFINITY, stack, |index| {
                 if let Some(slot) = slot(tree.rows()[index])
                     && self.rides.rows[slot as usize] == NONE
+                    && !is_moved(slot)
                 {
-                    let solid = Solid::Shape(tree.columns().shape(index));
-                    near.push(Obstacle { solid, turns, index: slot });
+                    near.push(self.obstacle(viewer, slot, tree.columns().shape(index), turns));
                 }
             });
         }
         for &slot in self.fresh {
             let shape = self.slots.shape(slot);
-            if meets(bounds, &shape) {
-                near.push(Obstacle { solid: Solid::Shape(shape), turns, index: slot });
+            if !is_moved(slot) && meets(bounds, &shape) {
+                near.push(self.obstacle(viewer, slot, shape, turns));
             }
         }
+        self.moved.each_near(bounds, stack, |slot| {
+            if is_moved(slot) {
+                near.push(self.obstacle(viewer, slot, self.slots.shape(slot), turns));
+            }
+        });
         self.walls.each_near(bounds, stack, |wall, ends| {
-            near.push(Obstacle { solid: Solid::Segment(ends), turns, index: WALL | wall });
+            let (solid, motion) = (Solid::Segment(ends), [T::ZERO; 2]);
+            near.push(Obstacle { solid, turns, motion, index: WALL | wall });
+        });
+    }
+
+    fn obstacle(
+        &self,
+        viewer: &Viewer<T>,
+        slot: u32,
+        shape: Shape<T>,
+        turns: Turns,
+    ) -> Obstacle<T> {
+        let is_floor = viewer.floor.is_some_and(|(floor, _)| floor == slot);
+        let has_moved = is_floor || !self.moved.is_empty();
+        let motion =
+            if has_moved { self.motion(viewer, slot, shape.center()) } else { [T::ZERO; 2] };
+        Obstacle { solid: Solid::Shape(shape), turns, motion, index: slot }
+    }
+}
+
+/// What a shape that moves knows about the motions of obstacles.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewer<T> {
+    /// The call since which it has not moved by itself.
+    pub since: CallNumber,
+    /// The floor on which it stood then, and the centre of the floor.
+    pub floor: Option<(u32, [T; 2])>,
+}
+
+/// With more shapes that have moved, and more walkers, a tree is faster than testing each.
+const FEW_MOVED: usize = 16;
+const FEW_WALKERS: usize = 8;
+
+/// The obstacles that have moved since the last motion of a shape that moves in a call, as boxes
+/// around their paths.
+pub struct Moved<T> {
+    slots: Vec<u32>,
+    paths: Vec<Shape<T>>,
+    /// Empty if there are few.
+    tree: Quadtree<T>,
+}
+
+impl<T: Scalar> Moved<T> {
+    /// The paths of shapes from the centres before.
+    pub fn new(
+        moved: impl Iterator<Item = (u32, [T; 2])>,
+        slots: &Slots<T>,
+        period: &Period<T>,
+        (walkers, settings): (usize, Settings),
+    ) -> Result<Self> {
+        let mut all = Self { slots: Vec::new(), paths: Vec::new(), tree: Quadtree::default() };
+        for (slot, before) in moved {
+            let path = swept(slots, slot, motion(period, before, slots.center(slot)));
+            memory::push(&mut all.slots, slot)?;
+            memory::push(&mut all.paths, path)?;
+        }
+        if all.paths.len() > FEW_MOVED && walkers > FEW_WALKERS {
+            let each = || all.paths.iter();
+            let bounded =
+                |path: &Shape<T>| path.core().map(|v| v.max(-T::MAX_SIZE).min(T::MAX_SIZE));
+            let boxes = memory::collect(each().map(bounded))?;
+            let filters = [
+                Each::Rows(memory::collect(each().map(|path| path.category))?),
+                Each::Rows(memory::collect(each().map(|path| path.mask))?),
+            ];
+            let shapes = Shapes::from_boxes(boxes, Each::One(T::ZERO), Some(filters))?;
+            all.tree.fill_unordered(&shapes, settings)?;
+        }
+        Ok(all)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+
+    /// Calls `act` with the slot of each shape whose path may meet a region.
+    fn each_near(&self, region: &Bounds<T>, stack: &mut Vec<u32>, mut act: impl FnMut(u32)) {
+        if self.tree.rows().is_empty() {
+            let near = self.paths.iter().zip(&self.slots).filter(|(path, _)| meets(region, path));
+            return near.for_each(|(_, &slot)| act(slot));
+        }
+        each_overlap(&self.tree, region, -T::INFINITY, stack, |index| {
+            act(self.slots[self.tree.rows()[index] as usize]);
         });
     }
 }

@@ -4,8 +4,8 @@
 //! update: if many change, as a sorted list of `keys`, if few change, as `links`. `events` compares
 //! them with the current pairs, only for the shapes that changed. `walking` moves shapes that slide
 //! along others and along `walls`: `walks` computes their motions, `rides` has the floors on which
-//! they stand. Those that may meet form `islands`, and in an island a `crowd` finds them by
-//! `cells`.
+//! they stand, `traces` where obstacles were before they moved. Those that may meet form `islands`,
+//! and in an island a `crowd` finds them by `cells`.
 
 mod call;
 mod cells;
@@ -23,6 +23,7 @@ mod rides;
 mod saved;
 mod slots;
 mod touching;
+mod traces;
 mod walking;
 mod walks;
 mod walls;
@@ -63,6 +64,7 @@ pub struct Space<T> {
     touching: Touching,
     changes: events::Changes,
     rides: rides::Rides<T>,
+    traces: traces::Traces<T>,
     walls: walls::Walls<T>,
 }
 
@@ -83,6 +85,7 @@ impl<T: Scalar> Space<T> {
             touching: Touching::default(),
             changes: events::Changes::default(),
             rides: rides::Rides::default(),
+            traces: traces::Traces::default(),
             walls: walls::Walls::default(),
         })
     }
@@ -136,6 +139,7 @@ impl<T: Scalar> Space<T> {
         let mut ids = memory::with_capacity(shapes.len())?;
         for row in 0..shapes.len() {
             let slot = self.slots.put(&self.period.wrap_shape(shapes.shape(row)));
+            self.traces.start(slot);
             self.note(slot);
             ids.push(self.slots.id(slot));
         }
@@ -158,7 +162,7 @@ impl<T: Scalar> Space<T> {
         }
         check_finite("centers", centers)?;
         let period = self.period;
-        self.change(ids, |slots, slot, row| slots.set_center(slot, period.wrap(centers[row])))
+        self.relocate(ids, |slots, slot, row| slots.set_center(slot, period.wrap(centers[row])))
     }
 
     /// Sets the cores of shapes to boxes `[min_x, min_y, max_x, max_y]`; radii stay the same.
@@ -170,10 +174,29 @@ impl<T: Scalar> Space<T> {
         }
         check_boxes("boxes", boxes)?;
         let period = self.period;
-        self.change(ids, |slots, slot, row| {
+        self.relocate(ids, |slots, slot, row| {
             let moved = period.wrap_corners(corners(&boxes[row]));
             slots.set_box(slot, moved)
         })
+    }
+
+    /// As [`change`](Self::change), for motions.
+    fn relocate(
+        &mut self,
+        ids: &[Id],
+        set: impl Fn(&mut Slots<T>, u32, usize) -> bool,
+    ) -> Result<()> {
+        let slots = self.slots.find(ids)?;
+        self.reserve_changes(slots.len())?;
+        self.traces.reserve(slots.len(), self.slots.count())?;
+        for (row, slot) in slots.into_iter().enumerate() {
+            let before = self.traces.is_new(slot).then(|| self.slots.center(slot));
+            if set(&mut self.slots, slot, row) {
+                self.note(slot);
+                before.into_iter().for_each(|before| self.traces.note(slot, before));
+            }
+        }
+        Ok(())
     }
 
     /// Sets radii, half sizes or both. Refuses invalid values.
@@ -266,6 +289,7 @@ impl<T: Scalar> Space<T> {
             + self.touching.memory_bytes()
             + self.changes.memory_bytes()
             + self.rides.memory_bytes()
+            + self.traces.memory_bytes()
             + self.walls.memory_bytes()
     }
 

@@ -1,15 +1,17 @@
 //! The motions of the shapes of one island, one after another.
 //!
 //! Each motion is stopped by all other shapes at their current positions, so it causes no new
-//! overlap. A floor that would move into shapes that stand on it pushes them first. Shapes that
-//! stand on a floor are carried after the floor has moved, by the rest of its motion.
+//! overlap. A floor that would move into shapes that stand on it pushes them first, and so does
+//! another shape with the displacement of the floor: both are parts of one floor. Shapes that stand
+//! on a floor are carried after the floor has moved, by the rest of its motion.
 
 use super::call::{Call, WALL};
 use super::crowd::Crowd;
 use super::riders::{Rider, Riders};
 use super::rides::NONE;
+use super::traces::motion;
 use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, contact};
+use crate::geometry::{Bounds, Scalar, Shape, contact};
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::slide::{Obstacle, SlideHit, Solid, Surface, Walker, slop};
@@ -41,6 +43,8 @@ pub struct Walk<T> {
 #[derive(Clone, Debug)]
 struct Pushed<T> {
     by: [T; 2],
+    /// The part of `by` that is due to other parts of its floor, until its floor moves.
+    ahead: [T; 2],
     hits: Vec<SlideHit<T>>,
     /// The region whose obstacles had an effect; empty at first.
     seen: [[T; 2]; 2],
@@ -48,7 +52,8 @@ struct Pushed<T> {
 
 impl<T: Scalar> Default for Pushed<T> {
     fn default() -> Self {
-        Self { by: [T::ZERO; 2], hits: Vec::new(), seen: [[T::INFINITY; 2], [-T::INFINITY; 2]] }
+        let (by, ahead, hits) = ([T::ZERO; 2], [T::ZERO; 2], Vec::new());
+        Self { by, ahead, hits, seen: [[T::INFINITY; 2], [-T::INFINITY; 2]] }
     }
 }
 
@@ -58,6 +63,14 @@ pub struct Scratch<T> {
     stack: Vec<u32>,
     crowd: Crowd<T>,
     riders: Riders,
+    /// Whether another shape has the displacement of each, which is not 0.
+    twins: Vec<bool>,
+    /// Whether each also touches such a shape, and neither stands on the other: both are parts of
+    /// one body. Empty if nothing stands on another.
+    are_parts: Vec<bool>,
+    /// The longest motions before this call, and of the shapes that have moved in it, as far as
+    /// those that are no obstacles meet them.
+    reach: [[T; 2]; 2],
     /// For each shape; empty if nothing stands on another.
     pushed: Vec<Pushed<T>>,
     /// The shapes that do not stop the one that moves; empty if nothing stands on another.
@@ -67,12 +80,13 @@ pub struct Scratch<T> {
     pushes: Vec<([T; 2], bool)>,
 }
 
-impl<T> Default for Scratch<T> {
+impl<T: Scalar> Default for Scratch<T> {
     fn default() -> Self {
+        let (twins, are_parts, reach) = (Vec::new(), Vec::new(), [[T::ZERO; 2]; 2]);
         let (near, stack, crowd, riders) =
             (Vec::new(), Vec::new(), Crowd::default(), Riders::default());
         let (pushed, skipped, above, pushes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { near, stack, crowd, riders, pushed, skipped, above, pushes }
+        Self { near, stack, crowd, riders, twins, are_parts, reach, pushed, skipped, above, pushes }
     }
 }
 
@@ -90,11 +104,11 @@ impl<T: Scalar> Island<'_, T> {
     /// Moves all shapes.
     pub fn run(&mut self, pulse: &mut Pulse, walks: &mut Vec<Walk<T>>) -> Result<()> {
         let (call, rows) = (self.call, self.rows);
-        let Scratch { crowd, riders, pushed, skipped, .. } = &mut *self.scratch;
-        crowd.fill(rows.iter().map(|&row| call.body(row as usize)))?;
-        riders.fill(rows.len(), |index| {
-            rows.binary_search(&call.moving_floor(rows[index] as usize)?).ok()
-        })?;
+        self.scratch.crowd.fill(rows.iter().map(|&row| call.body(row as usize)))?;
+        self.order()?;
+        let Scratch { riders, reach, pushed, skipped, .. } = &mut *self.scratch;
+        *reach = [[T::ZERO; 2]; 2];
+        rows.iter().for_each(|&row| widen(&mut reach[0], call.moved_before(row as usize)));
         pushed.clear();
         skipped.clear();
         if riders.is_any() {
@@ -113,14 +127,104 @@ impl<T: Scalar> Island<'_, T> {
                 walk.moved = sum(pushed.by, walk.moved);
                 walk.seen = union(walk.seen, pushed.seen);
             }
+            if call.is_obstacle(walk.row) {
+                widen(&mut self.scratch.reach[1], walk.moved);
+            }
             memory::push(walks, walk)?;
         }
         Ok(())
     }
 
+    /// Chooses the order of the shapes.
+    fn order(&mut self) -> Result<()> {
+        let (call, rows, len) = (self.call, self.rows, self.rows.len());
+        let Scratch { crowd, riders, twins, are_parts, .. } = &mut *self.scratch;
+        let displacement = |index: usize| call.displacements[rows[index] as usize];
+        twins.clear();
+        are_parts.clear();
+        memory::resize(twins, len, false)?;
+        if len == 1 {
+            return riders.fill(len, 0..len, |_| None, false, |_, _| Ok(()));
+        }
+        let mut are_any_twins = false;
+        let mut sorted: Vec<u32> = memory::collect(0..len as u32)?;
+        sorted.sort_unstable_by(|&a, &b| {
+            let [a, b] = [a, b].map(|index| displacement(index as usize));
+            a[0].total_order(&b[0]).then_with(|| a[1].total_order(&b[1]))
+        });
+        for pair in sorted.windows(2) {
+            let [a, b] = [pair[0] as usize, pair[1] as usize];
+            if displacement(a) == displacement(b) && displacement(a) != [T::ZERO; 2] {
+                (twins[a], twins[b], are_any_twins) = (true, true, true);
+            }
+        }
+        let (crowd, twins) = (&*crowd, &*twins);
+        let is_obstacle = |index: &usize| call.is_obstacle(rows[*index] as usize);
+        let obstacles = (0..len).filter(is_obstacle);
+        let starts = obstacles.chain((0..len).filter(|index| !is_obstacle(index)));
+        let floor =
+            |index: usize| rows.binary_search(&call.moving_floor(rows[index] as usize)?).ok();
+        riders.fill(len, starts, floor, are_any_twins, |index, ahead| {
+            if twins[index] {
+                each_ahead(call, crowd, index, displacement(index), |other| {
+                    if displacement(other) == displacement(index) {
+                        ahead.push(other as u32);
+                    }
+                });
+            }
+            // All parts of its floor that it may reach.
+            if let Some(floor) = floor(index).filter(|&floor| twins[floor]) {
+                let body = crowd.get(index);
+                let length = |[x, y]: [T; 2]| x.abs() + y.abs();
+                let reach = length(displacement(index)) + length(displacement(floor));
+                let reach = reach + slop(body, &call.period, reach);
+                each_around(call, crowd, (body, reach), [T::ZERO; 2], |other, _| {
+                    if other != index && displacement(other) == displacement(floor) {
+                        ahead.push(other as u32);
+                    }
+                });
+            }
+            Ok(())
+        })?;
+        if riders.is_any() {
+            let is_part = |index: usize| twins[index] && touches_twin(call, crowd, (rows, index));
+            are_parts.extend((0..len).map(is_part));
+        }
+        Ok(())
+    }
+
+    /// Lists the shapes that a shape would enter and that stand on another one with its displacement:
+    /// both are parts of one floor.
+    fn list_on_twins(&mut self, index: usize) {
+        let (call, rows) = (self.call, self.rows);
+        let Scratch { crowd, riders, twins, above, .. } = &mut *self.scratch;
+        above.clear();
+        if !twins[index] || !riders.is_any() {
+            return;
+        }
+        let displacement = |index: usize| call.displacements[rows[index] as usize];
+        let (body, by) = (crowd.get(index), displacement(index));
+        let close = slop(body, &call.period, by[0].abs() + by[1].abs());
+        each_around(call, crowd, (body, close), by, |other, image| {
+            let floor = call.moving_floor(rows[other] as usize);
+            let floor = floor.and_then(|row| rows.binary_search(&row).ok());
+            let is_met = image.overlaps(body) || image.enters(body, by, close).is_some();
+            if let Some(floor) = floor.filter(|&floor| floor != index && other != index)
+                && displacement(floor) == by
+                && is_met
+            {
+                above.push(Rider::on_lowest(other as u32));
+            }
+        });
+        above.sort_unstable_by_key(|rider| rider.index);
+        above.dedup();
+    }
+
     /// Pushes the shapes that stand on a shape and would stop its motion, the uppermost first.
-    /// Afterwards those that overlapped it before are skipped.
+    /// Afterwards those that overlapped it before are skipped, and all if it is a part of a body,
+    /// whose parts stay together.
     fn push_riders(&mut self, index: usize, pulse: &mut Pulse) -> Result<()> {
+        self.list_on_twins(index);
         let Scratch { riders, above, pushes, skipped, .. } = &mut *self.scratch;
         riders.list_above(index, above)?;
         if above.is_empty() {
@@ -136,13 +240,15 @@ impl<T: Scalar> Island<'_, T> {
         let period = self.call.period;
         for rider in &above[..] {
             let (floor, by) = match rider.floor.checked_sub(1) {
-                None => (index, plan.moved),
+                None => (index, difference(plan.moved, pushed[rider.index as usize].ahead)),
                 Some(nth) => (above[nth].index as usize, pushes[nth].0),
             };
             let body = crowd.get(rider.index as usize);
             let [a, b] = period.nearest_images(crowd.get(floor), body);
             let (normal, _) = contact(&a, &b);
-            let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO);
+            // One that is no obstacle meets the motion of its floor when it moves itself.
+            let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO)
+                && self.call.is_obstacle(self.rows[rider.index as usize] as usize);
             let is_inside = period.overlap(crowd.get(index), body);
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
             skipped[rider.index as usize] = false;
@@ -150,77 +256,106 @@ impl<T: Scalar> Island<'_, T> {
         for nth in (0..self.scratch.above.len()).rev() {
             let (by, _) = self.scratch.pushes[nth];
             if by != [T::ZERO; 2] {
-                self.push(self.scratch.above[nth].index as usize, by);
+                let Rider { index, floor, .. } = self.scratch.above[nth];
+                let by = self.push(index as usize, by);
                 pulse.check(WORK + self.scratch.near.len())?;
+                if floor == 0 {
+                    let ahead = &mut self.scratch.pushed[index as usize].ahead;
+                    *ahead = sum(*ahead, by);
+                }
             }
         }
-        let Scratch { above, pushes, skipped, .. } = &mut *self.scratch;
+        let Scratch { above, pushes, skipped, are_parts, .. } = &mut *self.scratch;
         for (rider, &(_, is_inside)) in above.iter().zip(&pushes[..]) {
-            skipped[rider.index as usize] = is_inside;
+            skipped[rider.index as usize] = is_inside || are_parts[index];
         }
         Ok(())
     }
 
-    /// Pushes a shape by a displacement; it slides along obstacles.
-    fn push(&mut self, index: usize, by: [T; 2]) {
+    /// Pushes a shape by a displacement; it slides along obstacles. Returns how far it has moved.
+    fn push(&mut self, index: usize, by: [T; 2]) -> [T; 2] {
         let start = self.scratch.crowd.get(index).min;
-        let (center, hits, seen) = self.with_walker(index, |walker| {
+        let (center, hits, seen) = self.with_walker(index, Around::default(), |walker| {
             walker.slide(by);
             (walker.center(), std::mem::take(&mut walker.hits), walker.seen)
         });
         let Scratch { crowd, pushed, .. } = &mut *self.scratch;
         crowd.move_to(index, self.call.period.wrap(center));
         let all = &mut pushed[index];
-        all.by = sum(all.by, [center[0] - start[0], center[1] - start[1]]);
+        let moved = difference(center, start);
+        all.by = sum(all.by, moved);
         all.hits = hits;
         all.seen = union(all.seen, seen);
+        moved
     }
 
     /// The motion of a shape among all others that are not skipped, which is computed but not made.
     fn walk(&mut self, index: usize) -> Walk<T> {
         let (call, row) = (self.call, self.rows[index] as usize);
         let start = self.scratch.crowd.get(index).min;
-        let carried = call.ride(row).map(|(floor, before)| {
-            let by = call.carried(self.center_of(floor), before);
+        let carried = call.ride(row).map_or([T::ZERO; 2], |(floor, before)| {
+            let by = motion(&call.period, before, self.center_of(floor));
             let pushed = self.scratch.pushed.get(index).map_or([T::ZERO; 2], |pushed| pushed.by);
-            let is_walker = call.rides.rows[floor as usize] != NONE;
-            ([by[0] - pushed[0], by[1] - pushed[1]], Some(floor).filter(|_| !is_walker))
+            difference(by, pushed)
         });
-        let (center, remaining, hits, floor, kinds, seen) = self.with_walker(index, |walker| {
-            if let Some((displacement, platform)) = carried
-                && displacement != [T::ZERO; 2]
-            {
-                walker.carry(displacement, platform);
-            }
-            walker.leave_obstacles();
-            walker.slide(call.displacements[row]);
-            let kinds = [Surface::Floor, Surface::Wall, Surface::Ceiling]
-                .map(|kind| walker.last_of(kind).is_some());
-            let floor = walker.last_of(Surface::Floor);
-            let hits = std::mem::take(&mut walker.hits);
-            (walker.center(), walker.remaining, hits, floor, kinds, walker.seen)
-        });
+        // What it stops has not passed through it.
+        let is_passed = !call.is_obstacle(row);
+        let [before, now] = self.scratch.reach;
+        let reach = if is_passed { [0, 1].map(|axis| before[axis].max(now[axis])) } else { before };
+        let is_calm = carried == [T::ZERO; 2] && reach == [T::ZERO; 2] && call.moved.is_empty();
+        let around = Around { reach, is_passed, carried };
+        let (center, remaining, hits, floor, kinds, seen) =
+            self.with_walker(index, around, |walker| {
+                if !is_calm {
+                    walker.carry(carried);
+                }
+                walker.leave_obstacles();
+                walker.slide(call.displacements[row]);
+                let kinds = [Surface::Floor, Surface::Wall, Surface::Ceiling]
+                    .map(|kind| walker.last_of(kind).is_some());
+                let floor = walker.last_of(Surface::Floor);
+                let hits = std::mem::take(&mut walker.hits);
+                (walker.center(), walker.remaining, hits, floor, kinds, walker.seen)
+            });
         let still = |slot: u32| if slot & WALL == 0 { self.center_of(slot) } else { center };
         let floor = floor.map(|slot| (slot, still(slot)));
-        let moved = [center[0] - start[0], center[1] - start[1]];
+        let moved = difference(center, start);
         Walk { row, center, moved, remaining, hits, floor, kinds, seen }
     }
 
     /// Calls `act` with a shape that can move among all others that are not skipped.
-    fn with_walker<R>(&mut self, index: usize, act: impl FnOnce(&mut Walker<'_, T>) -> R) -> R {
+    fn with_walker<R>(
+        &mut self,
+        index: usize,
+        around: Around<T>,
+        act: impl FnOnce(&mut Walker<'_, T>) -> R,
+    ) -> R {
         let (call, rows) = (self.call, self.rows);
+        let viewer = call.viewer(rows[index] as usize);
         let Scratch { near, stack, crowd, skipped, pushed, .. } = &mut *self.scratch;
         let crowd = &*crowd;
         let is_skipped = |other: usize| other == index || skipped.get(other) == Some(&true);
         let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
             for turns in call.period.images_near(bounds.min, bounds.max) {
                 let bounds = &bounds.moved(call.period.span(turns));
-                call.find(bounds, turns, stack, near);
-                crowd.each_near(bounds, |other, body| {
-                    if !is_skipped(other) {
-                        let index = call.walkers[rows[other] as usize];
-                        near.push(Obstacle { solid: Solid::Shape(*body), turns, index });
+                call.find(&viewer, bounds, turns, stack, near);
+                let wide = Bounds {
+                    min: difference(bounds.min, around.reach),
+                    max: sum(bounds.max, around.reach),
+                    ..*bounds
+                };
+                crowd.each_near(&wide, |other, body| {
+                    if is_skipped(other) {
+                        return;
                     }
+                    let index = call.walkers[rows[other] as usize];
+                    let mut motion = call.motion(&viewer, index, body.min);
+                    let is_recorded = call.traces.before(index, viewer.since).is_some();
+                    if !around.is_passed && !is_recorded {
+                        motion =
+                            around.motion_with_floor(motion, slop(body, &call.period, T::ZERO));
+                    }
+                    near.push(Obstacle { solid: Solid::Shape(*body), turns, motion, index });
                 });
             }
         };
@@ -244,8 +379,113 @@ impl<T: Scalar> Island<'_, T> {
     }
 }
 
+/// Which motions of other shapes of a call a shape meets.
+struct Around<T> {
+    /// How far away from the path these shapes may be now.
+    reach: [T; 2],
+    /// Whether it meets all of them. Otherwise the others have been stopped by it, and it meets only
+    /// those that move with its floor.
+    is_passed: bool,
+    /// The motion of its floor, as far as it has not followed it yet.
+    carried: [T; 2],
+}
+
+impl<T: Scalar> Default for Around<T> {
+    fn default() -> Self {
+        Self { reach: [T::ZERO; 2], is_passed: false, carried: [T::ZERO; 2] }
+    }
+}
+
+impl<T: Scalar> Around<T> {
+    /// The motion of another shape, if it is that of the floor up to rounding errors.
+    fn motion_with_floor(&self, motion: [T; 2], slop: T) -> [T; 2] {
+        let [x, y] = difference(motion, self.carried);
+        if x.abs() <= slop && y.abs() <= slop { self.carried } else { [T::ZERO; 2] }
+    }
+}
+
 fn sum<T: Scalar>(a: [T; 2], b: [T; 2]) -> [T; 2] {
     [a[0] + b[0], a[1] + b[1]]
+}
+
+fn difference<T: Scalar>(a: [T; 2], b: [T; 2]) -> [T; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// Increases the lengths along each axis to those of a displacement.
+fn widen<T: Scalar>(reach: &mut [T; 2], by: [T; 2]) {
+    *reach = [0, 1].map(|axis| reach[axis].max(by[axis].abs()));
+}
+
+/// Whether a shape touches one with its displacement, and neither stands on the other.
+fn touches_twin<T: Scalar>(
+    call: &Call<'_, T>,
+    crowd: &Crowd<T>,
+    (rows, index): (&[u32], usize),
+) -> bool {
+    let displacement = |index: usize| call.displacements[rows[index] as usize];
+    let stands_on = |a: usize, b: usize| call.moving_floor(rows[a] as usize) == Some(rows[b]);
+    let (body, period, mut is_found) = (crowd.get(index), call.period, false);
+    let close = slop(body, &period, T::ZERO);
+    each_around(call, crowd, (body, close), [T::ZERO; 2], |other, _| {
+        let [a, b] = period.nearest_images(body, crowd.get(other));
+        is_found |= other != index
+            && displacement(other) == displacement(index)
+            && !stands_on(other, index)
+            && !stands_on(index, other)
+            && contact(&a, &b).1 >= -close;
+    });
+    is_found
+}
+
+/// Calls `act` with the index of each shape that another one would enter by a displacement.
+fn each_ahead<T: Scalar>(
+    call: &Call<'_, T>,
+    crowd: &Crowd<T>,
+    index: usize,
+    displacement: [T; 2],
+    mut act: impl FnMut(usize),
+) {
+    let body = crowd.get(index);
+    let close = slop(body, &call.period, displacement[0].abs() + displacement[1].abs());
+    each_around(call, crowd, (body, close), displacement, |other, image| {
+        if other != index && image.enters(body, displacement, close).is_some() {
+            act(other);
+        }
+    });
+}
+
+/// Calls `act` with the index and the image of each shape that may be closer than `close` to the
+/// path of a shape along a displacement.
+fn each_around<T: Scalar>(
+    call: &Call<'_, T>,
+    crowd: &Crowd<T>,
+    (body, close): (&Shape<T>, T),
+    displacement: [T; 2],
+    mut act: impl FnMut(usize, Solid<T>),
+) {
+    let [min, max] = [-T::ONE, T::ONE].map(|side| {
+        [0, 1].map(|axis| {
+            let reach = body.half_size[axis] + body.radius + close;
+            let ahead =
+                if displacement[axis] * side > T::ZERO { displacement[axis] } else { T::ZERO };
+            body.min[axis] + side * reach + ahead
+        })
+    });
+    let bounds = Bounds {
+        min,
+        max,
+        half_size: [T::ZERO; 2],
+        radius: T::ZERO,
+        category: body.category,
+        mask: body.mask & call.rules.mask,
+    };
+    for turns in call.period.images_near(min, max) {
+        let shift = call.period.span(turns);
+        crowd.each_near(&bounds.moved(shift), |other, shape| {
+            act(other, Solid::Shape(shape.moved([-shift[0], -shift[1]])));
+        });
+    }
 }
 
 /// The smallest region that contains two, as lower and upper corner.

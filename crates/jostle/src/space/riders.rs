@@ -13,7 +13,7 @@ const MAX_STACKED: u32 = 64;
 /// Walkers by their indices in the island, each with the floor on which it stands.
 #[derive(Debug, Default)]
 pub struct Riders {
-    /// All walkers in the order in which they move: a floor before its riders, otherwise ascending.
+    /// All walkers in the order in which they move.
     pub order: Vec<u32>,
     /// The first rider of each; empty if nothing stands on another.
     first: Vec<u32>,
@@ -34,31 +34,63 @@ pub struct Rider {
     depth: u32,
 }
 
+impl Rider {
+    /// A walker that stands on the lowest one.
+    pub fn on_lowest(index: u32) -> Self {
+        Self { index, floor: 0, depth: 0 }
+    }
+}
+
 impl Riders {
-    /// Replaces the walkers. `floor` is the index of the floor of a walker.
-    pub fn fill(&mut self, len: usize, floor: impl Fn(usize) -> Option<usize>) -> Result<()> {
+    /// Replaces the walkers. `floor` is the index of the floor of a walker. The order is that of
+    /// `starts`, except that the floor, and others that `ahead` lists, move before a walker.
+    /// `is_any_ahead` is whether it lists any.
+    pub fn fill(
+        &mut self,
+        len: usize,
+        starts: impl Iterator<Item = usize>,
+        floor: impl Fn(usize) -> Option<usize>,
+        is_any_ahead: bool,
+        mut ahead: impl FnMut(usize, &mut Vec<u32>) -> Result<()>,
+    ) -> Result<()> {
         self.order.clear();
         self.first.clear();
+        self.listed.clear();
         memory::reserve(&mut self.order, len)?;
-        if (0..len).all(|index| floor(index).is_none()) {
-            self.order.extend(0..len as u32);
+        let is_any_floor = (0..len).any(|index| floor(index).is_some());
+        if !is_any_floor && !is_any_ahead {
+            self.order.extend(starts.map(|index| index as u32));
+            return Ok(());
+        }
+        memory::resize(&mut self.listed, len, false)?;
+        let (mut is_found, mut found) = (memory::filled(len, false)?, Vec::new());
+        for start in starts {
+            memory::push(&mut self.waiting, start as u32)?;
+            while let Some(&index) = self.waiting.last() {
+                let at = index as usize;
+                if std::mem::replace(&mut is_found[at], true) {
+                    self.waiting.pop();
+                    if !std::mem::replace(&mut self.listed[at], true) {
+                        self.order.push(index);
+                    }
+                    continue;
+                }
+                found.clear();
+                ahead(at, &mut found)?;
+                found.extend(floor(at).map(|floor| floor as u32));
+                // One that is found already is in the list, or waits for this one in a ring.
+                found.retain(|&other| !is_found[other as usize]);
+                found.sort_unstable_by(|a, b| b.cmp(a));
+                memory::reserve(&mut self.waiting, found.len())?;
+                self.waiting.append(&mut found);
+            }
+        }
+        if !is_any_floor {
             return Ok(());
         }
         self.next.clear();
-        self.listed.clear();
         memory::resize(&mut self.first, len, NONE)?;
         memory::resize(&mut self.next, len, NONE)?;
-        memory::resize(&mut self.listed, len, false)?;
-        for index in 0..len {
-            let mut next = Some(index);
-            // The chain ends at a floor that is listed or waiting; so a ring ends, too.
-            while let Some(index) = next.filter(|&index| !self.listed[index]) {
-                self.listed[index] = true;
-                memory::push(&mut self.waiting, index as u32)?;
-                next = floor(index);
-            }
-            self.order.extend(std::iter::from_fn(|| self.waiting.pop()));
-        }
         // In a ring, the walker that moves first counts as having no floor.
         for &index in self.order.iter().rev() {
             self.listed[index as usize] = false;
@@ -77,9 +109,9 @@ impl Riders {
         !self.first.is_empty()
     }
 
-    /// Lists the riders of a walker, their riders and so on, a floor before its riders.
+    /// Adds to `above`, which has riders of a walker, its other riders, their riders and so on, a
+    /// floor before its riders.
     pub fn list_above(&self, index: usize, above: &mut Vec<Rider>) -> Result<()> {
-        above.clear();
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);
         loop {
             let mut rider = self.first.get(lowest).copied().unwrap_or(NONE);
@@ -98,16 +130,21 @@ impl Riders {
 mod tests {
     use super::*;
 
+    fn fill(riders: &mut Riders, floors: &[Option<usize>]) {
+        let len = floors.len();
+        riders.fill(len, 0..len, |index| floors[index], false, |_, _| Ok(())).unwrap();
+    }
+
     fn above(floors: &[Option<usize>], index: usize) -> Vec<(u32, usize)> {
         let (mut riders, mut above) = (Riders::default(), Vec::new());
-        riders.fill(floors.len(), |index| floors[index]).unwrap();
+        fill(&mut riders, floors);
         riders.list_above(index, &mut above).unwrap();
         above.iter().map(|rider| (rider.index, rider.floor)).collect()
     }
 
     fn order(floors: &[Option<usize>]) -> Vec<u32> {
         let mut riders = Riders::default();
-        riders.fill(floors.len(), |index| floors[index]).unwrap();
+        fill(&mut riders, floors);
         riders.order
     }
 
@@ -116,6 +153,18 @@ mod tests {
         assert_eq!(order(&[None, None, None]), [0, 1, 2]);
         assert_eq!(order(&[Some(2), None, Some(1), Some(1)]), [1, 2, 0, 3]);
         assert_eq!(order(&[Some(1), Some(2), Some(0), Some(1)]), [2, 1, 0, 3]);
+    }
+
+    #[test]
+    fn those_ahead_come_first() {
+        let mut riders = Riders::default();
+        let ahead = |index: usize, ahead: &mut Vec<u32>| {
+            ahead.extend([&[2, 3][..], &[], &[3], &[0], &[1]][index]);
+            Ok(())
+        };
+        riders.fill(5, [4, 0, 1, 2, 3].into_iter(), |_| None, true, ahead).unwrap();
+        assert_eq!(riders.order, [1, 4, 3, 2, 0]);
+        assert!(!riders.is_any());
     }
 
     #[test]

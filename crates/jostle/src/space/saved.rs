@@ -7,6 +7,7 @@ use super::layers::Layers;
 use super::rides::Rides;
 use super::slots::{Id, Slots};
 use super::touching::Touching;
+use super::traces::Traces;
 use super::walls::Walls;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
@@ -42,6 +43,15 @@ pub struct Saved<T> {
     pub rides: Vec<[Id; 2]>,
     /// The centre of the lower shape of each of these at that time.
     pub ride_centers: Vec<[T; 2]>,
+    /// The number of the next call of `move_and_slide`.
+    pub calls: i64,
+    /// For each slot the call since which its shape meets the motions of obstacles; missing numbers
+    /// are 0.
+    pub slid: Vec<i64>,
+    /// For each slot the call since which its shape has moved; missing numbers are 0.
+    pub moved: Vec<i64>,
+    /// The centre before each of these motions.
+    pub before: Vec<[T; 2]>,
     /// The ends of the line segments.
     pub walls: Vec<[[T; 2]; 2]>,
 }
@@ -55,6 +65,7 @@ impl<T: Scalar> Space<T> {
         saved.leaving = memory::collect(self.changes.leaving.iter().copied())?;
         saved.updates = self.changes.updates();
         (saved.rides, saved.ride_centers) = self.rides.save()?;
+        self.traces.save(&mut saved)?;
         saved.walls = memory::collect(self.walls().iter().copied())?;
         Ok(saved)
     }
@@ -80,6 +91,7 @@ impl<T: Scalar> Space<T> {
         changes.set_updates(saved.updates);
         check_finite("state", &saved.ride_centers)?;
         let rides = Rides::restore(&saved, count)?;
+        let traces = Traces::restore(&mut saved, count)?;
         let walls = Walls::new(std::mem::take(&mut saved.walls), &period, settings)?;
         let slots = Slots::restore(saved)?;
         let mut layers = Layers::of(period);
@@ -87,7 +99,7 @@ impl<T: Scalar> Space<T> {
         layers.reserve_fresh(slots.len())?;
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
-        Ok(Self { settings, period, slots, layers, touching, changes, rides, walls })
+        Ok(Self { settings, period, slots, layers, touching, changes, rides, traces, walls })
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::saved::Saved;
 use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape};
+use crate::geometry::{Scalar, Shape, middle};
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of};
@@ -361,6 +361,18 @@ impl<T: Scalar> Slots<T> {
             self.filters.resize(self.count(), [DEFAULT_CATEGORY, DEFAULT_MASK]);
         }
         std::mem::replace(&mut self.filters[slot as usize], filter) != filter
+    }
+
+    /// The centre of the shape in `slot`.
+    pub(super) fn center(&self, slot: u32) -> [T; 2] {
+        let min = self.mins[slot as usize];
+        let max = self.maxes.get(slot as usize).copied().unwrap_or(min);
+        [0, 1].map(|axis| middle(min[axis], max[axis]))
+    }
+
+    /// The category of the shape in `slot`.
+    pub(super) fn category(&self, slot: u32) -> u32 {
+        self.filters.get(slot as usize).map_or(DEFAULT_CATEGORY, |[category, _]| *category)
     }
 
     /// The shape in `slot`.

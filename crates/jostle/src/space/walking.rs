@@ -1,10 +1,11 @@
 //! Moving shapes that slide along others: the call and its result. `walks` computes the motions.
 
 use super::Space;
-use super::call::{Call, WALL};
+use super::call::{Call, Moved, WALL};
 use super::motions::Walk;
 use super::rides::{NONE, Ride};
 use super::slots::Id;
+use super::traces::CallNumber;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
 use crate::memory;
@@ -43,7 +44,7 @@ impl<T: Scalar> Space<T> {
     /// Moves shapes by displacements; they slide along the other shapes and do not enter them.
     ///
     /// A shape that stood on a floor after its last motion is carried first if the floor has moved
-    /// since. A shape that overlaps others is moved out of them first if other shapes do not
+    /// since, and obstacles that have moved since push it. A shape that overlaps others is moved out of them first if other shapes do not
     /// prevent it; those that it still overlaps do not stop it. A shape given as a box is stored as
     /// its centre and half its size from then on. Errors as in [`Space::move_to`].
     pub fn move_and_slide(
@@ -58,6 +59,7 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(walkers.len())?;
         memory::lengthen(&mut self.rides.all, self.slots.count(), None)?;
         memory::lengthen(&mut self.rides.rows, self.slots.count(), NONE)?;
+        self.traces.begin_call(walkers.len(), self.slots.count())?;
         for (row, &slot) in walkers.iter().enumerate() {
             self.rides.rows[slot as usize] = row as u32;
         }
@@ -98,11 +100,16 @@ impl<T: Scalar> Space<T> {
             self.layers.fold(&self.slots, self.settings)?;
             fresh.clear();
         }
+        let since = walkers.iter().map(|&slot| self.traces.since(slot)).min().unwrap_or_default();
+        let moved = self.moved_before(walkers, since, rules.mask)?;
         let call = Call {
             slots: &self.slots,
             layers: &self.layers,
             walls: &self.walls,
             rides: &self.rides,
+            traces: &self.traces,
+            since,
+            moved,
             period: self.period,
             rules,
             walkers,
@@ -110,6 +117,18 @@ impl<T: Scalar> Space<T> {
             fresh: &fresh,
         };
         call.run(self.settings.threads)
+    }
+
+    /// The obstacles that have moved since a call.
+    fn moved_before(&self, walkers: &[u32], since: CallNumber, mask: u32) -> Result<Moved<T>> {
+        let is_obstacle = |&slot: &u32| {
+            self.slots.category(slot) & mask != 0
+                && self.rides.rows[slot as usize] == NONE
+                && self.layers.has(slot)
+        };
+        let moved = self.traces.moved_since(since).filter(is_obstacle);
+        let moved = moved.filter_map(|slot| Some((slot, self.traces.before(slot, since)?)));
+        Moved::new(moved, &self.slots, &self.period, (walkers.len(), self.settings))
     }
 
     /// The id of an obstacle that a shape has met.
@@ -134,8 +153,10 @@ impl<T: Scalar> Space<T> {
         };
         all.offsets.push(0);
         for (walk, &slot) in walks.iter().zip(walkers) {
+            let before = self.slots.center(slot);
             if self.slots.set_center(slot, self.period.wrap(walk.center)) {
                 self.note(slot);
+                self.traces.note(slot, before);
             }
             all.displacements.push(walk.moved);
             all.remaining.push(walk.remaining);
@@ -157,6 +178,7 @@ impl<T: Scalar> Space<T> {
             let floor = walk.floor.filter(|(floor, _)| floor & WALL == 0);
             self.rides.all[slot as usize] = floor.map(ride);
         }
+        self.traces.end_call(walkers);
         Ok(all)
     }
 }

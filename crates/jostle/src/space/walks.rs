@@ -1,13 +1,15 @@
 //! The motions of the shapes that slide in a call.
 //!
 //! Shapes whose paths may meet form an island, and so do a shape and the moving floor on which it
-//! stands. The shapes of an island move one after another, in the order of the call, but a floor
-//! before the shapes that stand on it. Islands move in parallel. So results do not depend on
+//! stands. The shapes of an island move one after another, in the order of the call, with three
+//! exceptions: a floor moves before the shapes that stand on it, the foremost of shapes with the
+//! same displacement first, and shapes that are no obstacles last. Islands move in parallel. So results do not depend on
 //! threads, nor on the order of shapes that do not meet.
 
 use super::call::Call;
 use super::islands::{Islands, join_overlapping};
 use super::motions::{Island, Scratch, Walk, union};
+use super::traces::motion;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::geometry::Scalar;
@@ -28,9 +30,9 @@ impl<T: Scalar> Call<'_, T> {
     /// was deep inside an obstacle or its floor moved far, its region is enlarged and all motions
     /// are computed again.
     pub fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
-        let meets = |&slot: &u32| self.slots.shape(slot).category & self.rules.mask != 0;
-        let may_meet = self.walkers.len() > 1 && self.walkers.iter().any(meets);
-        let rows = if may_meet { self.walkers.len() } else { 0 };
+        let len = self.walkers.len();
+        let may_meet = len > 1 && (0..len).any(|row| self.is_obstacle(row));
+        let rows = if may_meet { len } else { 0 };
         let mut regions = memory::collect((0..rows).map(|row| self.region(row)))?;
         let mut sets = self.riders();
         loop {
@@ -117,17 +119,17 @@ impl<T: Scalar> Call<'_, T> {
         sets
     }
 
-    /// A box that contains all positions that a shape may take, with a margin for rounding, unless
-    /// it leaves an obstacle from far inside, or its floor is carried too.
+    /// A box that contains all positions that a shape may take or has had since the last motions of
+    /// others, with a margin for rounding, unless it leaves an obstacle from far inside, an obstacle
+    /// that has moved pushes it, or its floor is carried too.
     fn region(&self, row: usize) -> [[T; 2]; 2] {
         let (shape, displacement) = (self.body(row), self.displacements[row]);
         let sum = |v: [T; 2]| v[0].abs() + v[1].abs();
         let carried = self.ride(row).map_or(T::ZERO, |(floor, before)| {
-            let now = self.slots.shape(floor).center();
             let own = self.moving_floor(row).map(|row| sum(self.displacements[row as usize]));
-            sum(self.carried(now, before)) + own.unwrap_or(T::ZERO)
+            sum(motion(&self.period, before, self.slots.center(floor))) + own.unwrap_or(T::ZERO)
         });
-        let length = sum(displacement) + carried;
+        let length = sum(displacement) + carried + sum(self.moved_before(row));
         let extent = [0, 1].map(|axis| shape.half_size[axis] + shape.radius);
         let size = sum(shape.min) + sum(self.period.sides()) + length + sum(extent);
         let margin = length + extent[0] + extent[1] + size * T::EPSILON * T::from_f64(256.0);
