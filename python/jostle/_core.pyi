@@ -4393,7 +4393,7 @@ class World:
         >>> copy.state_hash() == world.state_hash()
         True
         """
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | bytes | os.PathLike[str]) -> None:
         """Write the world into a file.
 
         Parameters
@@ -4421,7 +4421,7 @@ class World:
         100
         """
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> World:
+    def load(cls, path: str | bytes | os.PathLike[str]) -> World:
         """Read a world from a file that `save` has written.
 
         Parameters

@@ -75,11 +75,6 @@ impl Stop {
         self.0.is_some()
     }
 
-    /// Whether a poll has returned true.
-    fn was_polled(&self) -> bool {
-        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
-    }
-
     /// Whether the call is interrupted. Polls if the current thread is the caller's.
     pub fn is_set(&self) -> bool {
         let Some(flag) = &self.0 else { return false };
@@ -124,9 +119,10 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// A counter for a task of the call of `stop`.
+    /// A counter for a task of the call of `stop`. It checks at once, because all tasks may be shorter than
+    /// the work between two checks.
     pub fn of(stop: &Stop) -> Self {
-        Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.was_polled() }
+        Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.is_set() }
     }
 
     /// A counter for work on the current thread.

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from jostle.app.draw.camera import Size
 from jostle.app.simulate.start import start
-from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.encoder import Encoder, write_png
 from jostle.app.tour.scripted_user import FILMED, FRAME, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop
 from jostle.app.window import SIZE, Window
@@ -47,7 +47,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     with contextlib.closing(window), video as recorder:
         user = ScriptedUser(window, recorder.draw if recorder else None)
         stop.script(user)
-        pygame.image.save(user.picture(), still)
+        write_png(user.picture(), still)
     pictures = recorder.frames if recorder else 0
     return Visit(still, path if film else None, pictures)
 
