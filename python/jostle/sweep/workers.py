@@ -37,6 +37,9 @@ def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
         yield pool, count
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+        # After Ctrl-C they are in the middle of runs whose rows are not written.
+        for process in multiprocessing.active_children():
+            process.terminate()
 
 
 def results(pool: Executor, count: int, runs: list[Run]) -> Iterator[dict[str, str]]:

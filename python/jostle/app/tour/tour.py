@@ -42,6 +42,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     session = window.session
     session.files.folder = out
+    session.shows_times = False  # those of a window without a graphics card
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
     video = Encoder(path, size, RATE) if film else contextlib.nullcontext()
     with contextlib.closing(window), video as recorder:
