@@ -130,7 +130,7 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
 def test_without_the_extra_one_sentence_says_how_to_get_it(missing: str) -> None:
     code = f"import sys; sys.modules[{missing!r}] = None; import jostle.cli"
     done = subprocess.run([sys.executable, "-c", code, "run"], capture_output=True, text=True)
-    assert done.returncode != 0 and "Traceback" not in done.stderr
+    assert done.returncode == 2 and "Traceback" not in done.stderr
     assert missing in done.stderr and 'pip install ".[app]"' in done.stderr
 
 

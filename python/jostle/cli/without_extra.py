@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 from jostle import __version__
 from jostle.extras import remedy
 
@@ -29,6 +31,6 @@ def answer(arguments: list[str], missing: str | None) -> None:
     elif not arguments or "--help" in arguments:
         print(HELP.format(remedy("app")))
     else:
-        raise SystemExit(
-            f"jostle: the command needs {missing}, which is not installed; {remedy('app')}"
-        )
+        why = f"the command needs {missing}, which is not installed"
+        print(f"jostle: {why}; {remedy('app')}", file=sys.stderr)
+        raise SystemExit(2)
