@@ -22,10 +22,16 @@ class NewFile:
         self._target = Path(os.path.realpath(path))
         is_there = self._target.exists()
         self._is_direct = is_there and not self._target.is_file()
-        if is_there and not self._is_direct:
-            os.close(os.open(self._target, os.O_WRONLY))  # fails if it may not be written
         #: The path to write to.
-        self.path = self._target if self._is_direct else _create_beside(self._target)
+        self.path = self._target
+        try:
+            if self._target.is_file() or self._target.is_dir():
+                os.close(os.open(self._target, os.O_WRONLY))  # fails if it may not be written
+            if not self._is_direct:
+                self.path = _create_beside(self._target)
+        except OSError as error:
+            error.filename = os.fspath(path)
+            raise
 
     def __enter__(self) -> NewFile:
         return self

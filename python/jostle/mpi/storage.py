@@ -93,7 +93,7 @@ def write(
             new = NewFile(path)
     with _removed_after_errors(new):
         place = comm.bcast(new and new.path)
-        with _opened(comm, place, chunks_at + int(comm.allreduce(size))) as file:
+        with _opened(comm, place, path, chunks_at + int(comm.allreduce(size))) as file:
             if comm.rank == 0:
                 file.Write_at(0, head)
             file.Write_at(table_at + _ENTRY.itemsize * first, table.tobytes())
@@ -112,8 +112,8 @@ def _chunk(parts: list[NDArray[Any]], number: int) -> bytes:
 
 
 @contextmanager
-def _opened(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
-    """Open a file of all ranks for a block without calls of all ranks.
+def _opened(comm: MPI.Intracomm, place: Path, path: Path, size: int) -> Iterator[MPI.File]:
+    """Open a file of all ranks for a block without calls of all ranks; errors name `path`.
 
     All ranks make all calls, even if one fails; then all raise.
     """
@@ -126,12 +126,12 @@ def _opened(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
         try:
             yield
         except MPI.Exception as raised:
-            error = error or OSError(f"{path}: {raised.Get_error_string()}")
+            error = error or OSError(f"{path}: {_sentence(raised.Get_error_string())}")
         except BaseException as raised:
             error = error or raised
 
     with kept():
-        file = MPI.File.Open(comm, os.fspath(path), MPI.MODE_CREATE | MPI.MODE_WRONLY)
+        file = MPI.File.Open(comm, os.fspath(place), MPI.MODE_CREATE | MPI.MODE_WRONLY)
     raise_together(comm, error)
     with kept():
         file.Set_size(size)
@@ -142,6 +142,12 @@ def _opened(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
     with kept():
         file.Close()
     raise_together(comm, error)
+
+
+def _sentence(text: str) -> str:
+    """The last of several lines of an error of MPI, without the name of a function."""
+    last = text.strip().rpartition("\n")[2]
+    return last.partition(": ")[2] or last
 
 
 @contextmanager
