@@ -319,13 +319,13 @@ fn errors_name_the_ids_among_all_particles() {
 
 #[test]
 fn all_ranks_refuse_a_step_with_too_many_collisions() {
-    let mut all = gas(25);
-    all.velocities.iter_mut().flatten().for_each(|v| *v *= 1e8);
-    let container = Container::Box { min: [-1.2; 2], max: [11.2; 2] };
+    let mut all = gas(20);
+    all.velocities.iter_mut().flatten().for_each(|v| *v *= 3e6);
+    let container = Container::Box { min: [-1.2; 2], max: [11.2, 8.7] };
     let settings = WorldSettings { container, ..Default::default() };
     let results = on_ranks(&all, settings, ranks(2), |_, mut world| {
         let error = world.step(0.01, 1).unwrap_err();
-        let counted = matches!(error, Error::TooManyCollisions { id: 0..25, .. });
+        let counted = matches!(error, Error::TooManyCollisions { id: 0..20, .. });
         assert!(counted || matches!(error, Error::OtherRank { .. }), "{error}");
         world.step(1e-8, 3).unwrap();
         (counted, world.own_records())
