@@ -75,6 +75,11 @@ impl Stop {
         self.0.is_some()
     }
 
+    /// Whether a poll has returned true.
+    fn was_polled(&self) -> bool {
+        self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
     /// Whether the call is interrupted. Polls if the current thread is the caller's.
     pub fn is_set(&self) -> bool {
         let Some(flag) = &self.0 else { return false };
@@ -119,10 +124,17 @@ pub struct Pulse {
 }
 
 impl Pulse {
-    /// A counter for a task of the call of `stop`. It checks at once, because all tasks may be shorter than
-    /// the work between two checks.
+    /// A counter for a task of the call of `stop`.
     pub fn of(stop: &Stop) -> Self {
-        Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.is_set() }
+        Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.was_polled() }
+    }
+
+    /// A counter for one of many tasks, each of which may have less work than there is between two
+    /// checks. So all but the first check at once.
+    pub fn of_task(stop: &Stop, number: usize) -> Self {
+        let mut pulse = Self::of(stop);
+        pulse.stopped |= number > 0 && stop.is_set();
+        pulse
     }
 
     /// A counter for work on the current thread.
