@@ -72,6 +72,28 @@ def test_where_changes_are_judged_there_is_opengl() -> None:
     assert Screen(SIZE, "opengl").painter.name == "opengl"
 
 
+@pytest.mark.parametrize("renderer", ["opengl", "software"])
+def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
+    calls = []
+    for name in ("set_icon", "set_mode"):
+        call = getattr(pygame.display, name)
+
+        def noted(*args: object, call=call, name: str = name, **options: object) -> object:
+            calls.append(name)
+            return call(*args, **options)
+
+        monkeypatch.setattr(pygame.display, name, noted)
+    try:
+        window = Screen(SIZE, renderer)
+    except NoRendererError as error:
+        pytest.skip(str(error))
+    # pygame gives a new OpenGL window its own icon.
+    assert (calls[0], calls[-1]) == ("set_icon", "set_icon")
+    window.fall_back()
+    assert calls[-1] == "set_icon"
+    window.close()
+
+
 def test_software_opengl_is_used_only_when_it_is_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -17,7 +17,7 @@ from jostle.app.simulate.settings import Group, Settings  # noqa: E402
 from jostle.app.simulate.simulation import Attractor  # noqa: E402
 from jostle.app.simulate.start import resume, start  # noqa: E402
 from jostle.app.storage import exports, files  # noqa: E402
-from jostle.app.storage.paths import new_path, write_atomic  # noqa: E402
+from jostle.app.storage.paths import new_path  # noqa: E402
 
 SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
@@ -300,20 +300,6 @@ def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
         assert looks == (session.camera.center, session.camera.scale, session.view_options.tree)
     session.files.load(tmp_path / "good.jostle")
     assert session.message == "Loaded good.jostle"
-
-
-def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path, monkeypatch) -> None:
-    path = tmp_path / "old"
-    path.write_bytes(b"old")
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "replace", full)
-    with pytest.raises(OSError, match="No space"):
-        write_atomic(path, b"new")
-    assert path.read_bytes() == b"old"
-    assert [*tmp_path.iterdir()] == [path]
 
 
 def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:

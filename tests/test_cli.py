@@ -129,9 +129,46 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
 @pytest.mark.parametrize("missing", ["typer", "rich"])
 def test_without_the_extra_one_sentence_says_how_to_get_it(missing: str) -> None:
     code = f"import sys; sys.modules[{missing!r}] = None; import jostle.cli"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode != 0 and "Traceback" not in done.stderr
-    assert 'pip install "jostle[app]"' in done.stderr
+    done = subprocess.run([sys.executable, "-c", code, "run"], capture_output=True, text=True)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert missing in done.stderr and 'pip install ".[app]"' in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--version"], f"jostle {jostle.__version__}"),
+        (["--help"], "Usage: jostle"),
+        (["run", "--help"], 'pip install ".[app]"'),
+        ([], "Usage: jostle"),
+    ],
+)
+def test_version_and_help_need_no_extra(arguments: list[str], words: str) -> None:
+    code = "import sys; sys.modules.update(rich=None, typer=None); import jostle.cli"
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stderr
+    assert words in done.stdout
+
+
+def test_the_short_help_has_the_commands() -> None:
+    from jostle.cli import without_extra
+
+    names = {command.callback.__name__ for command in cli.commands.app.registered_commands}
+    listed = without_extra.HELP.partition("Commands:")[2].split("\n\n")[0]
+    assert {line.split()[0] for line in listed.strip().splitlines()} == names
+
+
+def test_the_package_is_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "jostle", "--version"], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, f"jostle {jostle.__version__}\n")
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    from importlib import metadata
+
+    assert jostle.__version__ == metadata.version("jostle")
 
 
 def test_the_display_decides(monkeypatch) -> None:

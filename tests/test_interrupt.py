@@ -198,13 +198,15 @@ def test_a_film_that_is_stopped_can_be_played(
     options = ("--headless", "--steps", "1000000")  # so many that it never ends by itself
     process = command("run", "gas", "-n", "20", *options, cwd=tmp_path)
     film, patience = tmp_path / "out" / "gas.mp4", time.monotonic() + 60
-    while not film.exists() or film.stat().st_size == 0:  # ffmpeg has got frames
+    # ffmpeg has got frames
+    while not any(path.stat().st_size for path in film.parent.glob(".jostle.*")):
         assert process.poll() is None and time.monotonic() < patience
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 130 and "Traceback" not in said, said
     assert "Stopped." in said
+    assert [*film.parent.iterdir()] == [film]
     reader = imageio_ffmpeg.read_frames(str(film))
     assert next(reader)["size"] == (1280, 720)
     assert sum(len(frame) == 1280 * 720 * 3 for frame in reader) > 0

@@ -147,7 +147,7 @@ def test_core_module_uses_only_those_above_it(module: str) -> None:
 
 # ---- the Python package --------------------------------------------------------------------------
 
-COMMAND = {"interrupt.py", "launcher.py", "tables.py"}
+COMMAND = {"__main__.py", "extras.py", "interrupt.py", "launcher.py", "tables.py", "writing.py"}
 ADAPTERS = ["pygame"]  # those that are packages
 LIBRARY = [path for path in sorted(PACKAGE.glob("*.py")) if path.name not in COMMAND]
 LIBRARY += [path for name in ADAPTERS for path in sorted((PACKAGE / name).glob("*.py"))]
@@ -170,7 +170,10 @@ def test_library_never_imports_the_app(path: Path) -> None:
     assert not [
         name
         for name in imports(path)
-        if re.match(r"jostle\.(app|bench|tune|sweep|mpi|cli|interrupt|launcher|tables)\b", name)
+        if re.match(
+            r"jostle\.(app|bench|tune|sweep|mpi|cli|extras|interrupt|launcher|tables|writing)\b",
+            name,
+        )
     ]
 
 

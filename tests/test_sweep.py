@@ -1,9 +1,12 @@
 """Sweeps: plans, tables that are continued, and the same rows for every number of processes."""
 
+import contextlib
 import csv
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -137,3 +140,38 @@ def test_ranks_write_the_rows_of_one_process(tmp_path: Path) -> None:
     run_ranks(3, "-m", "jostle_command", "sweep", *OPTIONS, "--out", out)
     assert rows(out) == rows(tmp_path / "one.csv")
     assert os.path.getsize(out) > 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it reads /proc")
+def test_ctrl_c_ends_the_processes_of_a_sweep(tmp_path: Path) -> None:
+    """Also if the signal reaches the first process alone, as from `kill -INT`."""
+    out, said = tmp_path / "out.csv", tmp_path / "said"
+    command = [sys.executable, "-m", "jostle_command", "sweep", "gas", "-n", "100"]
+    with said.open("w") as file:
+        process = subprocess.Popen(
+            [*command, "--steps", "1000000", "--workers", "2", "--out", str(out)],
+            stdout=file,
+            stderr=file,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+    patience = time.monotonic() + 60
+    while not out.exists() or count_of_group(process.pid) < 3:  # a worker and another process
+        assert process.poll() is None and time.monotonic() < patience
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 130
+    while count_of_group(process.pid):
+        assert time.monotonic() < patience
+        time.sleep(0.05)
+    assert "Stopped." in said.read_text() and "leaked" not in said.read_text()
+
+
+def count_of_group(group: int) -> int:
+    """Return the number of processes of a group that run."""
+    count = 0
+    for place in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, found = place.read_text().rpartition(")")[2].split()[:3]
+            count += int(found) == group and state != "Z"
+    return count

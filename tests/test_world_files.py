@@ -121,6 +121,31 @@ def test_a_long_name_is_allowed(tmp_path: Path) -> None:
     assert len(jostle.World.load(path)) == 20
 
 
+@pytest.mark.parametrize("name", ["x\udcff", b"y\xfe", "z"], ids=["surrogate", "bytes", "str"])
+def test_a_name_may_be_bytes_and_need_not_be_utf_8(name: str | bytes, tmp_path: Path) -> None:
+    folder = os.fspath(tmp_path)
+    path = os.path.join(os.fsencode(folder) if isinstance(name, bytes) else folder, name)
+    small().save(path)
+    assert os.path.exists(path)
+    assert len(jostle.World.load(path)) == 20
+    with pytest.raises(TypeError, match=r"expected str, bytes or os.PathLike"):
+        small().save(3)
+
+
+@pytest.mark.parametrize("device", ["/dev/zero", "/dev/full", "pipe"])
+def test_what_may_have_no_end_is_not_read(device: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ValueError, match=r"it is a pipe or a device, not a file"):
+        jostle.World.load(tmp_path / device)
+
+
+def test_only_the_first_bytes_of_another_file_are_read(tmp_path: Path) -> None:
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(1 << 40)  # more than fits into memory
+    with pytest.raises(ValueError, match=f"holds {1 << 40} bytes of something else"):
+        jostle.World.load(tmp_path / "large")
+
+
 WHOLE = small().snapshot()
 
 

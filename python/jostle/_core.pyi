@@ -3027,7 +3027,8 @@ class Events:
 
     Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
     Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
-    for every pair in the space; to avoid it, read the other attributes by name.
+    for every pair in the space; to avoid it, read the other attributes by name. Unpacking, copying and
+    pickling read it too, so after the next update they are errors unless it was read before.
 
     See Also
     --------
@@ -3054,7 +3055,7 @@ class Events:
         """Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
 
         They are computed when they are first read, which must be before the next update of the
-        space.
+        space; afterwards there is a RuntimeError.
         """
     @property
     def left(self) -> _Pairs:
@@ -3630,7 +3631,9 @@ class World:
         -------
         WorldParticles or WorldParticle
             Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
-            `add` and `set`, with a row for each id; single values for one id. `kinds` are those of the
+            `add` and `set`, with a row for each id; single values for one id, those of float32 as the
+            float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
+            0.10000000149011612. `kinds` are those of the
             first `PairForce`, None if there is none. The cost depends on the
             number of ids alone, except that the first call after a step reads all row numbers.
 
@@ -4405,12 +4408,12 @@ class World:
         >>> copy.state_hash() == world.state_hash()
         True
         """
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | bytes | os.PathLike[str]) -> None:
         """Write the world into a file.
 
         Parameters
         ----------
-        path : str or os.PathLike
+        path : str, bytes or os.PathLike
             An existing file is replaced when the new one is complete; it keeps its
             permissions. If the path is a symbolic link, its target is replaced.
 
@@ -4433,12 +4436,12 @@ class World:
         100
         """
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> World:
+    def load(cls, path: str | bytes | os.PathLike[str]) -> World:
         """Read a world from a file that `save` has written.
 
         Parameters
         ----------
-        path : str or os.PathLike
+        path : str, bytes or os.PathLike
             The file.
 
         Returns

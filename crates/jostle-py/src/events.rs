@@ -16,7 +16,8 @@ use crate::space::PySpace;
 ///
 /// Each array contains pairs of ids, the smaller first, sorted by the first, then by the second.
 /// Unpacking gives all three: ``entered, stayed, left = space.update()``. `stayed` takes time
-/// for every pair in the space; to avoid it, read the other attributes by name.
+/// for every pair in the space; to avoid it, read the other attributes by name. Unpacking, copying and
+/// pickling read it too, so after the next update they are errors unless it was read before.
 ///
 /// See Also
 /// --------
@@ -77,7 +78,7 @@ impl PyEvents {
     /// Pairs that overlapped at both updates: ndarray of int64, shape (m, 2).
     ///
     /// They are computed when they are first read, which must be before the next update of the
-    /// space.
+    /// space; afterwards there is a RuntimeError.
     #[getter]
     fn stayed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<Id>>> {
         kept(py, &self.stayed, || {

@@ -1,18 +1,50 @@
 //! Files that are replaced atomically.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use pyo3::exceptions::PyOSError;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+
+/// Bytes that are read before the rest of a file.
+const HEAD: u64 = 64;
 
 /// Maximum number of symbolic links to follow, as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// Reads a file.
-pub fn read(py: Python<'_>, path: &Path) -> PyResult<Vec<u8>> {
-    py.detach(|| fs::read(path)).map_err(|error| os_error(py, &error, path))
+/// A path as Python's functions take it: str, bytes or os.PathLike.
+pub struct FilePath(pub PathBuf);
+
+impl<'py> FromPyObject<'_, 'py> for FilePath {
+    type Error = PyErr;
+
+    fn extract(path: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let decoded = path.py().import("os")?.call_method1("fsdecode", (path,))?;
+        decoded.extract().map(Self)
+    }
+}
+
+/// Reads the whole of a file whose first [`HEAD`] bytes pass `check`, which also gets the size of the
+/// file. A pipe or a device may have no end, so it is refused.
+pub fn read(
+    py: Python<'_>,
+    path: &Path,
+    check: impl Fn(&[u8], u64) -> PyResult<()>,
+) -> PyResult<Vec<u8>> {
+    let failed = |error: io::Error| os_error(py, &error, path);
+    // Before it is opened: opening a pipe waits for its other end.
+    let found = fs::metadata(path).map_err(failed)?;
+    if !found.is_file() && !found.is_dir() {
+        let text = "it is a pipe or a device, not a file; World.restore reads bytes";
+        return Err(PyValueError::new_err(format!("{}: {text}", path.display())));
+    }
+    let mut file = File::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    Read::by_ref(&mut file).take(HEAD).read_to_end(&mut bytes).map_err(failed)?;
+    check(&bytes, found.len())?;
+    py.detach(|| file.read_to_end(&mut bytes)).map_err(failed)?;
+    Ok(bytes)
 }
 
 /// Replaces the contents of a file; if this fails, the file is unchanged. A symbolic link is

@@ -63,10 +63,6 @@ mod _core {
     #[pymodule_export]
     use super::world::{PyWorld, begin_hash, checksum, hash_parts, hash_records, record_fields};
 
-    #[pymodule_export]
-    #[allow(non_upper_case_globals, reason = "Python's name for it")]
-    const __version__: &str = env!("CARGO_PKG_VERSION");
-
     /// Lets small calls wake other threads. For tests.
     #[pyfunction]
     fn wake_threads_always(always: bool) {
@@ -90,9 +86,12 @@ mod _core {
         jostle::parallel::abandon_threads();
     }
 
-    /// Adds the functions of `jostle.scenes`, which renames them.
+    /// Adds the version, and the functions of `jostle.scenes`, which renames them.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        // 0.2.0-dev.0 is 0.2.0.dev0 in the metadata of the package.
+        let version = env!("CARGO_PKG_VERSION").replace("-dev.", ".dev");
+        module.add("__version__", version)?;
         module.add("scene_names", wrap_pyfunction!(names, module)?)?;
         module.add("describe_scene", wrap_pyfunction!(describe, module)?)?;
         module.add("create_scene", wrap_pyfunction!(create, module)?)?;

@@ -58,6 +58,12 @@ impl<P: Plain + Default, const N: usize> Plain for [P; N] {
     }
 }
 
+/// The error for `all` bytes that are not what they should be.
+pub fn foreign(all: u64) -> Error {
+    let rule = "it does not begin as a snapshot does";
+    Error::of("data", format!("{all} bytes of something else"), rule)
+}
+
 /// Bytes of the header: magic, version, length and checksum.
 pub const HEAD: usize = 28;
 
@@ -138,8 +144,7 @@ impl<'a> Reader<'a> {
             return Err(cut_off_after(all, HEAD as u64));
         }
         if reader.get::<[u8; 8]>().ok() != Some(magic) {
-            let rule = "it does not begin as a snapshot does";
-            return Err(Error::of("data", format!("{all} bytes of something else"), rule));
+            return Err(foreign(all as u64));
         }
         let found: u32 = reader.get()?;
         if !versions.contains(&found) {

@@ -61,6 +61,13 @@ pub enum Error {
         /// The new value as text.
         value: String,
     },
+    /// A particle has more collisions than a step may have.
+    TooManyCollisions {
+        /// Its id.
+        id: i64,
+        /// Maximum number of collisions of a particle.
+        limit: u32,
+    },
     /// The queries of a call find more ids than one answer may have.
     TooManyIds {
         /// Maximum number of ids.
@@ -177,6 +184,11 @@ impl fmt::Display for Error {
                  is as it was before this step: take smaller steps, or smaller masses, forces or \
                  speeds",
                 if *id == *index as i64 { String::new() } else { format!(" of particle {id}") }
+            ),
+            Self::TooManyCollisions { id, limit } => write!(
+                f,
+                "particle {id} has more than {limit} collisions in one step; the world is as it was \
+                 before this step: take smaller steps, or smaller speeds"
             ),
             Self::TooManyIds { limit } => {
                 write!(f, "the answer has more than {limit} ids; query fewer regions in one call")

@@ -129,6 +129,14 @@ impl Pulse {
         Self { stop: stop.clone(), left: WORK_PER_CHECK, stopped: stop.was_polled() }
     }
 
+    /// A counter for one of many tasks, each of which may have less work than there is between two
+    /// checks. So all but the first check at once.
+    pub fn of_task(stop: &Stop, number: usize) -> Self {
+        let mut pulse = Self::of(stop);
+        pulse.stopped |= number > 0 && stop.is_set();
+        pulse
+    }
+
     /// A counter for work on the current thread.
     pub fn current() -> Self {
         Self::of(&Stop::current())

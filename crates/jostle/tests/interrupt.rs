@@ -2,11 +2,15 @@
 
 use std::cell::Cell;
 
+use jostle::forces::{Flocking, Force, Gravitation};
 use jostle::interrupt::watch;
 use jostle::pairs::FindScratch;
 use jostle::query::{Circle, Ray};
 use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{Each, Error, Method, Quadtree, Result, Settings, Shapes, Space, pairs, query};
+use jostle::{
+    Each, Error, Method, OnTouch, Particles, Quadtree, Result, Settings, Shapes, Space, World,
+    WorldSettings, pairs, query,
+};
 
 thread_local! {
     /// Polls that do not stop.
@@ -131,5 +135,54 @@ fn a_space_is_unchanged_after_every_stop() {
         let mut expected = twin.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
         expected.sort_unstable();
         assert_eq!(found, expected);
+    }
+}
+
+/// The number of polls of a call.
+fn polls<R>(call: impl FnOnce() -> R) -> u32 {
+    LEFT.set(u32::MAX);
+    watch(poll, call);
+    u32::MAX - LEFT.get()
+}
+
+/// Each task of a query may have less work than there is between two polls of a task.
+#[test]
+fn queries_of_many_short_tasks_poll_often() {
+    let all = shapes(40_000);
+    let tree = Quadtree::new(&all, alone()).unwrap();
+    let points = &all.centers;
+    let nearest = polls(|| query::nearest(&tree, points, (1, f64::INFINITY), None).unwrap());
+    assert!(nearest > 40, "{nearest}");
+    let circles = Circle::all(&Each::Rows(points.clone()), &Each::One(1.0)).unwrap();
+    let circles = polls(|| query::search(&tree, &circles, None).unwrap());
+    assert!(circles > 40, "{circles}");
+}
+
+#[test]
+fn forces_between_all_particles_and_neighbours_poll_often() {
+    let positions: Vec<[f32; 2]> =
+        centers(20_000).iter().map(|at| at.map(|v| v as f32 * 1e-3)).collect();
+    let count = positions.len();
+    let all = Particles::new(positions, vec![[1.0, 0.0]; count], vec![1.0; count], 1.0);
+    let gravitation = Force::Gravitation(Gravitation { g: 1.0, softening: 1.0, theta: 0.5 });
+    let flocking = Flocking {
+        cutoff: 10.0,
+        separation: 1.0,
+        alignment: 1.0,
+        cohesion: 1.0,
+        max_speed: f32::INFINITY,
+        min_speed: 0.0,
+    };
+    for force in [gravitation, Force::Flocking(flocking)] {
+        let settings = WorldSettings { on_touch: OnTouch::Ignore, ..Default::default() };
+        let mut world = World::new(all.clone(), settings).unwrap();
+        let without = polls(|| world.step(0.01, 1).unwrap());
+        world.set_forces(vec![force]).unwrap();
+        let with = polls(|| world.step(0.01, 1).unwrap());
+        assert!(with > without + 20, "{with} instead of {without}");
+        let before = world.snapshot();
+        LEFT.set(with / 2);
+        assert_eq!(watch(poll, || world.step(0.01, 1)), Err(Error::Interrupted));
+        assert_eq!(world.snapshot(), before);
     }
 }

@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 
 use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle::interrupt::watch;
-use jostle::{Container, Id, OnTouch, Particles, Stage, Wall, World, WorldSettings};
+use jostle::{
+    Container, Error, Id, Method, OnTouch, Particles, Settings, Stage, Wall, World, WorldSettings,
+};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -387,4 +389,42 @@ fn all_particles_of_a_world_with_gravitation_may_be_removed() {
     world.remove(&[0, 1, 2]).unwrap();
     world.step(0.01, 1).unwrap();
     assert_eq!((world.len(), world.potential_energy()), (0, 0.0));
+}
+
+/// Elastic discs in a box, so many that fast ones divide a step into windows.
+fn in_a_box(speed: f32, radius: f32, method: Method, threads: usize) -> World {
+    let mut all = crowd(20, 10.0);
+    all.radii.fill(radius);
+    all.velocities.iter_mut().flatten().for_each(|v| *v *= speed);
+    let container = Container::Box { min: [0.0; 2], max: [10.0, 8.0] };
+    let tree = Settings { threads: Some(threads), ..Default::default() };
+    World::new(all, WorldSettings { container, method, tree, ..Default::default() }).unwrap()
+}
+
+#[test]
+fn a_step_with_too_many_collisions_is_refused_and_undone() {
+    let text = |method, threads| {
+        let mut world = in_a_box(1e7, 0.6, method, threads);
+        let before = state(&world);
+        let mut refused = Ok(());
+        within_bounds(|| refused = world.step(0.01, 1));
+        let error = refused.unwrap_err();
+        assert!(matches!(error, Error::TooManyCollisions { id: 0..20, limit: 100_000 }), "{error}");
+        assert_eq!(state(&world), before);
+        world.step(1e-8, 3).unwrap();
+        (error.to_string(), world.state_hash())
+    };
+    let expected = text(Method::Quadtree, 1);
+    assert_eq!(text(Method::Brute, 2), expected);
+    let rule =
+        "has more than 100000 collisions in one step; the world is as it was before this step";
+    assert!(expected.0.contains(rule), "{}", expected.0);
+}
+
+#[test]
+fn discs_of_a_crystal_travel_a_thousand_radii_in_a_step() {
+    let mut world = in_a_box(1.0, 0.97, Method::Quadtree, 1);
+    let energy = world.kinetic_energy();
+    within_bounds(|| world.step(150.0, 1).unwrap());
+    assert!((world.kinetic_energy() / energy - 1.0).abs() < 1e-5);
 }

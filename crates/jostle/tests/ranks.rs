@@ -316,3 +316,27 @@ fn errors_name_the_ids_among_all_particles() {
         }
     }
 }
+
+#[test]
+fn all_ranks_refuse_a_step_with_too_many_collisions() {
+    let mut all = gas(20);
+    all.velocities.iter_mut().flatten().for_each(|v| *v *= 3e6);
+    let container = Container::Box { min: [-1.2; 2], max: [11.2, 8.7] };
+    let settings = WorldSettings { container, ..Default::default() };
+    let results = on_ranks(&all, settings, ranks(2), |_, mut world| {
+        let error = world.step(0.01, 1).unwrap_err();
+        let counted = matches!(error, Error::TooManyCollisions { id: 0..20, .. });
+        assert!(counted || matches!(error, Error::OtherRank { .. }), "{error}");
+        world.step(1e-8, 3).unwrap();
+        (counted, world.own_records())
+    });
+    assert!(results.iter().any(|(counted, _)| *counted));
+    let mut whole = World::new(all, settings).unwrap();
+    whole.step(1e-8, 3).unwrap();
+    for (_, bytes) in results {
+        let (own, ids, _) = read_records(&bytes);
+        for (row, id) in ids.into_iter().enumerate() {
+            assert_eq!(own.positions[row], whole.positions()[id as usize]);
+        }
+    }
+}

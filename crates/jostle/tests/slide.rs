@@ -440,5 +440,5 @@ fn a_platform_carries_across_the_edge() {
     assert!(error.contains("displacements[0]") && error.contains("the period"), "{error}");
     let wide = add(&mut space, &[([0.0, 50.0], [10.5, 1.0], 0.0)], WALKER);
     let error = space.move_and_slide(&wide, &[[1.0, 0.0]], &rules).unwrap_err().to_string();
-    assert!(error.contains("wider than the period"), "{error}");
+    assert!(error.contains("wider than the period, which is 20 along x"), "{error}");
 }

@@ -40,7 +40,7 @@ from jostle.app.simulate.engine import Engine
 from jostle.app.simulate.settings import METHODS, Settings
 from jostle.app.simulate.simulation import Frame, Rect
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
-from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.encoder import Encoder, write_png
 from jostle.app.storage.paths import free_name
 
 SIZE = (1280, 720)
@@ -207,7 +207,7 @@ def make_film(
                 draw(step, step * simulation.time_step)
                 recorder.draw(painter.canvas())
     draw(steps, now=math.inf)  # the numbers of the last step, as in the table
-    pygame.image.save(painter.canvas(), still)
+    write_png(painter.canvas(), still)
     return Film(video, still, steps, recorder.frames, spent)
 
 

@@ -42,6 +42,7 @@ class Session:
         self.runner = Runner(self.engine, self.camera, self.interaction, self.messages)
         self.files = Files(self.runner, self.camera, self.view_options, self.messages)
         self.traces = Traces(self.runner.statistics)  # the plots of the statistics
+        self.shows_times = True  # whether the statistics have the times of frames
         self.question = PairQuestion()  # the pair whose contact is explained
         self.open = True  # false if the window is to be closed
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import os
 import platform
 import re
@@ -13,6 +14,7 @@ import numpy as np
 
 import jostle
 from jostle import _core
+from jostle.writing import append, write
 
 __all__ = ["Results", "Row", "cpu", "describe", "slug", "version_of"]
 
@@ -73,9 +75,11 @@ class Results:
             self._columns = self._columns or list(whole)
             if begins:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self.path.open("w" if begins else "a", newline="", encoding="utf-8") as file:
-                writer = csv.DictWriter(file, self._columns, lineterminator="\n")
-                if begins:
-                    writer.writeheader()
-                writer.writerow(whole)
+            lines = io.StringIO()
+            writer = csv.DictWriter(lines, self._columns, lineterminator="\n")
+            if begins:
+                writer.writeheader()
+            writer.writerow(whole)
+            put = write if begins else append
+            put(self.path, lines.getvalue().encode("utf-8"))
             self.count += 1

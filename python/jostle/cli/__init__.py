@@ -1,8 +1,9 @@
 """The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`.
 
-refusals  checks of arguments
-runs      the ways to run a scene
-commands  the commands and their options
+without_extra  the command without the packages that it needs
+refusals       checks of arguments
+runs           the ways to run a scene
+commands       the commands and their options
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ try:
     import rich  # noqa: F401
     import typer
 except ImportError as missing:
-    raise SystemExit(
-        f"jostle: the command needs {missing.name}, which is not installed; "
-        'pip install "jostle[app]" brings it'
-    ) from None
+    from .without_extra import answer
+
+    answer(sys.argv[1:], missing.name)
+    raise SystemExit from None
 
 from jostle import interrupt
 

@@ -14,9 +14,10 @@ from rich.console import Console
 
 import jostle
 from jostle.app.simulate.validation import AnyRule, check, similar
+from jostle.extras import remedy
 from jostle.launcher import speaks
 
-INSTALL = 'the command needs {}, which is not installed; pip install "jostle[app]" brings it'
+INSTALL = f"the command needs {{}}, which is not installed; {remedy('app')}"
 
 console = Console()
 
@@ -61,6 +62,8 @@ def check_file(name: str, path: Path) -> None:
     """Check that a file can probably be written."""
     if path.is_dir():
         refuse(f"{name}: {str(path)!r} is a folder, and no file can be written in its place")
+    if path.is_fifo():
+        refuse(f"{name}: {str(path)!r} is a pipe, and no file can be written in its place")
     if path.exists() and not os.access(path, os.W_OK):
         refuse(f"{name}: {str(path)!r} is there already and cannot be written")
 

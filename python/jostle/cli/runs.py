@@ -15,6 +15,7 @@ from jostle import interrupt
 from jostle.app.simulate.article_simulation import Simulation
 from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.start import start
+from jostle.extras import remedy
 
 from .refusals import INSTALL, check_extra, console, refuse, tell
 
@@ -92,7 +93,7 @@ def run_on_ranks(
 ) -> None:
     """Record a video of a scene whose particles are distributed over the ranks of MPI."""
     if importlib.util.find_spec("mpi4py") is None:
-        refuse('a run over ranks needs mpi4py, which is not installed; pip install "jostle[mpi]"')
+        refuse(f"a run over ranks needs mpi4py, which is not installed; {remedy('mpi')}")
     from mpi4py import MPI
 
     from jostle.app.headless import SIZE

@@ -1,7 +1,7 @@
 """Many processes: pairs and worlds that are distributed over the ranks of an mpi4py communicator.
 
 Each rank holds a share of the shapes or particles, and no rank holds all. Answers are those of one
-process. Needs mpi4py and an MPI library: ``pip install jostle[mpi]``.
+process. Needs mpi4py and an MPI library: in the folder of the source, ``pip install ".[mpi]"``.
 """
 
 from jostle._core import RankError

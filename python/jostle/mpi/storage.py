@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from jostle._core import checksum
+from jostle.writing import NewFile
 
 from .exchange import raise_together, send, together
 from .records import PAIRS, PARTS
@@ -71,7 +72,7 @@ def _chunks_of(rank: int, size: int, end: int) -> tuple[int, int]:
 def write(
     comm: MPI.Intracomm, path: Path, settings: bytes, end: int, parts: list[NDArray[Any]]
 ) -> None:
-    """Write a file beside `path`, and rename it when it is complete; `settings` of rank 0 count.
+    """Write a file, which replaces `path` when it is complete; `settings` of rank 0 count.
 
     All ids are below `end`.
     """
@@ -86,15 +87,20 @@ def write(
     size = int(table["size"].sum())
     chunks_at = table_at + _ENTRY.itemsize * -(-end // _CHUNK)
     own_at = chunks_at + int(comm.exscan(size) or 0)
-    beside = path.with_name(f".{path.name}.partial")
-    with _new_file(comm, beside, chunks_at + int(comm.allreduce(size))) as file:
+    new = None
+    with together(comm):
         if comm.rank == 0:
-            file.Write_at(0, head)
-        file.Write_at(table_at + _ENTRY.itemsize * first, table.tobytes())
-        file.Write_at(own_at, b"".join(chunks))
-    with together(comm), _removed_after_errors(comm, beside):
-        if comm.rank == 0:
-            os.replace(beside, path)
+            new = NewFile(path)
+    with _removed_after_errors(new):
+        place = comm.bcast(new and new.path)
+        with _opened(comm, place, path, chunks_at + int(comm.allreduce(size))) as file:
+            if comm.rank == 0:
+                file.Write_at(0, head)
+            file.Write_at(table_at + _ENTRY.itemsize * first, table.tobytes())
+            file.Write_at(own_at, b"".join(chunks))
+        with together(comm):
+            if new is not None:
+                new.commit()
 
 
 def _chunk(parts: list[NDArray[Any]], number: int) -> bytes:
@@ -106,10 +112,10 @@ def _chunk(parts: list[NDArray[Any]], number: int) -> bytes:
 
 
 @contextmanager
-def _new_file(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
-    """Open a file of all ranks for a block without calls of all ranks.
+def _opened(comm: MPI.Intracomm, place: Path, path: Path, size: int) -> Iterator[MPI.File]:
+    """Open a file of all ranks for a block without calls of all ranks; errors name `path`.
 
-    All ranks make all calls, even if one fails; then all raise, and the file is removed.
+    All ranks make all calls, even if one fails; then all raise.
     """
     error: BaseException | None = None
 
@@ -120,33 +126,37 @@ def _new_file(comm: MPI.Intracomm, path: Path, size: int) -> Iterator[MPI.File]:
         try:
             yield
         except MPI.Exception as raised:
-            error = error or OSError(f"{path}: {raised.Get_error_string()}")
+            error = error or OSError(f"{path}: {_sentence(raised.Get_error_string())}")
         except BaseException as raised:
             error = error or raised
 
-    with _removed_after_errors(comm, path):
-        with kept():
-            file = MPI.File.Open(comm, os.fspath(path), MPI.MODE_CREATE | MPI.MODE_WRONLY)
-        raise_together(comm, error)
-        with kept():
-            file.Set_size(size)
-        with kept():
-            yield file
-        with kept():
-            file.Sync()
-        with kept():
-            file.Close()
-        raise_together(comm, error)
+    with kept():
+        file = MPI.File.Open(comm, os.fspath(place), MPI.MODE_CREATE | MPI.MODE_WRONLY)
+    raise_together(comm, error)
+    with kept():
+        file.Set_size(size)
+    with kept():
+        yield file
+    with kept():
+        file.Sync()
+    with kept():
+        file.Close()
+    raise_together(comm, error)
+
+
+def _sentence(text: str) -> str:
+    """The last of several lines of an error of MPI, without the name of a function."""
+    last = text.strip().rpartition("\n")[2]
+    return last.partition(": ")[2] or last
 
 
 @contextmanager
-def _removed_after_errors(comm: MPI.Intracomm, path: Path) -> Iterator[None]:
+def _removed_after_errors(new: NewFile | None) -> Iterator[None]:
     try:
         yield
     except BaseException:
-        if comm.rank == 0:
-            with suppress(OSError):
-                path.unlink()
+        if new is not None:
+            new.discard()
         raise
 
 
@@ -156,6 +166,8 @@ def read(comm: MPI.Intracomm, path: Path) -> tuple[bytes, int, list[NDArray[Any]
     A rank gets the contacts of its particles with those of others, too.
     """
     with together(comm):
+        if path.exists() and not path.is_file() and not path.is_dir():
+            raise ValueError(f"{path} is a pipe or a device, not a file")
         with path.open("rb") as file:
             settings, end, chunks = _read_chunks(file, path, comm.rank, comm.size)
         parts = [

@@ -634,12 +634,12 @@ class World:
         return state.gathered(self._comm, self._core, root)
 
     @collective
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | bytes | os.PathLike[str]) -> None:
         """Write the world into one file, in which each rank writes a part.
 
         Parameters
         ----------
-        path : str or os.PathLike
+        path : str, bytes or os.PathLike
             An existing file is replaced when the new one is complete.
 
         Raises
@@ -653,13 +653,12 @@ class World:
         jostle.World.load : Reads the file in one process.
         """
         settings = self._core._of_records(b"").snapshot()
-        write(
-            self._comm, Path(path), settings, self._core._own_ids()[1], state.parts_of(self._core)
-        )
+        end, parts = self._core._own_ids()[1], state.parts_of(self._core)
+        write(self._comm, Path(os.fsdecode(path)), settings, end, parts)
 
     @classmethod
     def load(
-        cls, comm: MPI.Intracomm, path: str | os.PathLike[str], *, threads: int | None = 1
+        cls, comm: MPI.Intracomm, path: str | bytes | os.PathLike[str], *, threads: int | None = 1
     ) -> World:
         """Read a world from a file that `save` has written, on any number of ranks.
 
@@ -667,7 +666,7 @@ class World:
         ----------
         comm : mpi4py.MPI.Intracomm
             The ranks.
-        path : str or os.PathLike
+        path : str, bytes or os.PathLike
             The file.
         threads : int, default 1
             Number of threads of each rank.
@@ -690,7 +689,7 @@ class World:
         """
         world = cls.__new__(cls)
         world._begin(comm)
-        world._load(Path(path), threads)
+        world._load(Path(os.fsdecode(path)), threads)
         return world
 
     @collective

@@ -8,6 +8,8 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from jostle.writing import append
+
 from .plan import Run
 
 
@@ -55,7 +57,6 @@ class Table:
         self._write([row[name] for name in self._columns])
 
     def _write(self, cells: Sequence[str]) -> None:
-        with self._path.open("a", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerow(cells)
-            file.flush()
-            os.fsync(file.fileno())
+        row = io.StringIO()
+        csv.writer(row, lineterminator="\n").writerow(cells)
+        append(self._path, row.getvalue().encode("utf-8"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 from collections.abc import Iterator
@@ -36,7 +37,12 @@ def executor(workers: int | None) -> Iterator[tuple[Executor, int] | None]:
     try:
         yield pool, count
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        # After Ctrl-C they are in the middle of runs whose rows are not written.
+        for process in multiprocessing.active_children():
+            process.terminate()
+        pool.shutdown(cancel_futures=True)
+        del pool
+        gc.collect()  # the locks of the pool; otherwise Python prints a warning when it ends
 
 
 def results(pool: Executor, count: int, runs: list[Run]) -> Iterator[dict[str, str]]:

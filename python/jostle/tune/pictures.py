@@ -5,6 +5,7 @@ Only this file imports matplotlib; it draws into files and opens no window.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -29,6 +30,7 @@ from jostle.tune.sweep import (
     Tuning,
 )
 from jostle.tune.timing import Outcome
+from jostle.writing import write
 
 End = tuple[float, float, str, str]  # of a curve: its last point, its name and its colour
 
@@ -73,7 +75,7 @@ def settings(tuning: Tuning, path: Path) -> bool:
     _colour_bar(figure, [axes], f"time, relative to the fastest ({in_ms(best)})")
     note = FEW_NOTE if tuning.too_few() else MAP_NOTE
     _frame_texts(figure, "Leaf capacity and depth", title(tuning), note)
-    figure.savefig(path)
+    _save(figure, path)
     return True
 
 
@@ -94,7 +96,7 @@ def maps(tunings: Sequence[Tuning], columns: int, path: Path) -> None:
     _colour_bar(figure, list(grid.flat), "time, relative to the fastest of the scene")
     details = title(tunings[0]).partition(", ")[2]
     _frame_texts(figure, "Leaf capacity and depth", details, MAP_NOTE)
-    figure.savefig(path)
+    _save(figure, path)
 
 
 def draw_map(axes: Axes, tuning: Tuning, both: str = "default") -> None:
@@ -188,7 +190,7 @@ def curves(tuning: Tuning, path: Path) -> bool:
     _draw_sizes(right, tuning)
     words = "Number of particles, and size of their world"
     _frame_texts(figure, words, title(tuning), CURVES_NOTE)
-    figure.savefig(path)
+    _save(figure, path)
     return True
 
 
@@ -314,6 +316,12 @@ def _figure(width: float, height: float) -> Figure:
     head, foot = 0.78 / height, 0.4 / height
     figure.set_layout_engine("constrained", rect=(0.008, foot, 0.984, 1 - head - foot))
     return figure
+
+
+def _save(figure: Figure, path: Path) -> None:
+    data = io.BytesIO()
+    figure.savefig(data, format="png")
+    write(path, data.getvalue())
 
 
 def _frame_texts(figure: Figure, words: str, details: str, note: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import jostle
 from jostle.tune.sweep import Tuning
+from jostle.writing import NewFile
 
 COLUMNS = (
     *("scene", "sweep", "work", "method", "n", "world_size", "leaf_capacity", "max_depth"),
@@ -43,7 +44,7 @@ def rows(tuning: Tuning) -> Iterator[dict[str, object]]:
 
 def write(tuning: Tuning, path: Path) -> None:
     """Write the file."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with NewFile(path) as new, new.path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows(tuning))

@@ -266,7 +266,9 @@ impl PyWorld {
     /// -------
     /// WorldParticles or WorldParticle
     ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
-    ///     `add` and `set`, with a row for each id; single values for one id. `kinds` are those of the
+    ///     `add` and `set`, with a row for each id; single values for one id, those of float32 as the
+    ///     float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
+    ///     0.10000000149011612. `kinds` are those of the
     ///     first `PairForce`, None if there is none. The cost depends on the
     ///     number of ids alone, except that the first call after a step reads all row numbers.
     ///

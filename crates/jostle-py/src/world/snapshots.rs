@@ -1,6 +1,6 @@
 //! Snapshots, files and pickles.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use jostle::{Error, World};
 use pyo3::exceptions::PyValueError;
@@ -9,7 +9,7 @@ use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyType};
 
 use super::PyWorld;
 use crate::error::{refused, type_error};
-use crate::files;
+use crate::files::{self, FilePath};
 
 #[pymethods]
 impl PyWorld {
@@ -91,7 +91,7 @@ impl PyWorld {
     ///
     /// Parameters
     /// ----------
-    /// path : str or os.PathLike
+    /// path : str, bytes or os.PathLike
     ///     An existing file is replaced when the new one is complete; it keeps its
     ///     permissions. If the path is a symbolic link, its target is replaced.
     ///
@@ -112,16 +112,16 @@ impl PyWorld {
     /// >>> jostle.scenes.create("gas", n=100).save(path)
     /// >>> len(jostle.World.load(path))
     /// 100
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    fn save(&self, py: Python<'_>, path: FilePath) -> PyResult<()> {
         let bytes = self.long(py, |state| state.world.snapshot())?;
-        files::replace(py, &path, &bytes)
+        files::replace(py, &path.0, &bytes)
     }
 
     /// Read a world from a file that `save` has written.
     ///
     /// Parameters
     /// ----------
-    /// path : str or os.PathLike
+    /// path : str, bytes or os.PathLike
     ///     The file.
     ///
     /// Returns
@@ -149,9 +149,11 @@ impl PyWorld {
     /// >>> jostle.World.load(path)
     /// <jostle.World of 50 particles after 0.000 s>
     #[classmethod]
-    fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
-        let py = class.py();
-        let bytes = files::read(py, &path)?;
+    fn load(class: &Bound<'_, PyType>, path: FilePath) -> PyResult<Self> {
+        let (py, path) = (class.py(), path.0);
+        let bytes = files::read(py, &path, |head, size| {
+            World::check_head(head, size).map_err(|error| in_file(&path, &error))
+        })?;
         let world = py.detach(|| World::restore(&bytes));
         Ok(Self::of(world.map_err(|error| in_file(&path, &error))?))
     }

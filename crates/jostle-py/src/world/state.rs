@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 use super::PyWorld;
 use crate::error::refused;
+use crate::interrupt::detached;
 use crate::quadtree::PyQuadtree;
 
 #[pymethods]
@@ -71,7 +72,8 @@ impl PyWorld {
     /// kinetic_energy : The energy of motion.
     #[getter]
     fn potential_energy(&self, py: Python<'_>) -> PyResult<f64> {
-        self.long(py, |state| state.world.potential_energy())
+        // After an interruption the result is not used.
+        detached(py, || Ok(self.state.lock()?.world.potential_energy()))?
     }
 
     /// Return a 64-bit hash of all particles.

@@ -27,8 +27,9 @@ mod two;
 mod window;
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::interrupt::{self, Stop};
 use crate::parallel::{self, locked};
 use block::{Arguments, Block};
@@ -49,6 +50,10 @@ use window::{end_for_the_fast, most_impacts};
 /// Windows of a sub-step at most, apart from the last of all.
 const MAX_WINDOWS: f64 = 1024.0;
 
+/// Collisions of one disc in a step at most; a step with more is refused. At a thousand radii a step in
+/// a crystal the discs have about a third of these.
+pub const MAX_COLLISIONS: u32 = 100_000;
+
 /// Scratch, and the results of a sub-step.
 #[derive(Debug, Default)]
 pub struct Events {
@@ -68,6 +73,10 @@ pub struct Events {
     pub outside_limits: Vec<(u32, f64)>,
     /// Discs whose bounds grew: candidates for `outside_limits`.
     may_be_outside_limits: Vec<u32>,
+    /// The number of events of each disc.
+    pub counts: Vec<u32>,
+    /// Whether a disc of this rank has more than [`MAX_COLLISIONS`] of them.
+    has_too_many: AtomicBool,
     /// Hashes of the trajectories of the discs that are shared with other ranks.
     pub digests: Vec<u64>,
     /// Whether each of them may meet a disc of this rank.
@@ -107,6 +116,10 @@ impl Events {
         let mut rest = *flight;
         let mut starts = std::mem::take(&mut self.starts);
         loop {
+            // Before each window but the first of a sub-step all ranks learn that one has failed.
+            if !rest.is_first && *self.has_too_many.get_mut() {
+                return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
+            }
             rest.fill(&mut starts, &self.exhausted);
             let window = Window { flight: &rest, starts: &starts, end: rest.end };
             let end = self.simulate_window(window, bounds, shortest)?;
@@ -176,8 +189,11 @@ impl Events {
         Ok(window.end)
     }
 
-    /// Begins a step: clears its results.
-    pub fn begin_step(&mut self) {
+    /// Begins a step of `len` discs: clears its results.
+    pub fn begin_step(&mut self, len: usize) {
+        self.counts.clear();
+        self.counts.resize(len, 0);
+        *self.has_too_many.get_mut() = false;
         self.bounced.clear();
         self.sensed.clear();
         self.sensed_near.clear();
@@ -264,7 +280,16 @@ impl Events {
         let (course_of, again) = (&self.course_of, &self.again);
         let is_moved = window.flight.keeps_starts();
         let turns = !window.flight.spins.is_empty();
-        parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
+        let halo = window.flight.halo;
+        let count = |counts: &mut u32, course: &Course| {
+            *counts += course.count;
+            let is_own = || halo.is_none_or(|halo| halo.is_own[course.index as usize]);
+            if *counts > MAX_COLLISIONS && is_own() {
+                self.has_too_many.store(true, Ordering::Relaxed);
+            }
+        };
+        let blocks = self.blocks.iter_mut().zip(self.counts.chunks_mut(self.size));
+        parallel::for_each(window.flight.threads, blocks, |(block, counts)| {
             if !is_moved {
                 let range = block.range.start as usize..block.range.end as usize;
                 block.move_discs(window, &course_of[range]);
@@ -278,10 +303,16 @@ impl Events {
                     window.turn(index, &turning);
                 }
             }
+            for (number, course) in (0..).zip(&block.history.courses) {
+                if course_of[course.index as usize] == number {
+                    count(&mut counts[(course.index - block.range.start) as usize], course);
+                }
+            }
             block.history.retain(0, course_of);
         });
         for (number, course) in (0..).zip(&again.courses) {
             if course_of[course.index as usize] == AGAIN | number {
+                count(&mut self.counts[course.index as usize], course);
                 window.move_disc(course.index, &course.segment, course.stopped);
             }
         }

@@ -21,6 +21,7 @@ use super::{Bodies, check_number};
 use crate::columns::Columns;
 use crate::container::{Container, minimum_image_within};
 use crate::error::{Error, Result};
+use crate::interrupt::Stop;
 use crate::parallel::{self, locked};
 use crate::particles::FARTHEST;
 use crate::quadtree::Quadtree;
@@ -101,10 +102,11 @@ pub fn add(
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
-    let tasks = sorted.tasks(TASK_GROUPS, pulls);
+    let (tasks, stop) = (sorted.tasks(TASK_GROUPS, pulls), Stop::current());
     parallel::for_each(threads, tasks, |(share, mut pulls)| {
         let mut list = locked(lists).pop().unwrap_or_default();
-        for &group in share {
+        // An interruption is reported by the caller, which then does not use the accelerations.
+        for &group in share.iter().take_while(|_| !stop.is_set()) {
             let len = sorted.range(group).len();
             let own = pulls.split_off_mut(..len).expect("the sizes add up");
             walk.pull(group, direct, &mut list, own);
@@ -127,7 +129,10 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
     let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
-    let parts = parallel::map(threads, groups.len(), |index| walk.energy(groups[index], direct));
+    let stop = Stop::current();
+    let parts = parallel::map(threads, groups.len(), |index| {
+        if stop.is_set() { 0.0 } else { walk.energy(groups[index], direct) }
+    });
     // Every pair was summed twice.
     -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()
 }

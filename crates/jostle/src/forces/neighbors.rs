@@ -11,6 +11,7 @@ use std::sync::Mutex;
 use super::Bodies;
 use super::sorted::Sorted;
 use crate::container::{Container, NINE_IMAGES};
+use crate::interrupt::Stop;
 use crate::parallel::{self, locked};
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
@@ -134,8 +135,12 @@ impl Scratch {
         sums.resize(self.sorted.tree.len(), [0.0; 2]);
         let search = self.search(bodies, cutoff, count);
         let tasks = self.sorted.tasks(TASK_GROUPS, &mut sums);
-        let threads = threads(bodies);
+        let (threads, stop) = (threads(bodies), Stop::current());
         parallel::for_each(threads, tasks, |(groups, sums)| {
+            // An interruption is reported by the caller, which then does not use the sums.
+            if stop.is_set() {
+                return;
+            }
             let mut list = locked(&self.lists).pop().unwrap_or_default();
             f32::with_widest(Share { search, law, groups, sums, list: &mut list });
             locked(&self.lists).push(list);
@@ -154,7 +159,11 @@ impl Scratch {
     ) -> f64 {
         let search = self.search(bodies, cutoff, 0);
         let groups = &self.sorted.groups;
+        let stop = Stop::current();
         let parts = parallel::map(threads(bodies), groups.len(), |number| {
+            if stop.is_set() {
+                return 0.0;
+            }
             let mut list = List::default();
             search.list(groups[number], &mut list);
             let own = |index| search.sum_of_body(index, &list.near, &value);

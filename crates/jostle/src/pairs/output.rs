@@ -142,7 +142,11 @@ impl Budget {
             let target = rest.split_off_mut(..piece.len()).expect("the sizes add up");
             target.chunks_mut(COPIED).zip(piece.chunks(COPIED))
         });
-        parallel::for_each(threads, targets, |(target, source)| target.copy_from_slice(source));
+        parallel::for_each(threads, targets, |(target, source)| {
+            if !self.stop.is_set() {
+                target.copy_from_slice(source);
+            }
+        });
         self.stop.check()?;
         Ok(pairs)
     }

@@ -70,7 +70,7 @@ fn sort_rows(offsets: &[usize], mut ids: &mut [u32], threads: Option<usize>) -> 
         tasks.push((offsets, ids.split_off_mut(..len).expect("the sizes add up")));
     }
     parallel::for_each(threads, tasks.into_iter(), |(offsets, ids)| {
-        let mut pulse = Pulse::of(&stop);
+        let mut pulse = Pulse::of_task(&stop, offsets[0]);
         for row in offsets.windows(2) {
             // An interruption is reported below.
             let _ = sorting::sort(&mut ids[row[0] - offsets[0]..row[1] - offsets[0]], &mut pulse);

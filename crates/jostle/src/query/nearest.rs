@@ -481,7 +481,7 @@ pub fn nearest_from<T: Scalar>(
     let found = parallel::map(threads, parts.len(), |part| {
         // One list for all queries of a task, because failures of small allocations abort.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_capacity(parts[part].len())?);
-        let mut best = Nearest::new(k, Pulse::of(&stop));
+        let mut best = Nearest::new(k, Pulse::of_task(&stop, part));
         let mut start = 0;
         for &query in parts[part] {
             best.pulse.check(NODE_WORK + k)?;

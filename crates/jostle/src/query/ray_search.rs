@@ -537,7 +537,7 @@ fn each_ray<T: Scalar, V: Send>(
     let stop = Stop::current();
     let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        let mut pulse = Pulse::of(&stop);
+        let mut pulse = Pulse::of_task(&stop, part);
         let mut found = Vec::with_capacity(parts[part].len());
         for &query in parts[part] {
             pulse.check(NODE_WORK)?;

@@ -155,7 +155,7 @@ fn search_in_order<T: Scalar>(
     let count = AtomicUsize::new(0);
     let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let found = parallel::map(threads, parts.len(), |part| {
-        let (order, pulse) = (parts[part], Pulse::of(&stop));
+        let (order, pulse) = (parts[part], Pulse::of_task(&stop, part));
         T::with_widest(Search { tree, regions, exact, order, mask, count: &count, pulse, len: 0 })
     });
     let count = count.into_inner();

@@ -70,20 +70,24 @@ impl<T: Scalar> Space<T> {
 
     /// Refuses shapes that could collide with their own images.
     fn check_widths(&self, ids: &[Id], walkers: &[u32]) -> Result<()> {
-        let is_wide = |&slot: &u32| {
+        if self.period.is_none() {
+            return Ok(());
+        }
+        for (&slot, (row, id)) in walkers.iter().zip(ids.iter().enumerate()) {
             let shape = self.slots.shape(slot);
             let half = shape.core_half_size().map(|half| half + shape.radius);
-            (0..2).any(|axis| {
-                self.period.is_along(axis) && half[axis] + half[axis] > self.period.sides()[axis]
-            })
-        };
-        match walkers.iter().position(is_wide).filter(|_| !self.period.is_none()) {
-            None => Ok(()),
-            Some(row) => {
-                let rule = "a shape that moves must not be wider than the period";
-                Err(Error::at("ids", row, ids[row], rule))
+            let sides = self.period.sides();
+            let is_wide =
+                |&axis: &usize| self.period.is_along(axis) && half[axis] + half[axis] > sides[axis];
+            if let Some(axis) = (0..2).find(is_wide) {
+                let (name, side) = (["x", "y"][axis], sides[axis].to_f64());
+                let rule = format!(
+                    "a shape that moves must not be wider than the period, which is {side} along {name}"
+                );
+                return Err(Error::at("ids", row, id, &rule));
             }
         }
+        Ok(())
     }
 
     /// Computes the motions.

@@ -4,6 +4,7 @@
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
+use crate::interrupt;
 use crate::motion::exact;
 use crate::parallel;
 use crate::particles::Particles;
@@ -33,8 +34,10 @@ impl World {
             let StepScratch { overlaps, overlap_parts, .. } = scratch;
             find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
         }
+        interrupt::check()?;
         let lists = if may_rest { pairs } else { &scratch.overlaps };
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+        interrupt::check()?;
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);

@@ -7,6 +7,7 @@ use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
 use crate::flow::{Flow, Kick};
 use crate::forces::{self, Bodies, Force, springs::SpringSolver};
+use crate::interrupt;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{self, Particles};
@@ -115,6 +116,7 @@ impl World {
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         forces::accelerate(&self.forces, &bodies, scratch, accelerations);
         add_given(accelerations, rows, given.as_deref());
+        interrupt::check()?;
         self.share_accelerations()
     }
 

@@ -209,6 +209,8 @@ struct StepScratch {
     moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
+    /// Collisions of the particle in each row in the parts of the step so far.
+    collisions_of: Vec<u32>,
     /// Those of the step.
     collisions: Collisions,
     touching: touching::Scratch,

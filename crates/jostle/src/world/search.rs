@@ -5,6 +5,7 @@ use std::iter;
 
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::pairs::{self, Filters, JoinScratch, SortScratch};
 use crate::quadtree::Quadtree;
 use crate::settings::Method;
@@ -122,7 +123,9 @@ impl World {
             Touch { pair, normal, depth, normal_impulse, friction_impulse }
         };
         let mut touches: Vec<Touch> = self.overlapping()?.0.into_iter().map(touch).collect();
+        interrupt::check()?;
         touches.sort_unstable_by_key(|touch| touch.pair);
+        interrupt::check()?;
         Ok(touches)
     }
 }

@@ -1,9 +1,12 @@
 //! A step: from positions and velocities to those `dt` seconds later.
 
+use std::cmp::Reverse;
+
 use super::bounds::largest;
 use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
+use crate::events::MAX_COLLISIONS;
 use crate::forces;
 use crate::interrupt;
 use crate::parallel;
@@ -136,6 +139,7 @@ impl World {
 
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.scratch.exhausted.clear();
+        self.scratch.collisions_of.clear();
         self.scratch.meets_sleepers = false;
         self.scratch.agreement = None;
         self.stats = Stats::default();
@@ -150,7 +154,8 @@ impl World {
             let part = left / parts as f32;
             for _ in 0..if is_torus { 1 } else { parts } {
                 self.renew_ghosts(part)?;
-                self.step_once(part, substeps, watch)?;
+                let done = self.step_once(part, substeps, watch);
+                self.check_collisions(done, part < dt)?;
                 if self.scratch.meets_sleepers || self.must_repeat() {
                     return Ok(());
                 }
@@ -196,6 +201,34 @@ impl World {
             format!("particle {id} would circle the torus {tours} times; take smaller steps")
         };
         Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Refuses a step in which a particle has too many collisions. `done` is the result of a part of the
+    /// step. If it is not the whole step, its collisions are added to those of the parts before.
+    fn check_collisions(&mut self, done: Result<()>, is_part: bool) -> Result<()> {
+        let is_counted = match done {
+            // Merging changes the rows, and merging particles collide with walls alone.
+            Ok(()) => is_part && self.settings.on_touch == OnTouch::Bounce,
+            Err(Error::TooManyCollisions { .. }) => true,
+            Err(_) => false,
+        };
+        if !is_counted {
+            return done;
+        }
+        let StepScratch { events, collisions_of, .. } = &mut self.scratch;
+        collisions_of.resize(self.rows.len(), 0);
+        for (&row, count) in self.rows.iter().zip(&events.counts) {
+            collisions_of[row as usize] += count;
+        }
+        let domain = self.domain.as_ref();
+        let own = self.rows.iter().filter(|&&row| domain.is_none_or(|domain| domain.owns(row)));
+        let counts = own.map(|&row| (self.scratch.collisions_of[row as usize], row));
+        let too_many = counts.filter(|&(count, _)| count > MAX_COLLISIONS);
+        let most = too_many.map(|(count, row)| (Reverse(count), self.id_among_all(row))).min();
+        match most {
+            Some((_, id)) => Err(Error::TooManyCollisions { id, limit: MAX_COLLISIONS }),
+            None => done,
+        }
     }
 
     /// The number of parts of a step of `dt` seconds.

@@ -130,7 +130,7 @@ impl World {
             domain.fill_limits(particles, rows, &settings.container, scratch);
         }
         scratch.grown.clear();
-        scratch.events.begin_step();
+        scratch.events.begin_step(particles.len());
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
         let on_walls = if may_rest { particles.len() } else { 0 };

@@ -45,8 +45,11 @@ class Screen:
 
     def __init__(self, size: Size, renderer: str = "auto") -> None:
         pygame.display.init()
+        # Before the window, because some systems show the first icon only, and after it, because
+        # pygame gives an OpenGL window an icon of its own.
         pygame.display.set_icon(icon())
         self.painter = _open(size, renderer)
+        pygame.display.set_icon(icon())
 
     @property
     def size(self) -> Size:
@@ -76,6 +79,7 @@ class Screen:
     def fall_back(self) -> None:
         """Switch to the software painter after the graphics card has failed."""
         self.painter = _open_software(self.size)
+        pygame.display.set_icon(icon())
 
     def close(self) -> None:
         self.painter.release()

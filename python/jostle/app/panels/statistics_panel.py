@@ -138,6 +138,8 @@ def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
     session.traces.refresh(session.frame, session.messages.now)
     height = min(max(height, LEAST_PLOT), MOST_PLOT)
     for title, contents in SECTIONS.items():
+        if contents is _times and not session.shows_times:
+            continue
         section(gui, title, partial(contents, session, gui, height))
 
 
@@ -145,6 +147,7 @@ def _head(session: Session, gui: Gui) -> None:
     """Build the heading, which folds the panel."""
     mean = session.traces.frame_mean
     words = f"{1e3 / mean:,.0f} FPS" if mean > 0 else "\u2013"
+    words = words if session.shows_times else ""
     with colours(header=vec(RAISED, 0.0), header_hovered=vec(RAISED, 0.5)):
         if imgui.selectable("##fold", False, imgui.SelectableFlags_.allow_overlap)[0]:
             session.toggle("statistics")

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pygame
 from mpi4py import MPI
 from rich.console import Console
 
@@ -34,7 +33,7 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Rect
 from jostle.app.simulate.start import start
 from jostle.app.simulate.world_simulation import TIME_STEP, WorldSimulation
-from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.encoder import Encoder, write_png
 from jostle.app.storage.paths import free_name
 from jostle.mpi.exchange import together
 from jostle.mpi.interrupts import held
@@ -228,7 +227,7 @@ class _Film:
                 if records:
                     self._recorder.draw(painter.canvas())
                 if step == self._plan.steps:
-                    pygame.image.save(painter.canvas(), self._still)
+                    write_png(painter.canvas(), self._still)
 
     def _rows(self, world: jostle.mpi.World) -> list[Row | None]:
         """Return the lines of the panel of numbers."""

@@ -40,6 +40,7 @@ from jostle.app.simulate.validation import (
 
 LARGEST, SMALLEST = 16_384, 64  # pixels
 DEEPEST = 100  # nested brackets
+MOST_BYTES = 64 << 20  # of a file
 LONGEST = 1_000  # characters of a key or a number
 
 WINDOW_RULES: dict[str, Rule] = {
@@ -70,8 +71,12 @@ class Config:
 
 def read_config(path: Path) -> Config:
     """Return the entries of a file; raise a ConfigError or an OSError if it is wrong."""
+    with path.open("rb") as file:  # which may be a device without an end
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise ConfigError(f"{path.name} has more than {MOST_BYTES >> 20} MiB")
     try:
-        text = path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+        text = data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path.name} is not a text in UTF-8") from error
     entries = _parsed(path.name, text)

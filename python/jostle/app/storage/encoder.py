@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import re
 import subprocess
@@ -26,6 +27,7 @@ from jostle.app.draw.palette import (
     blend,
     level_colour,
 )
+from jostle.writing import NewFile, write
 
 PATIENCE = 10.0  # seconds to write the end of a file
 FORMATS = (".mp4", ".gif")
@@ -48,9 +50,10 @@ _GIF = [
 
 
 class Encoder:
-    """An ffmpeg process that writes one file, which is playable even if this program ends early.
+    """An ffmpeg process that writes one file, .mp4 or .gif.
 
-    The file, .mp4 or .gif, replaces an existing one. As a context manager the encoder closes it.
+    The file is complete, and replaces an existing one, when the encoder is closed, which it is at
+    the end of a block as a context manager.
     """
 
     def __init__(self, path: Path, size: Size, fps: int = 30) -> None:
@@ -58,10 +61,11 @@ class Encoder:
             raise ValueError(f"{path.name} is neither {' nor '.join(FORMATS)}")
         self.path, self.frames = path, 0
         self._bytes = size[0] * size[1] * 4
+        self._file = NewFile(path)
         self._stderr = tempfile.TemporaryFile()  # noqa: SIM115 (it is open as long as ffmpeg is)
         self._folder = tempfile.TemporaryDirectory(prefix="jostle-")
         try:
-            command = [imageio_ffmpeg.get_ffmpeg_exe(), *self._arguments(path, size, fps)]
+            command = [imageio_ffmpeg.get_ffmpeg_exe(), *self._arguments(path.suffix, size, fps)]
             self._process = subprocess.Popen(
                 command,
                 stdin=subprocess.PIPE,
@@ -75,31 +79,33 @@ class Encoder:
                 os.setpriority(os.PRIO_PROCESS, self._process.pid, 10)
         except (OSError, RuntimeError) as error:  # of imageio if there is no ffmpeg
             self._tidy()
+            self._file.discard()
             raise OSError(f"no ffmpeg can be started: {error}") from error
 
-    def _arguments(self, path: Path, size: Size, fps: int) -> list[str]:
+    def _arguments(self, suffix: str, size: Size, fps: int) -> list[str]:
         source = ["-f", "rawvideo", "-pix_fmt", "bgr0", "-s", f"{size[0]}x{size[1]}"]
         source += ["-r", str(fps), "-i", "-"]
-        if path.suffix == ".gif":
+        if suffix == ".gif":
             palette = Path(self._folder.name) / "palette.png"
             pygame.image.save(gif_palette(), str(palette))
             source += ["-i", str(palette), *_GIF]
         else:
             source += _MP4
-        return ["-y", "-hide_banner", "-v", "error", *source, str(path)]
+        return ["-y", "-hide_banner", "-v", "error", *source, str(self._file.path)]
 
     def __enter__(self) -> Encoder:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        """Close the file; after an exception, ignore errors and remove an empty file."""
+        """Close the file; after an exception, ignore errors and keep no empty file."""
+        if kind is not None and not self.frames:
+            self.kill()
+            return
         try:
             self.close()
         except OSError:
             if kind is None:
                 raise
-        if kind is not None and not self.frames:
-            self.path.unlink(missing_ok=True)
 
     def draw(self, canvas: pygame.Surface) -> None:
         """Append the contents of a canvas of a painter."""
@@ -129,13 +135,16 @@ class Encoder:
         message = self._error_message()
         self._tidy()
         if code:
+            self._file.discard()
             raise OSError(message or f"ffmpeg ended with code {code}")
+        self._file.commit()
 
     def kill(self) -> None:
-        """Stop immediately; the file may not be playable."""
+        """Stop immediately; an existing file stays."""
         self._process.kill()
         self._process.wait()
         self._tidy()
+        self._file.discard()
 
     def _error_message(self) -> str:
         """Return the first line of ffmpeg's output; the others follow from it."""
@@ -143,12 +152,20 @@ class Encoder:
             self._process.wait(1.0)
             self._stderr.seek(0)
             output = self._stderr.read().decode(errors="replace").strip()
-            return re.sub(r"^\[[^]]*\] *", "", output.partition("\n")[0])
+            line = re.sub(r"^\[[^]]*\] *", "", output.partition("\n")[0])
+            return line.replace(str(self._file.path), str(self.path))
         return ""
 
     def _tidy(self) -> None:
         self._stderr.close()
         self._folder.cleanup()
+
+
+def write_png(picture: pygame.Surface, path: Path) -> None:
+    """Write a picture as PNG."""
+    data = io.BytesIO()  # pygame does not report that a disk is full
+    pygame.image.save(picture, data, "picture.png")
+    write(path, data.getvalue())
 
 
 def gif_palette() -> pygame.Surface:

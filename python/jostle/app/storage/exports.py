@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from jostle.app.simulate.containers import bounds
 from jostle.app.simulate.simulation import Frame, Rect
+from jostle.extras import remedy
+from jostle.writing import NewFile
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # distinguishes any two numbers of single precision
-GSD_MISSING = 'GSD files need the package gsd; pip install "jostle[app]" brings it.'
+GSD_MISSING = f"GSD files need the package gsd; {remedy('app')}."
 
 
 def write_positions(path: Path, frame: Frame) -> None:
@@ -33,7 +35,7 @@ def write_series(path: Path, columns: Mapping[str, ArrayLike]) -> None:
 
 def _write_table(path: Path, names: Iterable[str], columns: list[Any], formats: list[str]) -> None:
     table = np.column_stack([np.asarray(column, np.float64) for column in columns])
-    with path.open("w", encoding="ascii", newline="\n") as file:
+    with NewFile(path) as new, new.path.open("w", encoding="ascii", newline="\n") as file:
         file.write(",".join(names) + "\n")
         np.savetxt(file, table, formats, delimiter=",")
 
@@ -49,7 +51,7 @@ def write_gsd(path: Path, frames: Iterable[Frame], view: Rect, time_step: float)
     except ImportError:
         raise OSError(GSD_MISSING) from None
     count = 0
-    with gsd.hoomd.open(str(path), "w") as file:
+    with NewFile(path) as new, gsd.hoomd.open(str(new.path), "w") as file:
         for frame in frames:
             snapshot = gsd.hoomd.Frame()
             _fill(snapshot, frame, view)

@@ -14,8 +14,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-import pygame
-
 from jostle.app.act.messages import Messages
 from jostle.app.draw.camera import Camera, Size
 from jostle.app.draw.picture import Picture
@@ -28,10 +26,12 @@ from jostle.app.simulate.settings import Settings
 from jostle.app.simulate.simulation import Frame, FrameRequest
 from jostle.app.simulate.start import resume
 from jostle.app.simulate.worker import Worker
+from jostle.app.storage.encoder import write_png
 from jostle.app.storage.exports import write_gsd, write_positions, write_series
-from jostle.app.storage.paths import new_path, reason_of, write_atomic
+from jostle.app.storage.paths import new_path, reason_of
 from jostle.app.storage.recording import Recording
 from jostle.app.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
+from jostle.writing import write as write_file
 
 Write = Callable[[Path], object]
 
@@ -98,7 +98,7 @@ class Files:
 
         def save(simulation: Simulation) -> None:
             contents = partial(scene_bytes, simulation, camera, options)
-            self._write(SUFFIX, lambda new: write_atomic(new, contents()), path)
+            self._write(SUFFIX, lambda new: write_file(new, contents()), path)
 
         def forget_list() -> None:
             self._listed = None
@@ -142,7 +142,7 @@ class Files:
                 self._runner.draw(painter, options)
             else:
                 Picture().draw(painter, frame, camera, options)
-            pygame.image.save(painter.canvas(), new)
+            write_png(painter.canvas(), new)
 
         if many:
             self._export(".png", write, path)

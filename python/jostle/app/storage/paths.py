@@ -1,11 +1,9 @@
-"""Names of new files, and atomic writing."""
+"""Names of new files."""
 
 from __future__ import annotations
 
 import itertools
-import os
 import re
-import tempfile
 import time
 from pathlib import Path
 
@@ -26,19 +24,6 @@ def free_name(folder: Path, name: str, *suffixes: str) -> str:
     return next(
         new for new in names if not any((folder / (new + suffix)).exists() for suffix in suffixes)
     )
-
-
-def write_atomic(path: Path, data: bytes) -> None:
-    """Write a file atomically: an error leaves the previous file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
 
 
 def reason_of(error: OSError, path: Path) -> str:

@@ -208,7 +208,7 @@ def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
 
 STOPS = (
     Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
-         Settings("mixed"), lambda user: user.live(6), tree=TreeView.OUTLINE),
+         Settings("mixed"), waiting(3), tree=TreeView.OUTLINE),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
     Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
          Settings("gas", 500), rules),

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from jostle.app.draw.camera import Size
 from jostle.app.simulate.start import start
-from jostle.app.storage.encoder import Encoder
+from jostle.app.storage.encoder import Encoder, write_png
 from jostle.app.tour.scripted_user import FILMED, FRAME, ScriptedUser
 from jostle.app.tour.stops import STOPS, Stop
 from jostle.app.window import SIZE, Window
@@ -42,12 +42,13 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
     window = Window(start(stop.settings), size, renderer="software", synchronous=True)
     session = window.session
     session.files.folder = out
+    session.shows_times = False  # those of a window without a graphics card
     session.view_options.tree, session.view_options.colour_by = stop.tree, stop.colour_by
     video = Encoder(path, size, RATE) if film else contextlib.nullcontext()
     with contextlib.closing(window), video as recorder:
         user = ScriptedUser(window, recorder.draw if recorder else None)
         stop.script(user)
-        pygame.image.save(user.picture(), still)
+        write_png(user.picture(), still)
     pictures = recorder.frames if recorder else 0
     return Visit(still, path if film else None, pictures)
 

@@ -16,7 +16,7 @@ use super::ids::Ids;
 use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Walls, World, WorldSettings};
-use crate::bytes::{Reader, Writer, damaged};
+use crate::bytes::{Reader, Writer, damaged, foreign};
 use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::error::{Error, Result};
@@ -76,6 +76,15 @@ impl World {
         put_given(&mut to, self.given_accelerations());
         put_record(&mut to, self);
         to.finish(MAGIC, VERSION)
+    }
+
+    /// Refuses the first bytes of `size` if no snapshot begins with them, before the others are read.
+    pub fn check_head(head: &[u8], size: u64) -> Result<()> {
+        let is_whole = head.len() as u64 == size;
+        if is_whole || parts::are_parts(head) || head.starts_with(&MAGIC) {
+            return Ok(());
+        }
+        Err(foreign(size))
     }
 
     /// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
