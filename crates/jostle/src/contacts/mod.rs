@@ -5,7 +5,9 @@
 
 mod blocks;
 mod colouring;
+mod sequence;
 
+use crate::error::Result;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
@@ -13,6 +15,8 @@ use crate::simd::LANES;
 use crate::sorting;
 pub use blocks::{Block, Blocks};
 use colouring::{Colouring, Edge, prioritize};
+use sequence::Sequence;
+pub use sequence::Sequential;
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -68,7 +72,7 @@ const UNSOLVED: u8 = KINDS as u8;
 const NEAR: f32 = 0.1;
 
 /// The number of contacts of each kind of each colour.
-type Counts = [[usize; KINDS]; COLOURS + 1];
+type Counts = [[usize; KINDS]; COLOURS];
 
 /// Marks lanes without a contact.
 const NONE: u32 = u32::MAX;
@@ -151,12 +155,10 @@ impl Contact {
 /// What the order of solving contacts depends on; the same on all ranks of a distributed world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactShape {
-    /// The number of colours.
+    /// The number of colours, with the rounds of the contacts that are solved in sequence.
     pub colours: usize,
     /// Whether any particle has a contact of uneven masses.
     pub has_uneven: bool,
-    /// Whether any particle has more contacts than there are colours.
-    pub is_serial: bool,
 }
 
 /// All contacts of a step.
@@ -179,6 +181,7 @@ pub struct Contacts {
     unsorted: Vec<Contact>,
     edges: Vec<Edge>,
     colouring: Colouring,
+    sequence: Sequence,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
@@ -210,23 +213,26 @@ impl Previous {
 
 impl Contacts {
     /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
-    /// in the step; `before` gives the index that each had in the previous step's order.
+    /// in the step; `before` gives the index that each had in the previous step's order. `divide`
+    /// divides the contacts that are solved in sequence into rounds, see [`Sequential`].
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        particles: &Particles,
-        movable: &[bool],
+        (particles, movable): (&Particles, &[bool]),
         restitution: f32,
         before: &[u32],
+        divide: impl FnOnce(&mut Vec<Sequential>) -> Result<usize>,
         threads: Option<usize>,
-    ) {
+    ) -> Result<()> {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         self.find_uneven(lists, &particles.masses, movable);
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
         self.list_edges(lists, particles, movable, threads);
         self.colouring.run(&self.edges, movable, &mut self.colours);
         let counts = self.count();
-        let mut next = self.blocks.arrange(&counts);
+        let rounds = self.sequence.arrange(lists, &self.colours, &mut self.kinds, divide)?;
+        let mut next = self.blocks.arrange(&counts, rounds);
+        let mut in_sequence = self.sequence.blocks(&self.blocks);
         self.lanes.clear();
         self.list.clear();
         self.sources.clear();
@@ -237,7 +243,11 @@ impl Contacts {
                 if kind == UNSOLVED {
                     continue;
                 }
-                let lane = next.take([colour, kind]);
+                let lane = if usize::from(colour) < COLOURS {
+                    next.take([colour, kind])
+                } else {
+                    in_sequence.next().unwrap_or_default() * LANES
+                };
                 self.lanes.push(lane as u32);
                 self.sources[lane] = [which, pair];
             }
@@ -270,6 +280,7 @@ impl Contacts {
                 block.fill(spare, |lane| contact(sources[lane]));
             }
         });
+        Ok(())
     }
 
     /// Finds the particles that have contacts of uneven masses.
@@ -305,11 +316,7 @@ impl Contacts {
 
     /// What the order of solving depends on.
     pub fn shape(&self) -> ContactShape {
-        ContactShape {
-            colours: self.blocks.colours.len(),
-            has_uneven: self.has_uneven(),
-            is_serial: self.blocks.colours.iter().any(|colour| colour.is_serial),
-        }
+        ContactShape { colours: self.blocks.colours.len(), has_uneven: self.has_uneven() }
     }
 
     /// Calls `act` with the indices, the colour and the kind of each contact of the step.
@@ -369,16 +376,14 @@ impl Contacts {
     }
 
     /// Counts the contacts of each kind of each colour.
-    fn count(&mut self) -> Counts {
-        let mut counts = [[0usize; KINDS]; COLOURS + 1];
-        for (&colour, kind) in self.colours.iter().zip(&mut self.kinds) {
-            if *kind == UNSOLVED {
-                continue;
+    fn count(&self) -> Counts {
+        let mut counts = [[0usize; KINDS]; COLOURS];
+        for (&colour, &kind) in self.colours.iter().zip(&self.kinds) {
+            if kind != UNSOLVED
+                && let Some(kinds) = counts.get_mut(usize::from(colour))
+            {
+                kinds[usize::from(kind)] += 1;
             }
-            if colour == COLOURS as u8 && *kind == FAR_KIND as u8 {
-                *kind = NEAR_KIND as u8;
-            }
-            counts[usize::from(colour)][usize::from(*kind)] += 1;
         }
         counts
     }

@@ -7,6 +7,7 @@ mod cells;
 mod cuts;
 mod group;
 mod records;
+mod rounds;
 mod scale;
 
 use std::sync::Mutex;
@@ -18,6 +19,7 @@ pub use cells::{CircleBlocks, Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records, record_fields};
+pub use rounds::Link;
 pub use scale::{CELLS, Scale, read_samples, sample_positions};
 
 /// The data that a sub-step exchanges with other ranks.

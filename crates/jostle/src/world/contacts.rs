@@ -3,6 +3,7 @@
 
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
+use crate::contacts::Sequential;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -20,7 +21,7 @@ impl World {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, scratch, contacts, .. } = self;
+        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
         let StepScratch { tree, pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
@@ -28,7 +29,12 @@ impl World {
             find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
         }
         let lists = if may_rest { pairs } else { &scratch.overlaps };
-        contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+        let divide = |contacts: &mut Vec<Sequential>| match domain {
+            None => Ok(usize::from(!contacts.is_empty())),
+            Some(domain) => domain.divide(contacts, moving, rows),
+        };
+        let (of, restitution) = ((&*particles, &moving[..]), settings.restitution);
+        contacts.collect(lists, of, restitution, tree.rows(), divide, threads)?;
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
