@@ -222,27 +222,25 @@ fn particles_with_many_neighbours_have_the_bits_of_one_process() {
     let torus = Container::Torus { size: [72.0; 2] };
     for container in [container, torus] {
         for size in [2, 3] {
-            check(&fast, WorldSettings { container, ..settings }, size, 2);
+            check(&fast, WorldSettings { container, ..settings }, size, 1);
         }
     }
     // Small discs, some of them heavy, on a large one.
     let small = |k: usize| {
-        let angle = k as f32 * 0.018;
-        [40.1 * angle.cos(), 40.1 * angle.sin()]
+        let angle = k as f32 * 0.045;
+        [16.1 * angle.cos(), 16.1 * angle.sin()]
     };
-    let mut crowd = gas(351);
-    crowd.positions[..350].iter_mut().enumerate().for_each(|(k, at)| *at = small(k));
-    (crowd.positions[350], crowd.velocities[350]) = ([0.0; 2], [1.0, -3.0]);
+    let mut crowd = gas(141);
+    crowd.positions[..140].iter_mut().enumerate().for_each(|(k, at)| *at = small(k));
+    (crowd.positions[140], crowd.velocities[140]) = ([0.0; 2], [1.0, -3.0]);
     crowd.radii.fill(0.36);
     crowd.velocities.iter_mut().flatten().for_each(|v| *v *= 0.1);
     crowd.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
-    (crowd.radii[350], crowd.masses[350]) = (39.8, 3000.0);
-    (0..350).step_by(9).for_each(|row| crowd.masses[row] = 40.0);
-    for moves in [true, false] {
-        crowd.movable[350] = moves;
-        for size in [1, 2, 4] {
-            check(&crowd, settings, size, 3);
-        }
+    (crowd.radii[140], crowd.masses[140]) = (15.8, 3000.0);
+    (0..140).step_by(9).for_each(|row| crowd.masses[row] = 40.0);
+    for (moves, sizes) in [(true, &[1, 3][..]), (false, &[2])] {
+        crowd.movable[140] = moves;
+        sizes.iter().for_each(|&size| _ = check(&crowd, settings, size, 1));
     }
 }
 

@@ -181,10 +181,15 @@ class World:
         self._check_settings(core, _SETTINGS)
         ids = first_id(self._comm, len(core)) + np.arange(len(core))
         core._distribute(self._messages, ids)
+        core._agree_on_losses()
 
     def _check_settings(self, core: Any, names: tuple[str, ...]) -> None:
         """Refuse settings that differ between ranks."""
-        self._check_same(**{name: getattr(core, name) for name in names})
+        values = {name: getattr(core, name) for name in names}
+        if "substeps" in values:
+            # The automatic number depends on the particles of all ranks.
+            values["substeps"] = core._given_substeps()
+        self._check_same(**values)
 
     def _check_same(self, **values: object) -> None:
         """Refuse values that differ between ranks."""
@@ -206,6 +211,7 @@ class World:
         self._check_settings(trial, (name,))
         self._core._drop_ghosts()
         setattr(self._core, name, value)
+        self._core._agree_on_losses()
 
     def step(self, dt: float, steps: int = 1) -> None:
         """Advance the world.
@@ -703,5 +709,6 @@ class World:
             core.threads = threads
         self._core = core
         core._distribute(self._messages, parts[0]["id"].copy())
+        core._agree_on_losses()
         core._set_ids(parts[0]["id"].copy(), end)
         core._take_kept(*kept)

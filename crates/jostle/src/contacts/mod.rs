@@ -13,7 +13,7 @@ use crate::parallel;
 use crate::particles::Particles;
 use crate::simd::LANES;
 use crate::sorting;
-pub use blocks::{Block, Blocks};
+pub use blocks::{Block, Blocks, Colour};
 use colouring::{Colouring, Edge, prioritize};
 use sequence::Sequence;
 pub use sequence::Sequential;

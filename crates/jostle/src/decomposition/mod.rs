@@ -81,6 +81,17 @@ impl Halo<'_> {
         locked(self.group).exchange_known(&to, &sent, &received)
     }
 
+    /// The bits that are set on any rank, in bytes of which other ranks may have more or fewer. Returns an error
+    /// if a rank has failed.
+    pub fn any_of_each(&self, own: &[u8]) -> Result<Vec<u8>> {
+        let mut any = Vec::new();
+        for bytes in locked(self.group).share(own)? {
+            any.resize(any.len().max(bytes.len()), 0);
+            any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
+        }
+        Ok(any)
+    }
+
     /// Whether a condition is true on any rank. Returns an error if a rank has failed.
     pub fn any(&self, own: bool) -> Result<bool> {
         Ok(locked(self.group).sum([u64::from(own)])? != [0])

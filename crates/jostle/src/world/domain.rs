@@ -400,7 +400,7 @@ impl Domain {
             } else {
                 let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
                 let [x, y] = container.minimum_image(offset);
-                (x.hypot(y) * 1.000_01) as f32
+                ((x * x + y * y).sqrt() * 1.000_01) as f32
             };
             let left = of.distance - moved;
             if left < max_displacement {
