@@ -10,11 +10,15 @@ import jostle.mpi
 
 #: Columns that a rank may leave out if its particles have the default value.
 DEFAULTS: dict[str, Any] = {
-    **{"restitution": 1.0, "friction": 0.0, "masses": 1.0, "movable": True, "sensors": False},
+    **{"restitution": 1.0, "friction": 0.0, "movable": True, "sensors": False},
     **{"angles": 0.0, "angular_velocities": 0.0, "categories": 1, "masks": 0xFFFFFFFF},
 }
 
 H = 1 / 60
+
+
+def default_masses(radii: np.ndarray) -> np.ndarray:
+    return (radii.astype(np.float32) ** 2).astype(np.float32)
 
 
 def shares(rng: np.random.Generator, n: int) -> slice:
@@ -31,7 +35,7 @@ def share_of(
     mine = shares(rng, len(columns["positions"]))
     own = {name: column[mine] for name, column in columns.items()}
     random = np.random.default_rng(comm().rank)
-    for name, default in DEFAULTS.items():
+    for name, default in {**DEFAULTS, "masses": default_masses(own["radii"])}.items():
         if name in own and (own[name] == default).all() and random.random() < 0.7:
             del own[name]
     positions, velocities, radii = (own.pop(name) for name in ("positions", "velocities", "radii"))
@@ -64,6 +68,7 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         return np.where(some, values, default)
 
     columns = {"positions": rng.uniform(0, side, (n, 2)), "velocities": velocities, "radii": radii}
+    defaults = {**DEFAULTS, "masses": default_masses(radii)}
     choices = {
         "restitution": rng.choice([0.0, 0.5, 0.9], n),
         "friction": rng.uniform(0, 1, n),
@@ -77,7 +82,7 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     }
     for name, values in choices.items():
         if maybe(0.4):
-            columns[name] = column(DEFAULTS[name], values)
+            columns[name] = column(defaults[name], values)
     settings: dict[str, Any] = {"on_touch": rng.choice(["bounce"] * 5 + ["merge", "ignore"])}
     if settings["on_touch"] == "merge":
         columns.pop("sensors", None)

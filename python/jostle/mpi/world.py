@@ -546,8 +546,9 @@ class World:
         found = self._core.contacts
         movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
         is_reversed = pairs[:, 0] > pairs[:, 1]
-        # A pair belongs to the rank of the movable particle with the smaller id.
-        is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
+        # A pair belongs to the rank of the movable particle, of two to that of the smaller id.
+        are_alike = movable[:, 0] == movable[:, 1]
+        is_second = np.where(are_alike, is_reversed, movable[:, 1])
         owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
         pairs = np.sort(pairs, axis=1)
         is_own = owner < count
