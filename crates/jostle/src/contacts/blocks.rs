@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{COLOURS, Contact, Counts, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
+use super::{COLOURS, Contact, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
 use crate::simd::{LANES, PairIndices, for_each_lane};
 
 /// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the index
@@ -152,7 +152,7 @@ impl Blocks {
     /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with contacts
     /// of uneven masses have blocks of their own, and those in sequence one each: `rounds` has how many
     /// contacts of uneven masses, and how many others, are in each round.
-    pub fn arrange(&mut self, counts: &Counts, rounds: &[[usize; 2]]) -> Lanes {
+    pub fn arrange(&mut self, counts: &[[usize; KINDS]], rounds: &[[usize; 2]]) -> Lanes {
         self.colours.clear();
         let mut lanes = Lanes([[0; KINDS]; COLOURS]);
         let mut end = 0;

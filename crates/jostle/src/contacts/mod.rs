@@ -7,7 +7,6 @@ mod blocks;
 mod colouring;
 mod sequence;
 
-use crate::error::Result;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::Particles;
@@ -72,7 +71,7 @@ const UNSOLVED: u8 = KINDS as u8;
 const NEAR: f32 = 0.1;
 
 /// The number of contacts of each kind of each colour.
-type Counts = [[usize; KINDS]; COLOURS];
+type Counts = Vec<[usize; KINDS]>;
 
 /// Marks lanes without a contact.
 const NONE: u32 = u32::MAX;
@@ -155,10 +154,19 @@ impl Contact {
 /// What the order of solving contacts depends on; the same on all ranks of a distributed world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactShape {
-    /// The number of colours, with the rounds of the contacts that are solved in sequence.
+    /// The number of colours.
     pub colours: usize,
+    /// The number of rounds of the contacts that are solved in sequence.
+    pub rounds: usize,
     /// Whether any particle has a contact of uneven masses.
     pub has_uneven: bool,
+}
+
+impl ContactShape {
+    /// The number of colours and rounds.
+    pub fn stages(&self) -> usize {
+        self.colours + self.rounds
+    }
 }
 
 /// All contacts of a step.
@@ -182,6 +190,7 @@ pub struct Contacts {
     edges: Vec<Edge>,
     colouring: Colouring,
     sequence: Sequence,
+    counts: Counts,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
@@ -213,25 +222,35 @@ impl Previous {
 
 impl Contacts {
     /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
-    /// in the step; `before` gives the index that each had in the previous step's order. `divide`
-    /// divides the contacts that are solved in sequence into rounds, see [`Sequential`].
+    /// in the step. [`Contacts::collect`] follows.
+    pub fn colour(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        (particles, movable): (&Particles, &[bool]),
+        threads: Option<usize>,
+    ) {
+        self.find_uneven(lists, &particles.masses, movable);
+        self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
+        self.list_edges(lists, particles, movable, threads);
+        self.colouring.run(&self.edges, movable, &mut self.colours);
+        self.count();
+        self.sequence.list(lists, &self.colours, &self.kinds);
+    }
+
+    /// Makes the contacts of the pairs. `before` gives the index that each particle had in the previous step's
+    /// order; those that are solved in sequence are in so many `rounds`.
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         (particles, movable): (&Particles, &[bool]),
         restitution: f32,
         before: &[u32],
-        divide: impl FnOnce(&mut Vec<Sequential>) -> Result<usize>,
+        rounds: usize,
         threads: Option<usize>,
-    ) -> Result<()> {
+    ) {
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
-        self.find_uneven(lists, &particles.masses, movable);
-        self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
-        self.list_edges(lists, particles, movable, threads);
-        self.colouring.run(&self.edges, movable, &mut self.colours);
-        let counts = self.count();
-        let rounds = self.sequence.arrange(lists, &self.colours, &mut self.kinds, divide)?;
-        let mut next = self.blocks.arrange(&counts, rounds);
+        let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
+        let mut next = self.blocks.arrange(&self.counts, rounds);
         let mut in_sequence = self.sequence.blocks(&self.blocks);
         self.lanes.clear();
         self.list.clear();
@@ -280,7 +299,11 @@ impl Contacts {
                 block.fill(spare, |lane| contact(sources[lane]));
             }
         });
-        Ok(())
+    }
+
+    /// The contacts that are solved in sequence, of which some may be removed before [`Contacts::collect`].
+    pub fn sequential(&mut self) -> &mut Vec<Sequential> {
+        self.sequence.contacts()
     }
 
     /// Finds the particles that have contacts of uneven masses.
@@ -314,9 +337,13 @@ impl Contacts {
         self.uneven.get(index as usize).is_some_and(|&uneven| uneven)
     }
 
-    /// What the order of solving depends on.
+    /// What the order of solving in one process depends on.
     pub fn shape(&self) -> ContactShape {
-        ContactShape { colours: self.blocks.colours.len(), has_uneven: self.has_uneven() }
+        ContactShape {
+            colours: self.counts.iter().filter(|kinds| **kinds != [0; KINDS]).count(),
+            rounds: usize::from(self.sequence.is_any()),
+            has_uneven: self.has_uneven(),
+        }
     }
 
     /// Calls `act` with the indices, the colour and the kind of each contact of the step.
@@ -376,8 +403,10 @@ impl Contacts {
     }
 
     /// Counts the contacts of each kind of each colour.
-    fn count(&self) -> Counts {
-        let mut counts = [[0usize; KINDS]; COLOURS];
+    fn count(&mut self) {
+        let counts = &mut self.counts;
+        counts.clear();
+        counts.resize(COLOURS, [0; KINDS]);
         for (&colour, &kind) in self.colours.iter().zip(&self.kinds) {
             if kind != UNSOLVED
                 && let Some(kinds) = counts.get_mut(usize::from(colour))
@@ -385,7 +414,6 @@ impl Contacts {
                 kinds[usize::from(kind)] += 1;
             }
         }
-        counts
     }
 
     /// Swaps the lists with those of `other`, except the impulses for warm starting.

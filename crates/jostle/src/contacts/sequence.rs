@@ -5,7 +5,6 @@
 
 use super::blocks::Blocks;
 use super::{COLOURS, NEAR_KIND, UNEVEN_KIND, UNSOLVED};
-use crate::error::Result;
 
 /// A contact that is solved in sequence.
 #[derive(Clone, Copy, Debug)]
@@ -31,47 +30,64 @@ pub struct Sequence {
     rounds: Vec<[usize; 2]>,
     /// The place of each contact in canonical order, among all that are solved in sequence.
     places: Vec<[u32; 2]>,
+    /// Whether there was a contact without a colour.
+    is_any: bool,
 }
 
 impl Sequence {
-    /// Lists the contacts for which there is no colour. `divide` writes their rounds and returns how many there
-    /// are; it may remove contacts, which are then not solved. Returns the numbers of contacts of each round.
-    pub fn arrange(
-        &mut self,
-        lists: &[([f32; 2], Vec<[u32; 2]>)],
-        colours: &[u8],
-        kinds: &mut [u8],
-        divide: impl FnOnce(&mut Vec<Sequential>) -> Result<usize>,
-    ) -> Result<&[[usize; 2]]> {
-        let Self { contacts, rounds, places } = self;
+    /// Lists the contacts for which there is no colour, in one round.
+    pub fn list(&mut self, lists: &[([f32; 2], Vec<[u32; 2]>)], colours: &[u8], kinds: &[u8]) {
+        let contacts = &mut self.contacts;
         contacts.clear();
-        rounds.clear();
-        places.clear();
-        let is_any = colours.iter().fold(false, |any, &colour| any | (colour == COLOURS as u8));
-        let lists = if is_any { lists } else { &[] };
-        let mut first = 0;
-        for (image, (_, pairs)) in (0..).zip(lists) {
-            let colours = colours[first as usize..].iter().zip(&mut kinds[first as usize..]);
-            for ((&indices, (&colour, kind)), at) in pairs.iter().zip(colours).zip(first..) {
-                if usize::from(colour) < COLOURS || *kind == UNSOLVED {
-                    continue;
-                }
-                let is_uneven = *kind == UNEVEN_KIND as u8;
+        self.is_any = colours.iter().fold(false, |any, &colour| any | (colour == COLOURS as u8));
+        if !self.is_any {
+            return;
+        }
+        let pairs = (0..)
+            .zip(lists)
+            .flat_map(|(image, (_, pairs))| pairs.iter().map(move |&indices| (image, indices)));
+        for (((image, indices), at), (&colour, &kind)) in
+            pairs.zip(0..).zip(colours.iter().zip(kinds))
+        {
+            if usize::from(colour) == COLOURS && kind != UNSOLVED {
+                let is_uneven = kind == UNEVEN_KIND as u8;
                 contacts.push(Sequential { indices, image, is_uneven, at, round: 0 });
-                *kind = UNSOLVED;
             }
-            first += pairs.len() as u32;
         }
         contacts.sort_unstable_by_key(|of| (!of.is_uneven, of.at));
-        rounds.resize(divide(contacts)?, [0; 2]);
+    }
+
+    /// The contacts, of which some may be removed before [`Sequence::arrange`].
+    pub fn contacts(&mut self) -> &mut Vec<Sequential> {
+        &mut self.contacts
+    }
+
+    /// Whether any have been listed.
+    pub fn is_any(&self) -> bool {
+        self.is_any
+    }
+
+    /// Puts the contacts in the order in which they are solved. Writes the kind of each, and that of the pairs that
+    /// have been removed; returns the numbers of contacts of each round.
+    pub fn arrange(&mut self, rounds: usize, colours: &[u8], kinds: &mut [u8]) -> &[[usize; 2]] {
+        let Self { contacts, rounds: counts, places, is_any } = self;
+        counts.clear();
+        counts.resize(rounds, [0; 2]);
+        places.clear();
+        if !*is_any {
+            return counts;
+        }
+        for (kind, &colour) in kinds.iter_mut().zip(colours) {
+            *kind = if usize::from(colour) < COLOURS { *kind } else { UNSOLVED };
+        }
         contacts.sort_unstable_by_key(|of| (of.round, !of.is_uneven, of.at));
         for (place, of) in (0..).zip(&*contacts) {
-            rounds[of.round as usize][usize::from(!of.is_uneven)] += 1;
+            counts[of.round as usize][usize::from(!of.is_uneven)] += 1;
             kinds[of.at as usize] = if of.is_uneven { UNEVEN_KIND } else { NEAR_KIND } as u8;
             places.push([of.at, place]);
         }
         places.sort_unstable();
-        Ok(rounds)
+        counts
     }
 
     /// The block of each contact in canonical order.

@@ -136,7 +136,7 @@ impl Sweeps<'_> {
                 Task::Contacts(pass, which) => {
                     let bit = if which == Which::All { 1 } else { 2 };
                     // Another rank may have more colours.
-                    for number in 0..shape.colours {
+                    for number in 0..shape.stages() {
                         if work.is_some_and(|work| work[number] & bit == 0) {
                             continue;
                         }

@@ -3,7 +3,6 @@
 
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
-use crate::contacts::Sequential;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -21,29 +20,29 @@ impl World {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
-        let StepScratch { tree, pairs, moving, events, .. } = scratch;
+        let Self { particles, scratch, contacts, .. } = self;
+        let StepScratch { pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
             let StepScratch { overlaps, overlap_parts, .. } = scratch;
             find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
         }
         let lists = if may_rest { pairs } else { &scratch.overlaps };
-        let divide = |contacts: &mut Vec<Sequential>| match domain {
-            None => Ok(usize::from(!contacts.is_empty())),
-            Some(domain) => domain.divide(contacts, moving, rows),
-        };
-        let (of, restitution) = ((&*particles, &moving[..]), settings.restitution);
-        contacts.collect(lists, of, restitution, tree.rows(), divide, threads)?;
-        let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
-        let Self { particles, scratch, contacts, domain, rows, .. } = self;
-        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
+        contacts.colour(lists, (particles, moving), threads);
+        let (mut shape, mut refinement) = (self.contacts.shape(), self.own_refinement());
+        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
+        let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
         if let Some(domain) = domain {
-            let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            (scratch.contact_shape, scratch.refinement) = domain.shape_of_all(shape, refinement)?;
+            (shape, refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
+            if shape.rounds > 0 {
+                shape.rounds = domain.divide(contacts.sequential(), &scratch.moving, rows)?;
+            }
         }
+        let (of, before) = ((&*particles, &scratch.moving[..]), scratch.tree.rows());
+        contacts.collect(lists, of, settings.restitution, before, shape.rounds, threads);
+        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
         Ok(())
     }
 

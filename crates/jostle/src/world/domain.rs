@@ -341,10 +341,11 @@ impl Domain {
         own: ContactShape,
         refinement: usize,
     ) -> Result<(ContactShape, usize)> {
-        let numbers = [own.colours as f64, f64::from(own.has_uneven), refinement as f64];
-        let [colours, has_uneven, refinement] = locked(&self.group).largest(numbers)?;
-        let [colours, refinement] = [colours, refinement].map(|number| number as usize);
-        Ok((ContactShape { colours, has_uneven: has_uneven > 0.0 }, refinement))
+        let ContactShape { colours, rounds, has_uneven } = own;
+        let numbers = [colours, rounds, usize::from(has_uneven), refinement];
+        let largest = locked(&self.group).largest(numbers.map(|number| number as f64))?;
+        let [colours, rounds, has_uneven, refinement] = largest.map(|number| number as usize);
+        Ok((ContactShape { colours, rounds, has_uneven: has_uneven > 0 }, refinement))
     }
 
     /// Divides the contacts that one process solves in sequence into rounds, in which ranks solve them at the
