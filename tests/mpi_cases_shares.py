@@ -127,7 +127,8 @@ def compare(seed: int, steps: int = 3) -> None:
 
 @up_to(3)
 def test_random_shares() -> None:
-    for seed in range(25):
+    # With more ranks than cores each message takes long.
+    for seed in range(25 if comm().size < 3 else 6):
         compare(seed)
 
 
@@ -200,7 +201,6 @@ def test_fast_discs() -> None:
     check_shared(columns, {"container": jostle.Box(0, 0, width, width), **settings}, 1)
 
 
-@up_to(3)
 def test_a_large_disc_on_small_ones() -> None:
     rng = np.random.default_rng(4)
     n = 5000
@@ -212,4 +212,4 @@ def test_a_large_disc_on_small_ones() -> None:
         "friction": np.full(n + 1, 0.4),
     }
     settings = {"gravity": (0.0, -10.0), "container": jostle.Box(0, 0, 210, 400)}
-    check_shared(columns, {"restitution": 0.3, **settings}, 4)
+    check_shared(columns, {"restitution": 0.3, **settings}, 3)

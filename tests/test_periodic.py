@@ -278,7 +278,7 @@ def test_the_threads_change_nothing() -> None:
 def test_casts_of_any_size_are_those_of_all_images(
     period: tuple[float, float], size: float
 ) -> None:
-    """Moving discs and boxes, also those that are thin, beside a plane with copies of the shapes."""
+    """Moving discs and boxes, also thin ones, beside a plane with copies of the shapes."""
     rng = np.random.default_rng(int(10 * size))
     shortest = min(side for side in period if side)
     n, reach = 7, size * shortest

@@ -74,8 +74,8 @@ class World:
     threads : int, default 1
         Number of threads of each rank; None for all cores.
     **options
-        The other arguments of `jostle.World`; arrays have a row for each particle of this rank,
-        and settings are the same on all ranks.
+        The other arguments of `jostle.World`; arrays have a row for each particle of this rank.
+        Settings are the same on all ranks. A rank may leave out columns that others give.
 
     Raises
     ------
@@ -482,7 +482,10 @@ class World:
         "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
     )
     on_touch = Setting[str]("What happens to particles that touch, see `jostle.World.on_touch`.")
-    substeps = Setting[int | None]("Sub-steps of a step, see `jostle.World.substeps`.")
+    substeps = Setting[int | None](
+        "Sub-steps of a step, see `jostle.World.substeps`. The automatic number is that of the "
+        "particles of all ranks."
+    )
     sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
     track_events = Setting[bool]("Whether `events` are tracked, see `jostle.World.track_events`.")
     method = Setting[str]('How pairs are found: "quadtree" or "brute".')
