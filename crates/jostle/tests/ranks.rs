@@ -214,17 +214,15 @@ fn particles_that_merge_have_the_bits_of_one_process() {
 fn particles_with_many_neighbours_have_the_bits_of_one_process() {
     let gravity = [0.0, 20.0];
     let settings = WorldSettings { gravity, restitution: 0.5, ..WorldSettings::default() };
-    // Discs over a quarter of the area that move by up to twelve radii in a step.
+    // Discs over a quarter of the area, some of which move by 250 radii in a step.
     let mut fast = gas(400);
     fast.positions.iter_mut().for_each(|at| *at = at.map(|v| 1.4 * v));
-    fast.velocities.iter_mut().flatten().for_each(|v| *v *= 48.0);
+    fast.velocities.iter_mut().flatten().for_each(|v| *v *= 10.0);
+    fast.velocities.iter_mut().step_by(7).flatten().for_each(|v| *v *= 101.0);
     (0..400).step_by(5).for_each(|row| fast.movable[row] = false);
     let container = Container::Box { min: [-2.0; 2], max: [70.0; 2] };
-    let torus = Container::Torus { size: [72.0; 2] };
-    for container in [container, torus] {
-        for size in [2, 3] {
-            check(&fast, WorldSettings { container, ..settings }, size, 1);
-        }
+    for size in [2, 3] {
+        check(&fast, WorldSettings { container, ..settings }, size, 1);
     }
     // Small discs, some of them heavy, on a large one.
     let small = |k: usize| {
