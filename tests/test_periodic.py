@@ -271,3 +271,80 @@ def test_the_threads_change_nothing() -> None:
         ids = np.sort(order[moved.ids[moved.offsets[new] : moved.offsets[new + 1]]])
         old = order[new]
         assert np.array_equal(ids, near[0].ids[near[0].offsets[old] : near[0].offsets[old + 1]])
+
+
+@pytest.mark.parametrize("period", [(4.0, 4.0), (3.0, 7.0), (5.0, 0.0), (0.0, 2.0)])
+@pytest.mark.parametrize("size", [0.1, 0.4, 0.5, 0.6, 1.0, 1.7, 4.0, 10.0])
+def test_casts_of_any_size_are_those_of_all_images(
+    period: tuple[float, float], size: float
+) -> None:
+    """Moving discs and boxes, also thin ones, beside a plane with copies of the shapes."""
+    rng = np.random.default_rng(int(10 * size))
+    shortest = min(side for side in period if side)
+    n, reach = 7, size * shortest
+    area = [side or 6.0 for side in period]
+    centers, sizes = rng.uniform(0, area, (n, 2)), rng.uniform(0, 0.3, (n, 2)) * shortest
+    radii = rng.uniform(0, 0.2, n) * shortest
+    boxes = np.hstack([centers - sizes, centers + sizes])
+    tree = jostle.Quadtree(boxes=boxes, radii=radii, period=period)
+    space = jostle.Space(period=period)
+    space.add(boxes=boxes, radii=radii)
+    longest = 1.5 * shortest
+    turns = [
+        np.arange(-k, k + 1) if side else [0]
+        for side in period
+        for k in [int((reach + longest) / (side or 1.0)) + 3]
+    ]
+    shifts = np.stack(np.meshgrid(*turns), -1).reshape(-1, 2) * period
+    copies = jostle.Quadtree(
+        boxes=np.vstack([boxes + np.tile(shift, 2) for shift in shifts]),
+        radii=np.tile(radii, len(shifts)),
+    )
+    count = 40
+    origins, ways = rng.uniform(0, area, (count, 2)), rng.normal(0, 1, (count, 2))
+    ways[:8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1e-9), (1e-9, 1), (1, 1), (-1, 1)]
+    thin = rng.choice([0.0, 0.001, 1.0], (count, 2)) * reach
+    for index in (tree, space):
+        for found, wide in (
+            (
+                index.circle_cast(origins, ways, reach, max_distance=longest),
+                copies.circle_cast(origins, ways, reach, max_distance=longest),
+            ),
+            (
+                index.box_cast(origins, ways, thin, max_distance=longest),
+                copies.box_cast(origins, ways, thin, max_distance=longest),
+            ),
+        ):
+            assert found.distances == pytest.approx(wide.distances, abs=1e-9)
+            inside = wide.distances == 0
+            assert np.array_equal(found.distances == 0, inside)
+            assert np.array_equal(found.normals[inside], np.zeros((inside.sum(), 2)))
+            # Of a shape that several images of it touch at once, copies have another order.
+            sure = ~inside & (wide.ids >= 0)
+            assert np.array_equal(found.ids[sure], wide.ids[sure] % n)
+    first = index.circle_cast(origins, ways, 2 * max(area), max_distance=longest)
+    assert (first.ids == 0).all() or 0 in period
+
+
+@pytest.mark.parametrize("size", [1e5, 1e9, 2.0**32, 1e17])
+def test_casts_of_very_large_shapes_answer_at_once(size: float) -> None:
+    shapes = np.random.default_rng(2).uniform(0, 10, (9, 2))
+    for period in ((10, 10), (10, 0)):
+        space = jostle.Space(period=period)
+        space.add(shapes, 0.5)
+        for index in (space, jostle.Quadtree(shapes, 0.5, period=period)):
+            for one in (
+                index.circle_cast((1, 2), (1, 0), 10 * size, max_distance=1.5),
+                index.box_cast((1, 2), (1, 0), 10 * size, max_distance=1e4),
+            ):
+                assert (one.id, one.distance, one.normal) == (0, 0.0, (0.0, 0.0))
+            # A thin box meets the highest shape below it, although its centre is far away.
+            fall = index.box_cast((3, 30), (0, -1), (10 * size, 0.0), max_distance=40)
+            if period[1] == 0:
+                highest = int(shapes[:, 1].argmax())
+                assert fall.id == highest
+                assert fall.distance == pytest.approx(29.5 - shapes[highest, 1])
+        large = jostle.Quadtree([(5, 5), (2, 2)], 10 * size, period=period)
+        assert large.raycast((1, 2), (1, 0), max_distance=10) == (0, 0.0)
+        hits = large.raycast_all((1, 2), (1, 0), max_distance=10)
+        assert (hits.ids.tolist(), hits.distances.tolist()) == ([0, 1], [0.0, 0.0])

@@ -113,6 +113,9 @@ fn share(all: &Particles, rank: usize, size: usize) -> (Particles, Vec<Id>) {
     particles.masses = rows.iter().map(|&row| all.masses[row]).collect();
     particles.restitutions = rows.iter().map(|&row| all.restitutions[row]).collect();
     particles.movable = rows.iter().map(|&row| all.movable[row]).collect();
+    if all.has_friction() {
+        particles.spins = rows.iter().map(|&row| all.spins[row]).collect();
+    }
     (particles, rows.iter().map(|&row| row as Id).collect())
 }
 
@@ -203,6 +206,40 @@ fn particles_that_merge_have_the_bits_of_one_process() {
         for (size, steps) in [(1, 30), (2, 1), (3, 30), (5, 120)] {
             check(&all, settings, size, steps);
         }
+    }
+}
+
+/// More contacts of a particle than there are colours: each rank has a part of those that are solved in sequence.
+#[test]
+fn particles_with_many_neighbours_have_the_bits_of_one_process() {
+    let gravity = [0.0, 20.0];
+    let settings = WorldSettings { gravity, restitution: 0.5, ..WorldSettings::default() };
+    // Discs over a quarter of the area, some of which move by 250 radii in a step.
+    let mut fast = gas(400);
+    fast.positions.iter_mut().for_each(|at| *at = at.map(|v| 1.4 * v));
+    fast.velocities.iter_mut().flatten().for_each(|v| *v *= 10.0);
+    fast.velocities.iter_mut().step_by(7).flatten().for_each(|v| *v *= 101.0);
+    (0..400).step_by(5).for_each(|row| fast.movable[row] = false);
+    let container = Container::Box { min: [-2.0; 2], max: [70.0; 2] };
+    for size in [2, 3] {
+        check(&fast, WorldSettings { container, ..settings }, size, 1);
+    }
+    // Small discs, some of them heavy, on a large one.
+    let small = |k: usize| {
+        let angle = k as f32 * 0.045;
+        [16.1 * angle.cos(), 16.1 * angle.sin()]
+    };
+    let mut crowd = gas(141);
+    crowd.positions[..140].iter_mut().enumerate().for_each(|(k, at)| *at = small(k));
+    (crowd.positions[140], crowd.velocities[140]) = ([0.0; 2], [1.0, -3.0]);
+    crowd.radii.fill(0.36);
+    crowd.velocities.iter_mut().flatten().for_each(|v| *v *= 0.1);
+    crowd.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
+    (crowd.radii[140], crowd.masses[140]) = (15.8, 3000.0);
+    (0..140).step_by(9).for_each(|row| crowd.masses[row] = 40.0);
+    for (moves, sizes) in [(true, &[1, 3][..]), (false, &[2])] {
+        crowd.movable[140] = moves;
+        sizes.iter().for_each(|&size| _ = check(&crowd, settings, size, 1));
     }
 }
 

@@ -32,6 +32,7 @@ def add(comm: MPI.Intracomm, core: Any, *columns: ArrayLike, **named: Any) -> ND
         core._own_ids()[1] + first_id(comm, len(new)) + np.arange(len(new), dtype=np.int64)
     )
     core._add_records(new._own_records(), ids, int(comm.allreduce(len(new))))
+    core._agree_on_losses()
     return ids
 
 
@@ -42,6 +43,7 @@ def remove(comm: MPI.Intracomm, core: Any, ids: ArrayLike) -> None:
     everything = joined(comm, own)
     _check(comm, core, everything)
     core._remove_ids(everything)
+    core._agree_on_losses()
 
 
 def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> None:
@@ -68,6 +70,7 @@ def change(comm: MPI.Intracomm, core: Any, ids: ArrayLike, **columns: Any) -> No
     ids_here = core._own_ids()[0]
     rows = rows[np.isin(rows["id"], ids_here)]
     core.set(_rows_of(core, rows["id"]), **{name: rows[name] for name in given})
+    core._agree_on_losses()
 
 
 def accelerate(comm: MPI.Intracomm, core: Any, accelerations: ArrayLike | None) -> None:

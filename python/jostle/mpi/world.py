@@ -74,8 +74,8 @@ class World:
     threads : int, default 1
         Number of threads of each rank; None for all cores.
     **options
-        The other arguments of `jostle.World`; arrays have a row for each particle of this rank,
-        and settings are the same on all ranks.
+        The other arguments of `jostle.World`; arrays have a row for each particle of this rank.
+        Settings are the same on all ranks. A rank may leave out columns that others give.
 
     Raises
     ------
@@ -181,10 +181,15 @@ class World:
         self._check_settings(core, _SETTINGS)
         ids = first_id(self._comm, len(core)) + np.arange(len(core))
         core._distribute(self._messages, ids)
+        core._agree_on_losses()
 
     def _check_settings(self, core: Any, names: tuple[str, ...]) -> None:
         """Refuse settings that differ between ranks."""
-        self._check_same(**{name: getattr(core, name) for name in names})
+        values = {name: getattr(core, name) for name in names}
+        if "substeps" in values:
+            # The automatic number depends on the particles of all ranks.
+            values["substeps"] = core._given_substeps()
+        self._check_same(**values)
 
     def _check_same(self, **values: object) -> None:
         """Refuse values that differ between ranks."""
@@ -206,6 +211,7 @@ class World:
         self._check_settings(trial, (name,))
         self._core._drop_ghosts()
         setattr(self._core, name, value)
+        self._core._agree_on_losses()
 
     def step(self, dt: float, steps: int = 1) -> None:
         """Advance the world.
@@ -476,7 +482,10 @@ class World:
         "The forces. A `PairForce` has the kinds of the rank's particles, in the order of `ids`."
     )
     on_touch = Setting[str]("What happens to particles that touch, see `jostle.World.on_touch`.")
-    substeps = Setting[int | None]("Sub-steps of a step, see `jostle.World.substeps`.")
+    substeps = Setting[int | None](
+        "Sub-steps of a step, see `jostle.World.substeps`. The automatic number is that of the "
+        "particles of all ranks."
+    )
     sleeping = Setting[bool]("Whether islands that rest may fall asleep.")
     track_events = Setting[bool]("Whether `events` are tracked, see `jostle.World.track_events`.")
     method = Setting[str]('How pairs are found: "quadtree" or "brute".')
@@ -540,8 +549,9 @@ class World:
         found = self._core.contacts
         movable, pairs = self._core.movable[found.pairs], ids[found.pairs]
         is_reversed = pairs[:, 0] > pairs[:, 1]
-        # A pair belongs to the rank of the movable particle with the smaller id.
-        is_second = np.where(movable.all(axis=1), is_reversed, movable[:, 1])
+        # A pair belongs to the rank of the movable particle, of two to that of the smaller id.
+        are_alike = movable[:, 0] == movable[:, 1]
+        is_second = np.where(are_alike, is_reversed, movable[:, 1])
         owner = np.where(is_second, found.pairs[:, 1], found.pairs[:, 0])
         pairs = np.sort(pairs, axis=1)
         is_own = owner < count
@@ -702,5 +712,6 @@ class World:
             core.threads = threads
         self._core = core
         core._distribute(self._messages, parts[0]["id"].copy())
+        core._agree_on_losses()
         core._set_ids(parts[0]["id"].copy(), end)
         core._take_kept(*kept)

@@ -38,6 +38,16 @@ impl PyWorld {
         self.state(py)?.world.check_distributable().map_err(refused)
     }
 
+    /// The number of sub-steps that was given, or None. For `jostle.mpi`.
+    fn _given_substeps(&self, py: Python<'_>) -> PyResult<Option<usize>> {
+        Ok(self.rules(py)?.substeps)
+    }
+
+    /// Find out what the automatic number of sub-steps depends on. For `jostle.mpi`.
+    fn _agree_on_losses(&self, py: Python<'_>) -> PyResult<()> {
+        self.long(py, |state| state.world.agree_on_losses())?.map_err(refused)
+    }
+
     /// Make a step of a distributed world. For `jostle.mpi`.
     fn _step_distributed(&self, py: Python<'_>, dt: f64) -> PyResult<()> {
         let done = detached(py, || {

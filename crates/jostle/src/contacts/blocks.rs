@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{COLOURS, Contact, Counts, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
+use super::{COLOURS, Contact, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
 use crate::simd::{LANES, PairIndices, for_each_lane};
 use crate::tolerance::{are_uneven, gap};
 use crate::trajectory::{Vector, vector};
@@ -157,16 +157,14 @@ pub struct Blocks {
 }
 
 /// The lane of the next contact of each kind of each colour, counted over all blocks.
-pub struct Lanes([[usize; KINDS]; COLOURS + 1]);
+pub struct Lanes([[usize; KINDS]; COLOURS]);
 
 impl Lanes {
     /// A lane for a contact.
     #[inline(always)]
     pub fn take(&mut self, [colour, kind]: [u8; 2]) -> usize {
-        let colour = usize::from(colour);
-        let lane = &mut self.0[colour][usize::from(kind)];
-        let width = if colour == COLOURS { LANES } else { 1 };
-        std::mem::replace(lane, *lane + width)
+        let lane = &mut self.0[usize::from(colour)][usize::from(kind)];
+        std::mem::replace(lane, *lane + 1)
     }
 }
 
@@ -178,23 +176,28 @@ impl Blocks {
     }
 
     /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with contacts
-    /// of uneven masses have blocks of their own, and those in sequence one each.
-    pub fn arrange(&mut self, counts: &Counts) -> Lanes {
+    /// of uneven masses have blocks of their own, and those in sequence one each: `rounds` has how many
+    /// contacts of uneven masses, and how many others, are in each round.
+    pub fn arrange(&mut self, counts: &[[usize; KINDS]], rounds: &[[usize; 2]]) -> Lanes {
         self.colours.clear();
-        let mut lanes = Lanes([[0; KINDS]; COLOURS + 1]);
+        let mut lanes = Lanes([[0; KINDS]; COLOURS]);
         let mut end = 0;
-        for (colour, kinds) in counts.iter().enumerate() {
-            let (start, is_serial) = (end, colour == COLOURS);
-            let most = if is_serial { 1 } else { LANES };
+        for (kinds, lanes) in counts.iter().zip(&mut lanes.0) {
+            let start = end;
             let first = |block: usize| block * LANES;
-            let uneven_end = start + kinds[UNEVEN_KIND].div_ceil(most);
-            lanes.0[colour][UNEVEN_KIND] = first(start);
-            lanes.0[colour][NEAR_KIND] = first(uneven_end);
-            lanes.0[colour][FAR_KIND] = first(uneven_end) + kinds[NEAR_KIND];
-            end = uneven_end + (kinds[NEAR_KIND] + kinds[FAR_KIND]).div_ceil(most);
+            let uneven_end = start + kinds[UNEVEN_KIND].div_ceil(LANES);
+            lanes[UNEVEN_KIND] = first(start);
+            lanes[NEAR_KIND] = first(uneven_end);
+            lanes[FAR_KIND] = first(uneven_end) + kinds[NEAR_KIND];
+            end = uneven_end + (kinds[NEAR_KIND] + kinds[FAR_KIND]).div_ceil(LANES);
             if start < end {
-                self.colours.push(Colour { start, uneven_end, end, is_serial });
+                self.colours.push(Colour { start, uneven_end, end, is_serial: false });
             }
+        }
+        for [uneven, others] in rounds {
+            let (start, uneven_end) = (end, end + uneven);
+            end = uneven_end + others;
+            self.colours.push(Colour { start, uneven_end, end, is_serial: true });
         }
         self.list.resize(end, Block::default());
         lanes

@@ -5,6 +5,7 @@
 
 mod blocks;
 mod colouring;
+mod sequence;
 
 use crate::motion::Motions;
 use crate::parallel;
@@ -12,8 +13,10 @@ use crate::particles::Particles;
 use crate::simd::LANES;
 use crate::sorting;
 use crate::tolerance::{gap, size_of};
-pub use blocks::{Block, Blocks};
+pub use blocks::{Block, Blocks, Colour};
 use colouring::{Colouring, Edge, prioritize};
+use sequence::Sequence;
+pub use sequence::Sequential;
 
 /// Colours of the contacts of a particle at most; its other contacts are solved in sequence.
 pub const COLOURS: usize = 64;
@@ -71,7 +74,7 @@ const UNSOLVED: u8 = KINDS as u8;
 const NEAR: f32 = 0.1;
 
 /// The number of contacts of each kind of each colour.
-type Counts = [[usize; KINDS]; COLOURS + 1];
+type Counts = Vec<[usize; KINDS]>;
 
 /// Marks lanes without a contact.
 const NONE: u32 = u32::MAX;
@@ -156,10 +159,17 @@ impl Contact {
 pub struct ContactShape {
     /// The number of colours.
     pub colours: usize,
+    /// The number of rounds of the contacts that are solved in sequence.
+    pub rounds: usize,
     /// Whether any particle has a contact of uneven masses.
     pub has_uneven: bool,
-    /// Whether any particle has more contacts than there are colours.
-    pub is_serial: bool,
+}
+
+impl ContactShape {
+    /// The number of colours and rounds.
+    pub fn stages(&self) -> usize {
+        self.colours + self.rounds
+    }
 }
 
 /// All contacts of a step.
@@ -182,6 +192,8 @@ pub struct Contacts {
     unsorted: Vec<Contact>,
     edges: Vec<Edge>,
     colouring: Colouring,
+    sequence: Sequence,
+    counts: Counts,
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
@@ -213,23 +225,36 @@ impl Previous {
 
 impl Contacts {
     /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
-    /// in the step; `before` gives the index that each had in the previous step's order.
-    pub fn collect(
+    /// in the step. [`Contacts::collect`] follows.
+    pub fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        particles: &Particles,
-        movable: &[bool],
-        restitution: f32,
-        before: &[u32],
+        (particles, movable): (&Particles, &[bool]),
         threads: Option<usize>,
     ) {
-        let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         self.find_uneven(lists, &particles.masses, movable);
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
         self.list_edges(lists, particles, movable, threads);
         self.colouring.run(&self.edges, movable, &mut self.colours);
-        let counts = self.count();
-        let mut next = self.blocks.arrange(&counts);
+        self.count();
+        self.sequence.list(lists, &self.colours, &self.kinds);
+    }
+
+    /// Makes the contacts of the pairs. `before` gives the index that each particle had in the previous step's
+    /// order; those that are solved in sequence are in so many `rounds`.
+    pub fn collect(
+        &mut self,
+        lists: &[([f32; 2], Vec<[u32; 2]>)],
+        (particles, movable): (&Particles, &[bool]),
+        restitution: f32,
+        before: &[u32],
+        rounds: usize,
+        threads: Option<usize>,
+    ) {
+        let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
+        let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
+        let mut next = self.blocks.arrange(&self.counts, rounds);
+        let mut in_sequence = self.sequence.blocks(&self.blocks);
         self.lanes.clear();
         self.list.clear();
         self.sources.clear();
@@ -240,7 +265,11 @@ impl Contacts {
                 if kind == UNSOLVED {
                     continue;
                 }
-                let lane = next.take([colour, kind]);
+                let lane = if usize::from(colour) < COLOURS {
+                    next.take([colour, kind])
+                } else {
+                    in_sequence.next().unwrap_or_default() * LANES
+                };
                 self.lanes.push(lane as u32);
                 self.sources[lane] = [which, pair];
             }
@@ -276,6 +305,11 @@ impl Contacts {
         });
     }
 
+    /// The contacts that are solved in sequence, of which some may be removed before [`Contacts::collect`].
+    pub fn sequential(&mut self) -> &mut Vec<Sequential> {
+        self.sequence.contacts()
+    }
+
     /// Finds the particles that have contacts of uneven masses.
     fn find_uneven(
         &mut self,
@@ -307,12 +341,12 @@ impl Contacts {
         self.uneven.get(index as usize).is_some_and(|&uneven| uneven)
     }
 
-    /// What the order of solving depends on.
+    /// What the order of solving in one process depends on.
     pub fn shape(&self) -> ContactShape {
         ContactShape {
-            colours: self.blocks.colours.len(),
+            colours: self.counts.iter().filter(|kinds| **kinds != [0; KINDS]).count(),
+            rounds: usize::from(self.sequence.is_any()),
             has_uneven: self.has_uneven(),
-            is_serial: self.blocks.colours.iter().any(|colour| colour.is_serial),
         }
     }
 
@@ -373,18 +407,17 @@ impl Contacts {
     }
 
     /// Counts the contacts of each kind of each colour.
-    fn count(&mut self) -> Counts {
-        let mut counts = [[0usize; KINDS]; COLOURS + 1];
-        for (&colour, kind) in self.colours.iter().zip(&mut self.kinds) {
-            if *kind == UNSOLVED {
-                continue;
+    fn count(&mut self) {
+        let counts = &mut self.counts;
+        counts.clear();
+        counts.resize(COLOURS, [0; KINDS]);
+        for (&colour, &kind) in self.colours.iter().zip(&self.kinds) {
+            if kind != UNSOLVED
+                && let Some(kinds) = counts.get_mut(usize::from(colour))
+            {
+                kinds[usize::from(kind)] += 1;
             }
-            if colour == COLOURS as u8 && *kind == FAR_KIND as u8 {
-                *kind = NEAR_KIND as u8;
-            }
-            counts[usize::from(colour)][usize::from(*kind)] += 1;
         }
-        counts
     }
 
     /// Swaps the lists with those of `other`, except the impulses for warm starting.

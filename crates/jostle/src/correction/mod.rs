@@ -9,7 +9,7 @@ mod pairs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::contacts::Contacts;
+use crate::contacts::{Colour, Contacts};
 use crate::container::Container;
 use crate::decomposition::Halo;
 use crate::error::Result;
@@ -120,13 +120,13 @@ impl Correction {
         if colours == 0 {
             return Ok(());
         }
-        if let Some(halo) = halo {
-            // No rank has failed.
-            halo.any(false)?;
-        }
         self.measure(contacts, motions, &particles.radii, threads);
         self.free_squares.resize(particles.len() + 1);
-        if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {
+        let near = halo.map(|halo| halo.any_of_each(&self.near_colours(contacts))).transpose()?;
+        if near.as_ref().is_some_and(|near| near.iter().all(|&is_near| is_near == 0)) {
+            return Ok(());
+        }
+        if !self.separate_all(contacts, &enclosure, (colours, halo, near), threads)? {
             return Ok(());
         }
         let displacements = &self.displacements;
@@ -171,12 +171,18 @@ impl Correction {
         });
     }
 
+    /// For each colour, whether any pairs are near.
+    fn near_colours(&self, contacts: &Contacts) -> Vec<u8> {
+        let any = |colour: &Colour| self.blocks[colour.all()].iter().any(Block::is_near);
+        contacts.blocks.colours.iter().map(|colour| u8::from(any(colour))).collect()
+    }
+
     /// Moves all overlapping pairs apart, in iterations. Returns whether there were any.
     fn separate_all(
         &mut self,
         contacts: &Contacts,
         enclosure: &Enclosure<'_>,
-        (colours, halo): (usize, Option<Halo<'_>>),
+        (colours, halo, near): (usize, Option<Halo<'_>>, Option<Vec<u8>>),
         threads: Option<usize>,
     ) -> Result<bool> {
         let len = enclosure.particles.len();
@@ -185,7 +191,9 @@ impl Correction {
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
         let Self { displacements, free_squares, blocks, moved_many, .. } = &*self;
         let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
-        let stages = Stages { contacts, blocks, displacements, inside: &inside, colours, halo };
+        let near = near.as_deref();
+        let stages =
+            Stages { contacts, blocks, displacements, inside: &inside, colours, halo, near };
         let failed = Mutex::new(Ok(()));
         let run = |member: &Member<'_>| -> Result<()> {
             let mut knows_free = false;
@@ -230,6 +238,8 @@ struct Stages<'a, I> {
     inside: &'a I,
     colours: usize,
     halo: Option<Halo<'a>>,
+    /// Whether any ranks have pairs of each colour that are near.
+    near: Option<&'a [u8]>,
 }
 
 impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
@@ -243,6 +253,9 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
     ) -> Result<()> {
         let Self { contacts, displacements, inside, .. } = *self;
         for number in 0..self.colours {
+            if self.near.is_some_and(|near| near[number] == 0) {
+                continue;
+            }
             // Another rank may have more colours.
             if let Some(colour) = contacts.blocks.colours.get(number) {
                 let blocks = &self.blocks[colour.all()];

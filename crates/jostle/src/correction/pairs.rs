@@ -56,6 +56,11 @@ impl Block {
         block
     }
 
+    /// Whether any pair is near.
+    pub fn is_near(&self) -> bool {
+        self.near > 0
+    }
+
     /// Notes in the contacts which overlapped.
     pub fn store(&self, to: &mut contacts::Block) {
         to.touched |= self.overlapped;

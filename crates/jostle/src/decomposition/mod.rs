@@ -7,6 +7,7 @@ mod cells;
 mod cuts;
 mod group;
 mod records;
+mod rounds;
 mod scale;
 
 use std::sync::Mutex;
@@ -18,6 +19,7 @@ pub use cells::{CircleBlocks, Grid, Marks, Near};
 pub use cuts::{SAMPLES, cuts, key, sample};
 pub use group::{Communicator, Group, Traffic};
 pub use records::{RECORD, put_record, read_records, record_fields};
+pub use rounds::Link;
 pub use scale::{CELLS, Scale, read_samples, sample_positions};
 
 /// The data that a sub-step exchanges with other ranks.
@@ -77,6 +79,17 @@ impl Halo<'_> {
         let mut to = Vec::with_capacity(sent.iter().sum());
         self.sent.iter().flatten().for_each(|&index| put(index, &mut to));
         locked(self.group).exchange_known(&to, &sent, &received)
+    }
+
+    /// The bits that are set on any rank, in bytes of which other ranks may have more or fewer. Returns an error
+    /// if a rank has failed.
+    pub fn any_of_each(&self, own: &[u8]) -> Result<Vec<u8>> {
+        let mut any = Vec::new();
+        for bytes in locked(self.group).share(own)? {
+            any.resize(any.len().max(bytes.len()), 0);
+            any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
+        }
+        Ok(any)
     }
 
     /// Whether a condition is true on any rank. Returns an error if a rank has failed.

@@ -162,17 +162,24 @@ pub trait RayPath<T: Scalar>: Sized {
 
 /// The images of a ray that may hit shapes within `bounds`, as multiples of the period: in columns
 /// along x, in the order in which the ray passes them; for each, all that its part there may hit.
+///
+/// Of the images of a shape, that with the nearest centre is hit first, because shapes are convex
+/// and symmetric. It is at most half a period away along each axis, so sizes beyond that add none.
 fn images<T: Scalar>(
     ray: &Ray<T>,
     period: &Period<T>,
     bounds: &Bounds<T>,
 ) -> impl Iterator<Item = [f64; 2]> {
     let ray64 = |axis: usize| (ray.origin[axis].to_f64(), ray.direction[axis].to_f64());
+    let (sides, length) = (period.sides().map(T::to_f64), ray.max_distance.to_f64());
     let extent = |axis: usize| {
         let grown = bounds.half_size[axis] + ray.half_size[axis] + (bounds.radius + ray.radius);
-        [(bounds.min[axis] - grown).to_f64(), (bounds.max[axis] + grown).to_f64()]
+        let (low, high) =
+            ((bounds.min[axis] - grown).to_f64(), (bounds.max[axis] + grown).to_f64());
+        let side = sides[axis];
+        // Centres are in the first period.
+        if side > 0.0 { [low.max(-0.5 * side), high.min(1.5 * side)] } else { [low, high] }
     };
-    let (sides, length) = (period.sides().map(T::to_f64), ray.max_distance.to_f64());
     let (columns, rows) = (extent(0), extent(1));
     // The images whose shapes are passed between two distances. One more on either side contains
     // all rounding errors.

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use super::pairs::{Block, Pass, Sweep};
 use super::walls::Walls;
 use super::{Support, friction, sum};
-use crate::contacts::Contacts;
+use crate::contacts::{self, Contacts};
 use crate::error::Result;
 use crate::interrupt::Stop;
 use crate::motion::{Scalars, Vectors};
@@ -63,13 +63,29 @@ impl Sweeps<'_> {
     /// Finds the impulses, and the velocities with them.
     pub fn run(self) -> Result<()> {
         let Support { threads, halo, .. } = *self.all.scene;
-        let own = self.has_fast || self.walls.iter().any(Walls::is_fast);
-        let has_fast = halo.map_or(Ok(own), |halo| halo.any(own))?;
-        if halo.is_none() && parallel::is_parallel(threads) {
-            self.run_together(has_fast)
-        } else {
-            self.run_alone(has_fast)
+        let has_fast = self.has_fast || self.walls.iter().any(Walls::is_fast);
+        match halo {
+            Some(halo) => {
+                let of_all = halo.any_of_each(&self.work_of_colours(has_fast))?;
+                let (&has_fast, colours) = of_all.split_first().unwrap_or((&0, &[]));
+                self.run_alone(has_fast > 0, Some(colours))
+            }
+            None if parallel::is_parallel(threads) => self.run_together(has_fast),
+            None => self.run_alone(has_fast, None),
         }
+    }
+
+    /// Whether there are fast contacts, and for each colour a bit if any contacts rest, and one if any of uneven
+    /// masses do.
+    fn work_of_colours(&self, has_fast: bool) -> Vec<u8> {
+        let any = |blocks: &[Block]| u8::from(blocks.iter().any(|block| block.resting > 0));
+        let work = |colour: &contacts::Colour| {
+            any(&self.blocks[colour.all()]) | any(&self.blocks[colour.uneven()]) << 1
+        };
+        [u8::from(has_fast)]
+            .into_iter()
+            .chain(self.contacts.blocks.colours.iter().map(work))
+            .collect()
     }
 
     /// The tasks in their order.
@@ -102,8 +118,9 @@ impl Sweeps<'_> {
         iterate(Pass::Exact, All)
     }
 
-    /// Solves all contacts on this thread, in a distributed world together with other ranks.
-    fn run_alone(self, has_fast: bool) -> Result<()> {
+    /// Solves all contacts on this thread, in a distributed world together with other ranks, of which any have
+    /// `work` in each colour.
+    fn run_alone(self, has_fast: bool, work: Option<&[u8]>) -> Result<()> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
         let State { scene, .. } = all;
         let (stop, shape) = (Stop::current(), scene.shape);
@@ -117,8 +134,12 @@ impl Sweeps<'_> {
             }
             match task {
                 Task::Contacts(pass, which) => {
+                    let bit = if which == Which::All { 1 } else { 2 };
                     // Another rank may have more colours.
-                    for number in 0..shape.colours {
+                    for number in 0..shape.stages() {
+                        if work.is_some_and(|work| work[number] & bit == 0) {
+                            continue;
+                        }
                         if !std::mem::replace(&mut is_current, false) {
                             all.refresh()?;
                         }

@@ -27,8 +27,8 @@ impl World {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, scratch, contacts, .. } = self;
-        let StepScratch { tree, pairs, moving, events, .. } = scratch;
+        let Self { particles, scratch, contacts, .. } = self;
+        let StepScratch { pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
             let StepScratch { overlaps, overlap_parts, .. } = scratch;
@@ -36,17 +36,22 @@ impl World {
         }
         interrupt::check()?;
         let lists = if may_rest { pairs } else { &scratch.overlaps };
-        contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+        contacts.colour(lists, (particles, moving), threads);
         interrupt::check()?;
-        let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
-        let Self { particles, scratch, contacts, domain, rows, .. } = self;
-        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
+        let (mut shape, mut refinement) = (self.contacts.shape(), self.own_refinement());
+        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
+        let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
         if let Some(domain) = domain {
-            let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            (scratch.contact_shape, scratch.refinement) = domain.shape_of_all(shape, refinement)?;
+            (shape, refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
+            if shape.rounds > 0 {
+                shape.rounds = domain.divide(contacts.sequential(), &scratch.moving, rows)?;
+            }
         }
+        let (of, before) = ((&*particles, &scratch.moving[..]), scratch.tree.rows());
+        contacts.collect(lists, of, settings.restitution, before, shape.rounds, threads);
+        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
         Ok(())
     }
 

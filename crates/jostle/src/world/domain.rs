@@ -13,10 +13,10 @@ use super::asleep::Asleep;
 use super::carried::Resting;
 use super::islands::SleepingContact;
 use super::search::Lists;
-use crate::contacts::{ContactShape, Contacts};
+use crate::contacts::{ContactShape, Contacts, Sequential};
 use crate::container::Container;
-use crate::decomposition::{Group, Halo, Scale, digest};
-use crate::error::{Error, Result};
+use crate::decomposition::{Group, Halo, Link, Scale, digest};
+use crate::error::Result;
 use crate::parallel::locked;
 use crate::particles::Particles;
 use crate::space::Id;
@@ -341,16 +341,34 @@ impl Domain {
         own: ContactShape,
         refinement: usize,
     ) -> Result<(ContactShape, usize)> {
-        let flags = [own.has_uneven, own.is_serial].map(f64::from);
-        let numbers = [own.colours as f64, flags[0], flags[1], refinement as f64];
-        let [colours, has_uneven, is_serial, refinement] = locked(&self.group).largest(numbers)?;
-        if is_serial > 0.0 {
-            let rule = "one of a distributed world may have contacts with 64 others at most";
-            return Err(Error::of("radii", "those of a particle with many contacts", rule));
-        }
-        let [colours, refinement] = [colours, refinement].map(|number| number as usize);
-        let has_uneven = has_uneven > 0.0;
-        Ok((ContactShape { colours, has_uneven, is_serial: false }, refinement))
+        let ContactShape { colours, rounds, has_uneven } = own;
+        let numbers = [colours, rounds, usize::from(has_uneven), refinement];
+        let largest = locked(&self.group).largest(numbers.map(|number| number as f64))?;
+        let [colours, rounds, has_uneven, refinement] = largest.map(|number| number as usize);
+        Ok((ContactShape { colours, rounds, has_uneven: has_uneven > 0 }, refinement))
+    }
+
+    /// Divides the contacts that one process solves in sequence into rounds, in which ranks solve them at the
+    /// same time; returns how many there are. Removes those that other ranks solve.
+    pub(super) fn divide(
+        &self,
+        contacts: &mut Vec<Sequential>,
+        moving: &[bool],
+        rows: &[u32],
+    ) -> Result<usize> {
+        let is_own = |&index: &u32| moving[index as usize] && self.owns(rows[index as usize]);
+        contacts.retain(|of| of.indices.iter().any(is_own));
+        let rank =
+            |index: u32| moving[index as usize].then(|| self.rank_of(rows[index as usize]) as u32);
+        let link = |of: &Sequential| Link {
+            ids: of.indices.map(|index| self.id(rows[index as usize])),
+            image: of.image,
+            ranks: of.indices.map(rank),
+        };
+        let links: Vec<Link> = contacts.iter().map(link).collect();
+        let (rounds, count) = self.halo().rounds(&links)?;
+        contacts.iter_mut().zip(rounds).for_each(|(of, round)| of.round = round);
+        Ok(count)
     }
 
     /// Writes how far own particles may get from where they are before they leave the circles that other
@@ -383,7 +401,7 @@ impl Domain {
             } else {
                 let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
                 let [x, y] = container.minimum_image(offset);
-                (x.hypot(y) * 1.000_01) as f32
+                ((x * x + y * y).sqrt() * 1.000_01) as f32
             };
             let left = of.distance - moved;
             if left < max_displacement {

@@ -3,6 +3,7 @@
 use super::World;
 use crate::error::Result;
 use crate::parallel::locked;
+use crate::particles::Particles;
 use crate::quadtree::extent_of;
 
 impl World {
@@ -63,6 +64,25 @@ impl World {
             }
         };
         self.largest_of_all(most.map(f64::from))
+    }
+
+    /// Finds out whether any rank has collisions that lose energy, on which the automatic number of sub-steps
+    /// depends. All ranks call it after a change.
+    pub fn agree_on_losses(&mut self) -> Result<()> {
+        let Some(domain) = &self.domain else { return Ok(()) };
+        let Particles { restitutions, spins, .. } = &self.particles;
+        let is_lossy = |index: usize| {
+            restitutions[index] != 1.0 || spins.get(index).is_some_and(|spin| spin.friction > 0.0)
+        };
+        let own = (0..).zip(&self.rows).filter(|(_, row)| domain.owns(**row));
+        let is_lossy = self.settings.restitution != 1.0
+            || !self.walls.are_elastic()
+            || own.map(|of| of.0).any(is_lossy);
+        let is_lossy = self.any_of_all(is_lossy)?;
+        if let Some(domain) = &mut self.domain {
+            domain.is_lossless = !is_lossy;
+        }
+        Ok(())
     }
 
     /// Finds out what the particles that are awake require on all ranks, and how many these are.

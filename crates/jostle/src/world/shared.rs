@@ -262,7 +262,7 @@ impl World {
             let Some(of) = domain.announced.get(row as usize) else { continue };
             let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
             let [x, y] = settings.container.minimum_image(offset);
-            let distance = x.hypot(y) as f32 * 1.000_01 + half_cutoff;
+            let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
             if distance > of.distance {
                 domain.far.push((row, distance));
             }

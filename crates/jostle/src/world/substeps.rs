@@ -263,7 +263,7 @@ impl World {
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let boundaries = (&settings.container, walls);
         let halo = domain.as_ref().map(|domain| domain.halo());
-        let shared = (scratch.contact_shape.colours, halo);
+        let shared = (scratch.contact_shape.stages(), halo);
         correction.run(&self.contacts, motions, particles, boundaries, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
         Ok(())

@@ -91,7 +91,8 @@ impl World {
         for (index, &limit) in scratch.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (scratch.motions.position(index as u32), particles.positions[index]);
-            let distance = f64::from(x - u).hypot(f64::from(y - v));
+            let [x, y] = [x - u, y - v].map(f64::from);
+            let distance = (x * x + y * y).sqrt();
             if distance > f64::from(limit) {
                 outside_limits.push((index as u32, distance));
             }

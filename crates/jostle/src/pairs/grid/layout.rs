@@ -77,7 +77,7 @@ impl Layout {
         let per_unit = [1.0 / (least[0] * width), 1.0 / (least[1] * height)];
         let columns = (along * per_unit[0]) as usize + 2;
         let rows = (across * per_unit[1]) as usize + 2;
-        let row_bits = (rows as f64 * BAND / len as f64).max(1.0).log2() as u32;
+        let row_bits = ((rows as f64 * BAND / len as f64) as usize).max(1).ilog2();
         let row_bits = row_bits.min(rows.next_power_of_two().ilog2());
         let row_bits = row_bits.max(rows.div_ceil(1 << MAX_BAND_BITS).next_power_of_two().ilog2());
         let bands = rows.div_ceil(1 << row_bits);
