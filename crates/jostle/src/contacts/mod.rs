@@ -215,11 +215,11 @@ impl Contacts {
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
         particles: &Particles,
-        movable: &[bool],
         restitution: f32,
         before: &[u32],
         threads: Option<usize>,
     ) {
+        let movable = &particles.movable;
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         self.find_uneven(lists, &particles.masses, movable);
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());

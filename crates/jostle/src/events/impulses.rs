@@ -38,12 +38,68 @@ pub const MAX_ITERATIONS: usize = 60;
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
 
+/// The same for contacts of which some touch without approaching. Of rows of discs that are pressed as
+/// many as the square of their length are needed.
+const MAX_JOINT_ITERATIONS: usize = 1000;
+
 /// Directions whose cosine is above this are the same.
 const SAME: f64 = 1.0 - 1e-9;
 
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
+    iterate(MAX_ITERATIONS, touches, velocities, impulses);
+}
+
+/// The same for contacts of which some touch without approaching.
+pub fn apply_jointly(
+    touches: &mut [Touch],
+    velocities: &mut [Vector],
+    impulses: &mut Vec<[f64; 2]>,
+) {
+    iterate(MAX_JOINT_ITERATIONS, touches, velocities, impulses);
+}
+
+/// Divides the approach that is left evenly, if no velocities keep all surfaces from approaching: a disc
+/// between two walls that close in moves with the mean of their velocities, and stays between them. The
+/// velocity of each body is corrected by the mean of what its contacts need (G. Cimmino, *Calcolo
+/// approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938), which converges to the least
+/// sum of squares.
+pub fn share(touches: &[Touch], velocities: &mut [Vector]) {
+    let mut sums = vec![([0.0; 2], 0.0); velocities.len()];
+    for _ in 0..MAX_ITERATIONS {
+        sums.fill(([0.0; 2], 0.0));
+        let mut largest = 0.0f64;
+        for touch in touches {
+            let weight = touch.inverse_masses[0] + touch.inverse_masses[1];
+            let missing = (-touch.separation_speed(velocities)).max(0.0);
+            largest = largest.max(missing);
+            for (which, sign) in [(0, -1.0), (1, 1.0)] {
+                if let Some(body) = touch.bodies[which] {
+                    let by = sign * missing * (touch.inverse_masses[which] / weight);
+                    let (sum, count) = &mut sums[body];
+                    *sum = vector(|k| sum[k] + by * touch.normal[k]);
+                    *count += 1.0;
+                }
+            }
+        }
+        if largest == 0.0 {
+            break;
+        }
+        for (velocity, &(sum, count)) in velocities.iter_mut().zip(&sums) {
+            if count > 0.0 {
+                *velocity = vector(|k| velocity[k] + sum[k] / count);
+            }
+        }
+    }
+}
+
+fn iterate(
+    most: usize,
+    touches: &mut [Touch],
+    velocities: &mut [Vector],
+    impulses: &mut Vec<[f64; 2]>,
+) {
     touches.sort_unstable_by_key(|touch| touch.key);
     // For each contact its impulse so far and the speed at which it has to separate.
     impulses.clear();
@@ -53,7 +109,7 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
         fastest = fastest.max(-approach);
         impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
     }
-    for _ in 0..MAX_ITERATIONS {
+    for _ in 0..most {
         let mut largest = 0.0f64;
         for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
             let missing = *wanted - touch.separation_speed(velocities);

@@ -19,16 +19,15 @@ impl World {
     pub(super) fn make_contacts(&mut self) -> Result<()> {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
-        self.find_moving();
         let Self { particles, settings, scratch, contacts, .. } = self;
-        let StepScratch { tree, pairs, moving, events, .. } = scratch;
+        let StepScratch { tree, pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
             let StepScratch { overlaps, overlap_parts, .. } = scratch;
             find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
         }
         let lists = if may_rest { pairs } else { &scratch.overlaps };
-        contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
+        contacts.collect(lists, particles, settings.restitution, tree.rows(), threads);
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
@@ -55,17 +54,6 @@ impl World {
         if self.settings.on_touch == OnTouch::Merge {
             merge::list_candidates(pairs, particles, candidate_merges);
             pairs.clear();
-        }
-    }
-
-    /// Finds which particles move in this part of the step: those that are movable and have not had too
-    /// many events.
-    fn find_moving(&mut self) {
-        let StepScratch { moving, exhausted, .. } = &mut self.scratch;
-        moving.clone_from(&self.particles.movable);
-        if !exhausted.is_empty() {
-            let indices = self.rows.iter().zip(moving.iter_mut());
-            indices.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
     }
 }

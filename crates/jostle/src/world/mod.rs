@@ -205,8 +205,6 @@ struct StepScratch {
     sleeping: sleeping::Scratch,
     waking: waking::Scratch,
     grown: bounds::Grown,
-    /// Particles that move in the step: movable, not exhausted.
-    moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
     /// Those of the step.
