@@ -41,6 +41,10 @@ pub const TOLERANCE: f64 = 1e-14;
 /// The same for contacts of which some touch without approaching. Of rows of discs that are pressed as
 /// many as the square of their length are needed.
 const MAX_JOINT_ITERATIONS: usize = 1000;
+const JOINT_TOLERANCE: f64 = 1e-10;
+
+/// Iterations in which the changes become smaller if there are velocities that satisfy all contacts.
+const WITHOUT_END: usize = 100;
 
 /// Directions whose cosine is above this are the same.
 const SAME: f64 = 1.0 - 1e-9;
@@ -48,7 +52,7 @@ const SAME: f64 = 1.0 - 1e-9;
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
-    iterate(MAX_ITERATIONS, touches, velocities, impulses);
+    iterate((MAX_ITERATIONS, TOLERANCE), touches, velocities, impulses);
 }
 
 /// The same for contacts of which some touch without approaching.
@@ -57,20 +61,18 @@ pub fn apply_jointly(
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
 ) {
-    iterate(MAX_JOINT_ITERATIONS, touches, velocities, impulses);
+    iterate((MAX_JOINT_ITERATIONS, JOINT_TOLERANCE), touches, velocities, impulses);
 }
 
-/// Divides the approach that is left evenly, if no velocities keep all surfaces from approaching: a disc
-/// between two walls that close in moves with the mean of their velocities, and stays between them. The
-/// velocity of each body is corrected by the mean of what its contacts need (G. Cimmino, *Calcolo
-/// approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938), which converges to the least
-/// sum of squares.
-pub fn share(touches: &[Touch], velocities: &mut [Vector]) {
+/// Corrects the velocity of each body by the mean of what its contacts need, again and again (G. Cimmino,
+/// *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This converges to the
+/// least sum of squares of what is left.
+pub fn project<'a>(touches: impl Iterator<Item = &'a Touch> + Clone, velocities: &mut [Vector]) {
     let mut sums = vec![([0.0; 2], 0.0); velocities.len()];
     for _ in 0..MAX_ITERATIONS {
         sums.fill(([0.0; 2], 0.0));
         let mut largest = 0.0f64;
-        for touch in touches {
+        for touch in touches.clone() {
             let weight = touch.inverse_masses[0] + touch.inverse_masses[1];
             let missing = (-touch.separation_speed(velocities)).max(0.0);
             largest = largest.max(missing);
@@ -95,7 +97,7 @@ pub fn share(touches: &[Touch], velocities: &mut [Vector]) {
 }
 
 fn iterate(
-    most: usize,
+    (most, tolerance): (usize, f64),
     touches: &mut [Touch],
     velocities: &mut [Vector],
     impulses: &mut Vec<[f64; 2]>,
@@ -109,7 +111,8 @@ fn iterate(
         fastest = fastest.max(-approach);
         impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
     }
-    for _ in 0..most {
+    let mut largest_before = f64::INFINITY;
+    for iteration in 1..=most {
         let mut largest = 0.0f64;
         for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
             let missing = *wanted - touch.separation_speed(velocities);
@@ -120,8 +123,14 @@ fn iterate(
             touch.push(touch.normal, change, velocities);
             largest = largest.max(change.abs() * weight);
         }
-        if touches.len() == 1 || largest <= TOLERANCE * fastest {
+        if touches.len() == 1 || largest <= tolerance * fastest {
             break;
+        }
+        if iteration % WITHOUT_END == 0 {
+            if largest > 0.9 * largest_before {
+                break;
+            }
+            largest_before = largest;
         }
     }
 }
@@ -144,6 +153,11 @@ impl Touch {
     /// of a wall.
     pub fn is_same(&self, other: &Self) -> bool {
         dot(self.normal, other.normal) > SAME
+    }
+
+    /// Whether one of the two is a surface that no impulse moves.
+    pub fn is_with_fixed(&self) -> bool {
+        (0..2).any(|k| self.bodies[k].is_none() || self.inverse_masses[k] == 0.0)
     }
 
     /// The speed at which the two separate.

@@ -20,9 +20,17 @@ use crate::walls::{Contact, FIRST};
 
 /// Events of a disc in a window after which it is exhausted until the end of the step: where no collision
 /// loses energy, and elsewhere. All that touches an exhausted disc is solved together and without
-/// restitution, so that surfaces that press it stay with it. After twice as many it has no more events.
+/// restitution, so that surfaces that press it stay with it.
 /// Larger numbers would take minutes for a long row that collapses.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
+
+/// Events of an exhausted disc in a window at most. After that it moves with walls and immovable discs that
+/// press it, and has no more events in the window.
+const MORE_EVENTS: u32 = 128;
+
+/// Square of the share of its speed with which a disc may approach walls without counting as one that has
+/// no room.
+const NO_ROOM: f64 = 1e-12;
 
 /// After so many events in a window an inelastic disc collides elastically with other discs until its
 /// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
@@ -265,7 +273,7 @@ impl Simulation<'_> {
 
     /// Adds the next impacts of a disc of the group to the queue.
     fn predict(&mut self, position: usize) {
-        let (window, most) = (self.window, 2 * self.max_events());
+        let (window, most) = (self.window, self.last_event());
         let Scratch { queue, group, nearby, touches, velocities, .. } = &mut *self.scratch;
         let InGroup { index, number, is_joint, near, .. } = &group[position];
         let courses = &self.history.courses;
@@ -471,7 +479,7 @@ impl Simulation<'_> {
             self.rub_group(time);
         }
         if is_joint {
-            impulses::share(&self.scratch.touches, &mut self.scratch.velocities);
+            self.share();
         }
         let Scratch { touches, velocities, .. } = &mut *self.scratch;
         if let Some(thermostat) = window.flight.thermostat {
@@ -492,6 +500,33 @@ impl Simulation<'_> {
             self.turn(number, new);
         }
         self.record_bounces();
+    }
+
+    /// Divides the approach that is left evenly, if no velocities keep all surfaces of the group from
+    /// approaching: a disc between two walls that close in moves with the mean of their velocities, and stays
+    /// between them. Surfaces that no impulse moves come last, so that others do not push a disc through
+    /// them. A disc that has no room between them, or no further events in the window, moves with them alone.
+    fn share(&mut self) {
+        let most = self.last_event();
+        let Scratch { group, touches, velocities, .. } = &mut *self.scratch;
+        impulses::project(touches.iter(), velocities);
+        for (own, velocity) in group.iter().zip(&mut *velocities) {
+            if self.history.courses[own.number as usize].count + 1 >= most {
+                *velocity = [0.0; 2];
+            }
+        }
+        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
+        impulses::project(fixed.clone(), velocities);
+        let before = velocities.clone();
+        for touch in fixed.clone().filter(|touch| touch.separation_speed(&before) < 0.0) {
+            for body in touch.bodies.into_iter().flatten() {
+                let (missing, velocity) = (touch.separation_speed(&before), before[body]);
+                if missing * missing > NO_ROOM * dot(velocity, velocity) {
+                    velocities[body] = [0.0; 2];
+                }
+            }
+        }
+        impulses::project(fixed, velocities);
     }
 
     /// Notes which discs collide at the same moment, if these are at least three: the velocities of each
@@ -585,6 +620,11 @@ impl Simulation<'_> {
     /// Events of a disc after which it is exhausted.
     pub(super) fn max_events(&self) -> u32 {
         MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
+    }
+
+    /// Events of a disc after which it has no more.
+    fn last_event(&self) -> u32 {
+        self.max_events() + MORE_EVENTS
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

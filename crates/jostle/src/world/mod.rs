@@ -129,8 +129,8 @@ pub struct Stats {
     pub depth: usize,
     /// Pairs tested.
     pub tests: u64,
-    /// Particles that had too many collisions in a part of the step, and stood still for the
-    /// rest of the step.
+    /// Particles that had too many collisions in a part of the step, and then stayed with what
+    /// pressed them.
     pub unresolved: u64,
     /// Sub-steps of all parts of the step.
     pub substeps: usize,
