@@ -24,13 +24,11 @@ fn motor(walls: &[u32], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Force
 fn scattered(random: &mut Random, radii: &[f32], [width, height]: [f32; 2]) -> Particles {
     let mut rows: Vec<([f32; 2], f32)> = Vec::new();
     for &radius in radii {
-        let places = (0..2000).map(|_| {
-            [width, height].map(|side| random.between(radius, side - radius))
-        });
+        let places =
+            (0..2000).map(|_| [width, height].map(|side| random.between(radius, side - radius)));
         let is_free = |place: &[f32; 2]| {
-            rows.iter().all(|(other, r)| {
-                (other[0] - place[0]).hypot(other[1] - place[1]) > r + radius
-            })
+            rows.iter()
+                .all(|(other, r)| (other[0] - place[0]).hypot(other[1] - place[1]) > r + radius)
         };
         let places: Vec<_> = places.collect();
         let Some(place) = places.into_iter().find(is_free) else { break };

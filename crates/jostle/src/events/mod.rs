@@ -114,7 +114,8 @@ impl Events {
             let stopped = if rest.is_lossless { &before[..] } else { &[] };
             let velocity = |index: &u32| (*index, rest.motion(*index));
             let kept: Vec<_> = stopped.iter().map(velocity).collect();
-            let window = Window { flight: &rest, starts: &starts, exhausted: &before, end: rest.end };
+            let window =
+                Window { flight: &rest, starts: &starts, exhausted: &before, end: rest.end };
             let end = self.simulate_window(window, bounds, shortest)?;
             for (index, motion) in kept {
                 let moved = rest.motions.get(index);

@@ -278,36 +278,42 @@ impl Simulation<'_> {
         let InGroup { index, number, is_joint, near, .. } = &group[position];
         let courses = &self.history.courses;
         let Course { segment: own, count: own_count, .. } = &courses[*number as usize];
-        if *own_count >= most {
-            return;
-        }
+        let has_ended = *own_count >= most;
         // Without room no velocity keeps a disc from approaching all that was solved together.
         let is_without_room = |wall: u32| {
             let is_it = |touch: &Touch| touch.key == [*index, WALL, wall];
             let approaches = |touch: &Touch| touch.separation_speed(velocities) < 0.0;
             *is_joint && touches.iter().any(|touch| is_it(touch) && approaches(touch))
         };
-        if let Some(event) = window.wall_event(*index, own, *own_count, is_without_room) {
+        if !has_ended
+            && let Some(event) = window.wall_event(*index, own, *own_count, is_without_room)
+        {
             queue.push(event);
         }
+        let was_solved = |other: u32| {
+            let pair = [(*index).min(other), (*index).max(other)];
+            touches.iter().any(|touch| touch.key[..2] == pair)
+        };
         for other in &nearby[near.clone()] {
             let (mut segment, mut count) = (&other.now, other.count);
-            let mut were_joint = *is_joint && !window.starts[other.index as usize].is_movable;
+            let mut are_joint = *is_joint;
             if let Some(course) = courses.get(other.number as usize) {
                 if course.in_group != 0 {
                     (segment, count) = (&course.segment, course.count);
-                    were_joint = *is_joint || group[course.in_group as usize - 1].is_joint;
+                    are_joint |= group[course.in_group as usize - 1].is_joint;
                 }
                 // The impacts of two discs of the group are predicted once.
                 let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
-                if is_predicted || course.count >= most {
+                if is_predicted || has_ended && course.count >= most {
                     continue;
                 }
+            } else if has_ended && !window.starts[other.index as usize].is_movable {
+                continue;
             }
             let image = self.neighbors.image_of(other.image);
             let both = ((*index, own), (other.index, segment));
             if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
-                if were_joint && impact.time == own.time {
+                if are_joint && impact.time == own.time && was_solved(other.index) {
                     continue;
                 }
                 let (pair, counts) = ([*index, other.index], [*own_count, count]);
@@ -324,6 +330,9 @@ impl Simulation<'_> {
         while position < self.scratch.group.len() {
             let InGroup { index, is_joint, now, near, .. } = self.scratch.group[position].clone();
             position += 1;
+            if self.has_ended(index) {
+                continue;
+            }
             let mut contacts = std::mem::take(&mut self.scratch.contacts);
             window.each_touched_wall(index, &now, is_joint, &mut contacts, |wall, normal| {
                 self.touch_wall(index, wall, normal);
@@ -334,13 +343,13 @@ impl Simulation<'_> {
                     &self.scratch.nearby[at];
                 let (partner, code) = (*partner, *code);
                 let image = self.neighbors.image_of(code);
-                let other = self.find(partner);
-                let all = || is_joint || other.is_some_and(|other| self.is_joint(other, time));
+                let has_joint = |other: &Course| self.is_joint(other, time);
+                let all = || is_joint || self.find(partner).is_some_and(has_joint);
                 if !window.touch_now((index, &now), (partner, there), image, all) {
                     continue;
                 }
                 // Contacts with those before were found from their side.
-                let in_group = other.map_or(0, |other| other.in_group as usize);
+                let in_group = self.find(partner).map_or(0, |other| other.in_group as usize);
                 if in_group == 0 || in_group >= position {
                     self.touch_disc(index, partner, code, time);
                 }
@@ -420,8 +429,9 @@ impl Simulation<'_> {
         let are_exhausted = found.map(is_exhausted);
         // Where energy is conserved, the others bounce off an exhausted disc as off an immovable one.
         let conserves = window.flight.is_lossless && are_exhausted != [true; 2];
-        let inverse_mass = |(_, _, course): (usize, &InGroup, &Course)| {
-            if conserves && course.is_exhausted { 0.0 } else { course.inverse_mass }
+        let inverse_mass = |(_, own, course): (usize, &InGroup, &Course)| {
+            let is_fixed = conserves && course.is_exhausted || self.has_ended(own.index);
+            if is_fixed { 0.0 } else { course.inverse_mass }
         };
         let sticks = !conserves && found.into_iter().flatten().any(|(.., of)| of.is_exhausted);
         let touch = Touch {
@@ -493,6 +503,9 @@ impl Simulation<'_> {
         for position in 0..self.scratch.group.len() {
             let InGroup { number, now, .. } = self.scratch.group[position];
             self.history.connect(self.scratch.group[0].number, number);
+            if self.has_ended(self.scratch.group[position].index) {
+                continue;
+            }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold && !is_heated {
                 self.hold(position, &mut new, window.end - time);
@@ -511,7 +524,7 @@ impl Simulation<'_> {
         let Scratch { group, touches, velocities, .. } = &mut *self.scratch;
         impulses::project(touches.iter(), velocities);
         for (own, velocity) in group.iter().zip(&mut *velocities) {
-            if self.history.courses[own.number as usize].count + 1 >= most {
+            if self.history.courses[own.number as usize].count + 1 == most {
                 *velocity = [0.0; 2];
             }
         }
@@ -590,7 +603,8 @@ impl Simulation<'_> {
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
         let (window, max_events) = (self.window, self.max_events());
         let is_lossless = window.flight.is_lossless;
-        let History { courses, ended, outside, exhausted_courses, collapsed, .. } = &mut *self.history;
+        let History { courses, ended, outside, exhausted_courses, collapsed, .. } =
+            &mut *self.history;
         let course = &mut courses[number as usize];
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
@@ -625,6 +639,11 @@ impl Simulation<'_> {
     /// Events of a disc after which it has no more.
     fn last_event(&self) -> u32 {
         self.max_events() + MORE_EVENTS
+    }
+
+    /// Whether a disc has had so many. Others bounce off it as off an immovable one.
+    fn has_ended(&self, index: u32) -> bool {
+        self.find(index).is_some_and(|course| course.count >= self.last_event())
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

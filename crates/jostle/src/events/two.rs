@@ -168,7 +168,8 @@ impl Simulation<'_> {
                     (moved, moved, count, false)
                 }
             };
-            is_alone &= is_this || !window.touch_now((index, now), (other, &before), image, || false);
+            is_alone &=
+                is_this || !window.touch_now((index, now), (other, &before), image, || false);
             if let Some(impact) = window.impact((index, new), (other, &after), image, window.end) {
                 let counts = [count, other_count];
                 predicted.push(Event::of_discs(impact, [index, other], neighbor.image, counts));

@@ -427,7 +427,9 @@ impl Resting {
             // Those of ghosts are solved by their own ranks.
             let is_own = |index: usize| scene.halo.is_none_or(|halo| halo.is_own[index]);
             let is_listed = |&index: &usize| {
-                scene.particles.movable[index] && is_own(index) && contacts.is_uneven(index as u32) == uneven
+                scene.particles.movable[index]
+                    && is_own(index)
+                    && contacts.is_uneven(index as u32) == uneven
             };
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
             parallel::for_each(scene.threads, tasks, |(part, first)| {
