@@ -67,8 +67,12 @@ pub fn apply_jointly(
 /// Corrects the velocity of each body by the mean of what its contacts need, again and again (G. Cimmino,
 /// *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This converges to the
 /// least sum of squares of what is left.
-pub fn project<'a>(touches: impl Iterator<Item = &'a Touch> + Clone, velocities: &mut [Vector]) {
-    let mut sums = vec![([0.0; 2], 0.0); velocities.len()];
+pub fn project<'a>(
+    touches: impl Iterator<Item = &'a Touch> + Clone,
+    velocities: &mut [Vector],
+    sums: &mut Vec<(Vector, f64)>,
+) {
+    sums.resize(velocities.len(), ([0.0; 2], 0.0));
     for _ in 0..MAX_ITERATIONS {
         sums.fill(([0.0; 2], 0.0));
         let mut largest = 0.0f64;
@@ -88,7 +92,7 @@ pub fn project<'a>(touches: impl Iterator<Item = &'a Touch> + Clone, velocities:
         if largest == 0.0 {
             break;
         }
-        for (velocity, &(sum, count)) in velocities.iter_mut().zip(&sums) {
+        for (velocity, &(sum, count)) in velocities.iter_mut().zip(&*sums) {
             if count > 0.0 {
                 *velocity = vector(|k| velocity[k] + sum[k] / count);
             }

@@ -39,7 +39,9 @@ const NO_ROOM: f64 = 1e-12;
 const COLLAPSE: u32 = 64;
 
 /// Events of a disc at one moment after which all that touches it is solved together, also what does not
-/// approach it. Between a wall that pushes and another disc there can be infinitely many.
+/// approach it, and without restitution. Between a wall that pushes and another disc there can be infinitely
+/// many. Where energy is conserved their number is finite, and surfaces that separate may not be solved with
+/// others, because that would add energy.
 const MAX_AT_ONCE: usize = 8;
 
 /// Impacts between two polls.
@@ -91,6 +93,9 @@ pub struct Scratch {
     nearby: Vec<Nearby>,
     pub(super) touches: Vec<Touch>,
     pub(super) velocities: Vec<Vector>,
+    /// The same before they are corrected, and sums of corrections with their numbers.
+    before: Vec<Vector>,
+    sums: Vec<(Vector, f64)>,
 }
 
 /// The simulation of the discs of a range.
@@ -259,8 +264,8 @@ impl Simulation<'_> {
             let segments = Trajectory::of(self.history, course, time);
             segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
         };
-        let may_have_many = course.count as usize >= MAX_AT_ONCE && course.segment.time == time;
-        course.is_exhausted || may_have_many && has_many()
+        let is_at_once = course.count as usize >= MAX_AT_ONCE && course.segment.time == time;
+        course.is_exhausted || is_at_once && !self.window.flight.is_lossless && has_many()
     }
 
     /// Ends the group.
@@ -481,6 +486,9 @@ impl Simulation<'_> {
         velocities.extend(group.iter().map(|own| own.now.velocity));
         let is_joint = group.iter().any(|own| own.is_joint);
         if is_joint {
+            if !window.flight.is_lossless {
+                touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
+            }
             impulses::apply_jointly(touches, velocities, impulses);
         } else {
             impulses::apply(touches, velocities, impulses);
@@ -521,25 +529,28 @@ impl Simulation<'_> {
     /// them. A disc that has no room between them, or no further events in the window, moves with them alone.
     fn share(&mut self) {
         let most = self.last_event();
-        let Scratch { group, touches, velocities, .. } = &mut *self.scratch;
-        impulses::project(touches.iter(), velocities);
+        let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
+        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
+        if fixed.clone().next().is_none() {
+            return;
+        }
+        impulses::project(touches.iter(), velocities, sums);
         for (own, velocity) in group.iter().zip(&mut *velocities) {
             if self.history.courses[own.number as usize].count + 1 == most {
                 *velocity = [0.0; 2];
             }
         }
-        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
-        impulses::project(fixed.clone(), velocities);
-        let before = velocities.clone();
-        for touch in fixed.clone().filter(|touch| touch.separation_speed(&before) < 0.0) {
+        impulses::project(fixed.clone(), velocities, sums);
+        before.clone_from(velocities);
+        for touch in fixed.clone().filter(|touch| touch.separation_speed(before) < 0.0) {
             for body in touch.bodies.into_iter().flatten() {
-                let (missing, velocity) = (touch.separation_speed(&before), before[body]);
+                let (missing, velocity) = (touch.separation_speed(before), before[body]);
                 if missing * missing > NO_ROOM * dot(velocity, velocity) {
                     velocities[body] = [0.0; 2];
                 }
             }
         }
-        impulses::project(fixed, velocities);
+        impulses::project(fixed, velocities, sums);
     }
 
     /// Notes which discs collide at the same moment, if these are at least three: the velocities of each
