@@ -28,7 +28,7 @@ const MAX_EVENTS: [u32; 2] = [1024, 384];
 /// press it, and has no more events in the window.
 const MORE_EVENTS: u32 = 128;
 
-/// Square of the share of its speed with which a disc may approach walls without counting as one that has
+/// Square of the part of its speed with which a disc may approach walls without counting as one that has
 /// no room.
 const NO_ROOM: f64 = 1e-12;
 
