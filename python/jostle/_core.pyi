@@ -4324,7 +4324,7 @@ class World:
     def stats(self) -> WorldStats:
         """The last step in numbers: a `WorldStats` of `nodes`, `leaves` and `depth` of the tree,
         `tests`, the number of pairs that were tested, `unresolved`, the number of particles that had
-        too many collisions and stood still for the rest of the step, `substeps`, and `collapsed`, how
+        too many collisions and then stayed with what pressed them, `substeps`, and `collapsed`, how
         often the collisions of a particle became elastic. All are 0 before the first step, and after
         `restore` and `load`.
 

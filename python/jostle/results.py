@@ -598,8 +598,8 @@ class WorldStats(NamedTuple):
     tests : int
         Pairs of particles that were tested.
     unresolved : int
-        Particles that had so many collisions in a part of the step that they stood still for
-        the rest of the step.
+        Particles that had so many collisions in a part of the step that they stayed with what
+        pressed them until its end.
     substeps : int
         Sub-steps of the step; 0 before the first step and where all particles sleep.
     collapsed : int

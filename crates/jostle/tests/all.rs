@@ -19,6 +19,7 @@ mod moving_walls;
 mod neighbors;
 mod periodic;
 mod physics;
+mod pushed;
 mod query;
 mod ranks;
 mod scales;

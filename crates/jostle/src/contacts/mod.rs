@@ -224,14 +224,14 @@ impl Previous {
 }
 
 impl Contacts {
-    /// Takes the pairs of a step: a sorted list for each torus image. `movable` are those that move
-    /// in the step. [`Contacts::collect`] follows.
+    /// Takes the pairs of a step: a sorted list for each torus image. [`Contacts::collect`] follows.
     pub fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        (particles, movable): (&Particles, &[bool]),
+        particles: &Particles,
         threads: Option<usize>,
     ) {
+        let movable = &particles.movable;
         self.find_uneven(lists, &particles.masses, movable);
         self.is_sorted = lists.iter().skip(1).all(|(_, pairs)| pairs.is_empty());
         self.list_edges(lists, particles, movable, threads);
@@ -245,12 +245,13 @@ impl Contacts {
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        (particles, movable): (&Particles, &[bool]),
+        particles: &Particles,
         restitution: f32,
         before: &[u32],
         rounds: usize,
         threads: Option<usize>,
     ) {
+        let movable = &particles.movable;
         let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
         let mut next = self.blocks.arrange(&self.counts, rounds);

@@ -71,7 +71,7 @@ impl Block {
                     return false;
                 }
                 let new = if b == WALL {
-                    window.wall_event(a, &window.segment(a), 0)
+                    window.wall_event(a, &window.segment(a), 0, |_| false)
                 } else {
                     let [p, q] = [a, b].map(|disc| window.segment(disc));
                     let impact =
@@ -118,7 +118,8 @@ impl Block {
             window.list_near_walls(self.range.clone(), near)
         };
         let near = near.iter();
-        let events = near.map(|&index| window.wall_event(index, &window.segment(index), 0));
+        let event = |&index| window.wall_event(index, &window.segment(index), 0, |_| false);
+        let events = near.map(event);
         self.first.extend(events.flatten());
     }
 

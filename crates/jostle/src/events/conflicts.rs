@@ -219,6 +219,8 @@ impl Events {
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
     /// of impact of the first segments are tested only if `first` says so.
     fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
+        let is_joint = |index| self.course(index).is_some_and(|(_, course)| course.is_joint);
+        let all = is_joint(a) || is_joint(b);
         self.any_at_once(window, [a, b], |own, other| {
             let until = own.end.min(other.end);
             let start = own.segment.time.max(other.segment.time);
@@ -234,7 +236,7 @@ impl Events {
             }
             // Simultaneous contacts are solved together.
             let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
-            until < window.end && window.touch_now((a, &p), (b, &q), image)
+            until < window.end && window.touch_now((a, &p), (b, &q), image, || all)
         })
     }
 

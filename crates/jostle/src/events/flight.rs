@@ -57,8 +57,6 @@ pub struct Start {
 pub struct Flight<'a> {
     /// The discs, as they were at the beginning of the step.
     pub particles: &'a Particles,
-    /// Which of them move.
-    pub movable: &'a [bool],
     /// Positions and velocities at the beginning of the window, if it is not the first of the step.
     pub motions: &'a Motions,
     /// Angular velocities and angles at the beginning of the window.
@@ -119,7 +117,7 @@ impl Flight<'_> {
 
     /// The motion with which a disc begins the window.
     #[inline(always)]
-    fn motion(&self, index: u32) -> Motion {
+    pub fn motion(&self, index: u32) -> Motion {
         if self.begins_step {
             Motion::of(self.particles, index as usize)
         } else {
@@ -144,10 +142,10 @@ impl Flight<'_> {
         self.motion(index).velocity.map(|v| (f64::from(v) * longer) as f32)
     }
 
-    /// Writes how all discs begin; those in `exhausted` stand still.
+    /// Writes how all discs begin. Those in `exhausted` stand still where energy is conserved.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
-        let Self { particles, movable, kicks, .. } = *self;
+        let Self { particles, kicks, .. } = *self;
         let has_gravity = self.gravity != [0.0; 2];
         parallel::for_chunks(self.threads, starts, |first, starts| {
             for (start, index) in starts.iter_mut().zip(first..) {
@@ -157,14 +155,14 @@ impl Flight<'_> {
                     residual,
                     velocity: [0.0; 2],
                     radius: particles.radii[index],
-                    is_movable: movable[index],
+                    is_movable: particles.movable[index],
                     is_supported: false,
                     falls: false,
                     is_settled: false,
                 };
                 if !particles.movable[index] {
                     start.velocity = self.velocity_of_kinematic(index as u32);
-                } else if movable[index] {
+                } else {
                     start.is_supported = kicks.get(index).is_some_and(|kick| kick.is_supported);
                     start.falls = has_gravity && !start.is_supported;
                     start.velocity = self.velocity(index as u32).map(|v| v as f32);
@@ -173,10 +171,9 @@ impl Flight<'_> {
                     !self.is_lossless && start.is_settled(self.end as f32, self.smallest_radius);
             }
         });
-        for &index in exhausted {
+        for &index in exhausted.iter().filter(|_| self.is_lossless) {
             let start = &mut starts[index as usize];
-            (start.velocity, start.is_movable, start.falls) = ([0.0; 2], false, false);
-            start.is_settled = !self.is_lossless;
+            (start.velocity, start.falls) = ([0.0; 2], false);
         }
     }
 }
@@ -188,6 +185,8 @@ pub struct Window<'a> {
     pub flight: &'a Flight<'a>,
     /// How the discs begin.
     pub starts: &'a [Start],
+    /// Discs that had too many events in windows before, sorted.
+    pub exhausted: &'a [u32],
     /// When the window ends.
     pub end: f64,
 }
@@ -239,8 +238,14 @@ impl Window<'_> {
         }
     }
 
+    /// Whether a disc had too many events in windows before.
+    #[inline(always)]
+    pub fn is_exhausted(&self, index: u32) -> bool {
+        !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok()
+    }
+
     /// Moves a disc along its last segment to the end of the window; `stopped` is its velocity after it
-    /// had too many events.
+    /// had too many events, where it keeps it.
     #[inline(always)]
     pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
         let Start { position, residual, .. } = self.starts[index as usize];
@@ -384,16 +389,31 @@ impl Window<'_> {
         relative.impact(self.contact_distance(a, b), until, limits)
     }
 
-    /// The next impact of a disc on a wall.
-    pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
+    /// The next impact of a disc on a wall for which `skips` is false.
+    #[inline(always)]
+    pub fn wall_event(
+        &self,
+        index: u32,
+        segment: &Segment,
+        count: u32,
+        skips: impl Fn(u32) -> bool,
+    ) -> Option<Event> {
         if !self.starts[index as usize].is_movable {
             return None;
         }
-        let mut hit = self.container_impact(index, segment);
+        let limits = |wall: u32, limits: Limits| {
+            let all = f64::INFINITY;
+            if skips(wall) {
+                Limits { tolerance: all, touching_tolerance: all, deep_tolerance: all, ..limits }
+            } else {
+                limits
+            }
+        };
+        let mut hit = self.container_impact(index, segment, &limits);
         if !self.flight.walls.is_empty() {
             let other =
                 self.flight.walls.impact(index, segment, self.end, self.gravity(), |wall| {
-                    self.wall_limits(segment, index, wall)
+                    limits(wall, self.wall_limits(segment, index, wall))
                 });
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
@@ -402,7 +422,12 @@ impl Window<'_> {
     }
 
     /// The next impact of a disc on a wall of the container.
-    fn container_impact(&self, index: u32, segment: &Segment) -> Option<(Impact, u32)> {
+    fn container_impact(
+        &self,
+        index: u32,
+        segment: &Segment,
+        limits: &impl Fn(u32, Limits) -> Limits,
+    ) -> Option<(Impact, u32)> {
         let container = &self.flight.container;
         let radius = f64::from(self.starts[index as usize].radius);
         let span = self.end - segment.time;
@@ -410,17 +435,19 @@ impl Window<'_> {
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
         }
-        let limits = self.side_limits(segment, index);
+        let of_side = self.side_limits(segment, index);
+        let limits = |side| limits(side, of_side(side));
         container.impact(segment, radius, self.flight.gravity, limits)
     }
 
-    /// Whether two discs that begin segments now touch and approach.
+    /// Whether two discs that begin segments now touch, and approach or `all` is true.
     #[inline(always)]
     pub fn touch_now(
         &self,
         (a, first): (u32, &Segment),
         (b, second): (u32, &Segment),
         image: Vector,
+        all: impl Fn() -> bool,
     ) -> bool {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
         let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
@@ -437,19 +464,20 @@ impl Window<'_> {
         let length = square.sqrt();
         let limits = limits.of_gap(length - contact_distance);
         let approach = -dot(offset, vector(|k| second.velocity[k] - first.velocity[k]));
-        limits.kind(approach / length, 0.0, first.time).is_some()
+        limits.kind(approach / length, 0.0, first.time).is_some() || all()
     }
 
-    /// Calls `act` with each wall that a disc touches and approaches as it begins a segment, and its
-    /// unit normal. `contacts` is scratch.
+    /// Calls `act` with each wall that a disc touches as it begins a segment, and that it approaches or
+    /// `all` is true, and its unit normal. `contacts` is scratch.
     pub fn each_touched_wall(
         &self,
         index: u32,
         now: &Segment,
+        all: bool,
         contacts: &mut Vec<Contact>,
         mut act: impl FnMut(u32, Vector),
     ) {
-        self.each_touched_side(index, now, &mut act);
+        self.each_touched_side(index, now, all, &mut act);
         if self.flight.walls.is_empty() {
             return;
         }
@@ -461,14 +489,20 @@ impl Window<'_> {
             let limits = self.wall_limits(now, index, wall).of_gap(gap);
             let own = walls.velocity(wall);
             let approach = -dot(normal, vector(|k| now.velocity[k] - own[k]));
-            if limits.kind(approach, 0.0, now.time).is_some() {
+            if all || limits.kind(approach, 0.0, now.time).is_some() {
                 act(wall, normal);
             }
         }
     }
 
     /// The same for the container.
-    fn each_touched_side(&self, index: u32, now: &Segment, act: &mut impl FnMut(u32, Vector)) {
+    fn each_touched_side(
+        &self,
+        index: u32,
+        now: &Segment,
+        all: bool,
+        act: &mut impl FnMut(u32, Vector),
+    ) {
         let container = &self.flight.container;
         let radius = f64::from(self.starts[index as usize].radius);
         if container.is_far(now.position, radius, [0.0; 2]) {
@@ -482,7 +516,7 @@ impl Window<'_> {
             debug_assert!(gap.is_finite());
             let normal = container.normal(wall, now.position);
             let limits = limits.of_gap(gap);
-            if limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
+            if all || limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall, normal);
             }
         }

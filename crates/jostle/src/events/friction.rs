@@ -175,8 +175,7 @@ impl Window<'_> {
 
     /// Angular velocity times radius of a disc that impacts do not turn.
     pub fn surface_speed(&self, index: u32) -> f64 {
-        let is_exhausted = self.flight.particles.movable[index as usize];
-        if is_exhausted || !self.flight.has_friction {
+        if !self.flight.has_friction {
             return 0.0;
         }
         f64::from(self.flight.spins.velocity(index)) * self.radius(index)
@@ -193,7 +192,7 @@ impl Simulation<'_> {
     fn rotor(&self, number: u32) -> Rotor {
         let course = &self.history.courses[number as usize];
         let radius = self.window.radius(course.index);
-        if course.stopped.is_some() || radius == 0.0 {
+        if radius == 0.0 {
             return Rotor { surface_speed: 0.0, softness: 0.0 };
         }
         let velocity = self.history.turnings[number as usize].velocity;

@@ -29,7 +29,11 @@ pub struct Course {
     pub island: u32,
     /// The next course of the island; the last one is followed by the first.
     pub next: u32,
-    /// The velocity after the window, if the disc had too many events.
+    /// Whether the disc has had too many events in the step.
+    pub is_exhausted: bool,
+    /// Whether all that touched it was solved together at some moment.
+    pub is_joint: bool,
+    /// The velocity after the window, if the disc had too many events in it and energy is conserved.
     pub stopped: Option<Vector>,
     /// A hash of the discs that collided with it at the same moment, where these were at least two.
     pub groups: u64,
@@ -88,7 +92,7 @@ pub struct History {
     /// Discs that leave their bounds.
     pub outside: Vec<Outside>,
     /// The courses of discs that had too many events.
-    pub stopped: Vec<u32>,
+    pub exhausted_courses: Vec<u32>,
     /// The courses of discs whose collisions became elastic, because they had many.
     pub collapsed: Vec<u32>,
     /// Whether courses were removed from `course_of`, because their discs are simulated again.
@@ -105,7 +109,7 @@ impl History {
         self.ended.clear();
         self.bounces.clear();
         self.outside.clear();
-        self.stopped.clear();
+        self.exhausted_courses.clear();
         self.collapsed.clear();
         self.has_removed = false;
         self.exhausted.clear();
@@ -125,7 +129,7 @@ impl History {
             });
         }
         self.collapsed.retain(|&number| is_valid(number));
-        let exhausted = self.stopped.iter().filter(|&&number| is_valid(number));
+        let exhausted = self.exhausted_courses.iter().filter(|&&number| is_valid(number));
         self.exhausted.extend(exhausted.map(|&number| courses[number as usize].index));
     }
 

@@ -38,12 +38,74 @@ pub const MAX_ITERATIONS: usize = 60;
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
 
+/// The same for contacts of which some touch without approaching. Of rows of discs that are pressed as
+/// many as the square of their length are needed.
+const MAX_JOINT_ITERATIONS: usize = 1000;
+const JOINT_TOLERANCE: f64 = 1e-10;
+
+/// Iterations in which the changes become smaller if there are velocities that satisfy all contacts.
+const WITHOUT_END: usize = 100;
+
 /// Directions whose cosine is above this are the same.
 const SAME: f64 = 1.0 - 1e-9;
 
 /// Changes the velocities by the impulses of all `touches`. The first of each of `impulses` is
 /// then the impulse along the normal, in the order of the sorted `touches`.
 pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Vec<[f64; 2]>) {
+    iterate((MAX_ITERATIONS, TOLERANCE), touches, velocities, impulses);
+}
+
+/// The same for contacts of which some touch without approaching.
+pub fn apply_jointly(
+    touches: &mut [Touch],
+    velocities: &mut [Vector],
+    impulses: &mut Vec<[f64; 2]>,
+) {
+    iterate((MAX_JOINT_ITERATIONS, JOINT_TOLERANCE), touches, velocities, impulses);
+}
+
+/// Corrects the velocity of each body by the mean of what its contacts need, again and again (G. Cimmino,
+/// *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This converges to the
+/// least sum of squares of what is left.
+pub fn project<'a>(
+    touches: impl Iterator<Item = &'a Touch> + Clone,
+    velocities: &mut [Vector],
+    sums: &mut Vec<(Vector, f64)>,
+) {
+    sums.resize(velocities.len(), ([0.0; 2], 0.0));
+    for _ in 0..MAX_ITERATIONS {
+        sums.fill(([0.0; 2], 0.0));
+        let mut largest = 0.0f64;
+        for touch in touches.clone() {
+            let weight = touch.inverse_masses[0] + touch.inverse_masses[1];
+            let missing = (-touch.separation_speed(velocities)).max(0.0);
+            largest = largest.max(missing);
+            for (which, sign) in [(0, -1.0), (1, 1.0)] {
+                if let Some(body) = touch.bodies[which] {
+                    let by = sign * missing * (touch.inverse_masses[which] / weight);
+                    let (sum, count) = &mut sums[body];
+                    *sum = vector(|k| sum[k] + by * touch.normal[k]);
+                    *count += 1.0;
+                }
+            }
+        }
+        if largest == 0.0 {
+            break;
+        }
+        for (velocity, &(sum, count)) in velocities.iter_mut().zip(&*sums) {
+            if count > 0.0 {
+                *velocity = vector(|k| velocity[k] + sum[k] / count);
+            }
+        }
+    }
+}
+
+fn iterate(
+    (most, tolerance): (usize, f64),
+    touches: &mut [Touch],
+    velocities: &mut [Vector],
+    impulses: &mut Vec<[f64; 2]>,
+) {
     touches.sort_unstable_by_key(|touch| touch.key);
     // For each contact its impulse so far and the speed at which it has to separate.
     impulses.clear();
@@ -53,7 +115,8 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
         fastest = fastest.max(-approach);
         impulses.push([0.0, -touch.restitution * approach.min(0.0)]);
     }
-    for _ in 0..MAX_ITERATIONS {
+    let mut largest_before = f64::INFINITY;
+    for iteration in 1..=most {
         let mut largest = 0.0f64;
         for (touch, [impulse, wanted]) in touches.iter().zip(impulses.iter_mut()) {
             let missing = *wanted - touch.separation_speed(velocities);
@@ -64,8 +127,14 @@ pub fn apply(touches: &mut [Touch], velocities: &mut [Vector], impulses: &mut Ve
             touch.push(touch.normal, change, velocities);
             largest = largest.max(change.abs() * weight);
         }
-        if touches.len() == 1 || largest <= TOLERANCE * fastest {
+        if touches.len() == 1 || largest <= tolerance * fastest {
             break;
+        }
+        if iteration % WITHOUT_END == 0 {
+            if largest > 0.9 * largest_before {
+                break;
+            }
+            largest_before = largest;
         }
     }
 }
@@ -88,6 +157,11 @@ impl Touch {
     /// of a wall.
     pub fn is_same(&self, other: &Self) -> bool {
         dot(self.normal, other.normal) > SAME
+    }
+
+    /// Whether one of the two is a surface that no impulse moves.
+    pub fn is_with_fixed(&self) -> bool {
+        (0..2).any(|k| self.bodies[k].is_none() || self.inverse_masses[k] == 0.0)
     }
 
     /// The speed at which the two separate.

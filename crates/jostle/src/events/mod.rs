@@ -31,6 +31,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::error::{Error, Result};
 use crate::interrupt::{self, Stop};
+use crate::motion::Motion;
 use crate::parallel::{self, locked};
 use block::{Arguments, Block};
 use bounds::find_outside_at_start;
@@ -64,7 +65,8 @@ pub struct Events {
     /// Pairs that touched during the step, of those that pass through each other; some may be listed
     /// twice.
     pub sensed: Vec<[u32; 2]>,
-    /// Discs that had too many events in a window and stand still for the rest of the step.
+    /// Discs that had too many events in a window, sorted. Until the end of the step what touches them
+    /// stays with them.
     pub exhausted: Vec<u32>,
     /// Discs whose collisions became elastic in a window, because they had many, once for each window.
     pub collapsed: Vec<u32>,
@@ -121,8 +123,19 @@ impl Events {
                 return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
             }
             rest.fill(&mut starts, &self.exhausted);
-            let window = Window { flight: &rest, starts: &starts, end: rest.end };
+            let before = std::mem::take(&mut self.exhausted);
+            let stopped = if rest.is_lossless { &before[..] } else { &[] };
+            let velocity = |index: &u32| (*index, rest.motion(*index));
+            let kept: Vec<_> = stopped.iter().map(velocity).collect();
+            let window =
+                Window { flight: &rest, starts: &starts, exhausted: &before, end: rest.end };
             let end = self.simulate_window(window, bounds, shortest)?;
+            for (index, motion) in kept {
+                let moved = rest.motions.get(index);
+                rest.motions.set(index, Motion { velocity: motion.velocity, ..moved });
+            }
+            self.exhausted.extend(before);
+            self.exhausted.sort_unstable();
             if end == rest.end {
                 self.starts = starts;
                 return Ok(());

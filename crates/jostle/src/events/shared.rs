@@ -76,7 +76,7 @@ impl Events {
         let hash = digest_all(hash, parts);
         match course {
             None => hash,
-            Some((_, course)) => digest(hash, course.groups ^ u64::from(course.stopped.is_some())),
+            Some((_, course)) => digest(hash, course.groups ^ u64::from(course.is_exhausted)),
         }
     }
 }

@@ -18,10 +18,19 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of one disc in a window at most: where no collision loses energy, and elsewhere. A disc that
-/// has had them stands still for the rest of the step. More would resolve more discs of a pile, but a
-/// long row that collapses would take minutes.
+/// Events of a disc in a window after which it is exhausted until the end of the step: where no collision
+/// loses energy, and elsewhere. All that touches an exhausted disc is solved together and without
+/// restitution, so that surfaces that press it stay with it.
+/// Larger numbers would take minutes for a long row that collapses.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
+
+/// Events of an exhausted disc in a window at most. After that it moves with walls and immovable discs that
+/// press it, and has no more events in the window.
+const MORE_EVENTS: u32 = 128;
+
+/// Square of the part of its speed with which a disc may approach walls without counting as one that has
+/// no room.
+const NO_ROOM: f64 = 1e-12;
 
 /// After so many events in a window an inelastic disc collides elastically with other discs until its
 /// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
@@ -29,7 +38,10 @@ const MAX_EVENTS: [u32; 2] = [1024, 384];
 /// with the TC model*, 1998).
 const COLLAPSE: u32 = 64;
 
-/// Events of a disc at one moment after which it stands still if it touches a wall.
+/// Events of a disc at one moment after which all that touches it is solved together, also what does not
+/// approach it, and without restitution. Between a wall that pushes and another disc there can be infinitely
+/// many. Where energy is conserved their number is finite, and surfaces that separate may not be solved with
+/// others, because that would add energy.
 const MAX_AT_ONCE: usize = 8;
 
 /// Impacts between two polls.
@@ -41,6 +53,8 @@ pub(super) struct InGroup {
     index: u32,
     /// The number of its course.
     pub(super) number: u32,
+    /// Whether all that touches it is solved together.
+    is_joint: bool,
     /// The segment that begins now, with the velocity before the impacts.
     now: Segment,
     /// Which of the list of nearby discs are near it.
@@ -79,6 +93,9 @@ pub struct Scratch {
     nearby: Vec<Nearby>,
     pub(super) touches: Vec<Touch>,
     pub(super) velocities: Vec<Vector>,
+    /// The same before they are corrected, and sums of corrections with their numbers.
+    before: Vec<Vector>,
+    sums: Vec<(Vector, f64)>,
 }
 
 /// The simulation of the discs of a range.
@@ -177,6 +194,8 @@ impl Simulation<'_> {
             in_group: 0,
             island: number,
             next: number,
+            is_exhausted: self.window.is_exhausted(index),
+            is_joint: false,
             stopped: None,
             groups: 0,
         });
@@ -220,11 +239,13 @@ impl Simulation<'_> {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
         let number = self.course(index);
         let position = self.scratch.group.len();
-        let own = &mut self.history.courses[number as usize];
-        if own.in_group != 0 {
+        if self.history.courses[number as usize].in_group != 0 {
             return;
         }
+        let is_joint = self.is_joint(&self.history.courses[number as usize], time);
+        let own = &mut self.history.courses[number as usize];
         own.in_group = position as u32 + 1;
+        own.is_joint |= is_joint;
         let now = own.segment.moved(time, gravity);
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
@@ -234,7 +255,17 @@ impl Simulation<'_> {
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
         });
         let near = start..self.scratch.nearby.len();
-        self.scratch.group.push(InGroup { index, number, now, near });
+        self.scratch.group.push(InGroup { index, number, is_joint, now, near });
+    }
+
+    /// Whether all that touches the disc of a course now is solved together.
+    pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
+        let has_many = || {
+            let segments = Trajectory::of(self.history, course, time);
+            segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
+        };
+        let is_at_once = course.count as usize >= MAX_AT_ONCE && course.segment.time == time;
+        course.is_exhausted || is_at_once && !self.window.flight.is_lossless && has_many()
     }
 
     /// Ends the group.
@@ -247,33 +278,49 @@ impl Simulation<'_> {
 
     /// Adds the next impacts of a disc of the group to the queue.
     fn predict(&mut self, position: usize) {
-        let window = self.window;
-        let Scratch { queue, group, nearby, .. } = &mut *self.scratch;
-        let InGroup { index, number, near, .. } = &group[position];
+        let (window, most) = (self.window, self.last_event());
+        let Scratch { queue, group, nearby, touches, velocities, .. } = &mut *self.scratch;
+        let InGroup { index, number, is_joint, near, .. } = &group[position];
         let courses = &self.history.courses;
-        let Course { segment: own, count: own_count, stopped, .. } = &courses[*number as usize];
-        if stopped.is_none()
-            && let Some(event) = window.wall_event(*index, own, *own_count)
+        let Course { segment: own, count: own_count, .. } = &courses[*number as usize];
+        let has_ended = *own_count >= most;
+        // Without room no velocity keeps a disc from approaching all that was solved together.
+        let is_without_room = |wall: u32| {
+            let is_it = |touch: &Touch| touch.key == [*index, WALL, wall];
+            let approaches = |touch: &Touch| touch.separation_speed(velocities) < 0.0;
+            *is_joint && touches.iter().any(|touch| is_it(touch) && approaches(touch))
+        };
+        if !has_ended
+            && let Some(event) = window.wall_event(*index, own, *own_count, is_without_room)
         {
             queue.push(event);
         }
+        let was_solved = |other: u32| {
+            let pair = [(*index).min(other), (*index).max(other)];
+            touches.iter().any(|touch| touch.key[..2] == pair)
+        };
         for other in &nearby[near.clone()] {
             let (mut segment, mut count) = (&other.now, other.count);
+            let mut are_joint = *is_joint;
             if let Some(course) = courses.get(other.number as usize) {
                 if course.in_group != 0 {
                     (segment, count) = (&course.segment, course.count);
+                    are_joint |= group[course.in_group as usize - 1].is_joint;
                 }
                 // The impacts of two discs of the group are predicted once.
                 let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
-                if is_predicted || course.stopped.is_some() && stopped.is_some() {
+                if is_predicted || has_ended && course.count >= most {
                     continue;
                 }
-            } else if stopped.is_some() && !window.starts[other.index as usize].is_movable {
+            } else if has_ended && !window.starts[other.index as usize].is_movable {
                 continue;
             }
             let image = self.neighbors.image_of(other.image);
             let both = ((*index, own), (other.index, segment));
             if let Some(impact) = window.impact(both.0, both.1, image, window.end) {
+                if are_joint && impact.time == own.time && was_solved(other.index) {
+                    continue;
+                }
                 let (pair, counts) = ([*index, other.index], [*own_count, count]);
                 queue.push(Event::of_discs(impact, pair, other.image, counts));
             }
@@ -281,18 +328,18 @@ impl Simulation<'_> {
     }
 
     /// Adds all contacts whose surfaces touch and approach at `time`, of discs in the group and
-    /// of discs that thereby join it.
+    /// of discs that thereby join it. Some discs have all that touches them solved together.
     fn find_simultaneous(&mut self, time: f64) {
         let window = self.window;
         let mut position = 0;
         while position < self.scratch.group.len() {
-            let InGroup { index, number, now, near } = self.scratch.group[position].clone();
+            let InGroup { index, is_joint, now, near, .. } = self.scratch.group[position].clone();
             position += 1;
-            if self.history.courses[number as usize].stopped.is_some() {
+            if self.has_ended(index) {
                 continue;
             }
             let mut contacts = std::mem::take(&mut self.scratch.contacts);
-            window.each_touched_wall(index, &now, &mut contacts, |wall, normal| {
+            window.each_touched_wall(index, &now, is_joint, &mut contacts, |wall, normal| {
                 self.touch_wall(index, wall, normal);
             });
             self.scratch.contacts = contacts;
@@ -301,7 +348,9 @@ impl Simulation<'_> {
                     &self.scratch.nearby[at];
                 let (partner, code) = (*partner, *code);
                 let image = self.neighbors.image_of(code);
-                if !window.touch_now((index, &now), (partner, there), image) {
+                let has_joint = |other: &Course| self.is_joint(other, time);
+                let all = || is_joint || self.find(partner).is_some_and(has_joint);
+                if !window.touch_now((index, &now), (partner, there), image, all) {
                     continue;
                 }
                 // Contacts with those before were found from their side.
@@ -321,14 +370,8 @@ impl Simulation<'_> {
     }
 
     fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
-        let (position, own, course) = self.in_group(index).expect("it is in the group");
-        let touch = self.wall_touch(index, position, course, wall, normal);
-        let (number, has_room) = (own.number, !self.has_no_room(course, own.now.time));
-        self.add(touch);
-        if wall >= FIRST && !has_room {
-            // It stands still from its next event on, which is this one.
-            self.history.courses[number as usize].count = self.max_events() - 1;
-        }
+        let (position, _, course) = self.in_group(index).expect("it is in the group");
+        self.add(self.wall_touch(index, position, course, wall, normal));
     }
 
     /// The contact of the disc of a course, the body `position`, and a wall.
@@ -341,8 +384,13 @@ impl Simulation<'_> {
         normal: Vector,
     ) -> Touch {
         // Between walls at an acute angle, too, there can be infinitely many collisions.
-        let collapses = wall >= FIRST && course.count >= COLLAPSE;
-        let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
+        let restitution = if course.is_exhausted {
+            0.0
+        } else if wall >= FIRST && course.count >= COLLAPSE {
+            1.0
+        } else {
+            self.window.wall_restitution(index, wall)
+        };
         Touch {
             bodies: [Some(position), None],
             inverse_masses: [course.inverse_mass, 0.0],
@@ -351,13 +399,6 @@ impl Simulation<'_> {
             carried: self.window.flight.walls.velocity(wall),
             ..Touch::of_wall(index, wall, normal)
         }
-    }
-
-    /// Whether a disc has had so many events at this moment that it overlaps walls on opposite sides. It
-    /// would bounce between them forever.
-    fn has_no_room(&self, course: &Course, time: f64) -> bool {
-        let mut segments = Trajectory::of(self.history, course, time);
-        segments.by_ref().take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
     }
 
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
@@ -387,15 +428,21 @@ impl Simulation<'_> {
         }
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
-        let inverse_mass = |(_, _, course): (usize, &InGroup, &Course)| match course.stopped {
-            None => course.inverse_mass,
-            Some(_) => 0.0,
-        };
         let counts = found.map(|found| found.map_or(0, |(.., course)| course.count));
+        let is_exhausted =
+            |found: Option<(_, _, &Course)>| found.is_none_or(|(.., course)| course.is_exhausted);
+        let are_exhausted = found.map(is_exhausted);
+        // Where energy is conserved, the others bounce off an exhausted disc as off an immovable one.
+        let conserves = window.flight.is_lossless && are_exhausted != [true; 2];
+        let inverse_mass = |(_, own, course): (usize, &InGroup, &Course)| {
+            let is_fixed = conserves && course.is_exhausted || self.has_ended(own.index);
+            if is_fixed { 0.0 } else { course.inverse_mass }
+        };
+        let sticks = !conserves && found.into_iter().flatten().any(|(.., of)| of.is_exhausted);
         let touch = Touch {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
-            restitution: self.pair_restitution(pair, counts),
+            restitution: if sticks { 0.0 } else { self.pair_restitution(pair, counts) },
             friction: window.pair_friction(pair),
             carried,
             carried_turning,
@@ -437,9 +484,20 @@ impl Simulation<'_> {
         let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
         velocities.clear();
         velocities.extend(group.iter().map(|own| own.now.velocity));
-        impulses::apply(touches, velocities, impulses);
+        let is_joint = group.iter().any(|own| own.is_joint);
+        if is_joint {
+            if !window.flight.is_lossless {
+                touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
+            }
+            impulses::apply_jointly(touches, velocities, impulses);
+        } else {
+            impulses::apply(touches, velocities, impulses);
+        }
         if window.flight.has_friction {
             self.rub_group(time);
+        }
+        if is_joint {
+            self.share();
         }
         let Scratch { touches, velocities, .. } = &mut *self.scratch;
         if let Some(thermostat) = window.flight.thermostat {
@@ -453,7 +511,7 @@ impl Simulation<'_> {
         for position in 0..self.scratch.group.len() {
             let InGroup { number, now, .. } = self.scratch.group[position];
             self.history.connect(self.scratch.group[0].number, number);
-            if self.history.courses[number as usize].stopped.is_some() {
+            if self.has_ended(self.scratch.group[position].index) {
                 continue;
             }
             let velocity = self.scratch.velocities[position];
@@ -464,6 +522,36 @@ impl Simulation<'_> {
             self.turn(number, new);
         }
         self.record_bounces();
+    }
+
+    /// Divides the approach that is left evenly, if no velocities keep all surfaces of the group from
+    /// approaching: a disc between two walls that close in moves with the mean of their velocities, and stays
+    /// between them. Surfaces that no impulse moves come last, so that others do not push a disc through
+    /// them. A disc that has no room between them, or no further events in the window, moves with them alone.
+    fn share(&mut self) {
+        let most = self.last_event();
+        let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
+        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
+        if fixed.clone().next().is_none() {
+            return;
+        }
+        impulses::project(touches.iter(), velocities, sums);
+        for (own, velocity) in group.iter().zip(&mut *velocities) {
+            if self.history.courses[own.number as usize].count + 1 == most {
+                *velocity = [0.0; 2];
+            }
+        }
+        impulses::project(fixed.clone(), velocities, sums);
+        before.clone_from(velocities);
+        for touch in fixed.clone().filter(|touch| touch.separation_speed(before) < 0.0) {
+            for body in touch.bodies.into_iter().flatten() {
+                let (missing, velocity) = (touch.separation_speed(before), before[body]);
+                if missing * missing > NO_ROOM * dot(velocity, velocity) {
+                    velocities[body] = [0.0; 2];
+                }
+            }
+        }
+        impulses::project(fixed, velocities, sums);
     }
 
     /// Notes which discs collide at the same moment, if these are at least three: the velocities of each
@@ -527,7 +615,8 @@ impl Simulation<'_> {
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
         let (window, max_events) = (self.window, self.max_events());
         let is_lossless = window.flight.is_lossless;
-        let History { courses, ended, outside, stopped, collapsed, .. } = &mut *self.history;
+        let History { courses, ended, outside, exhausted_courses, collapsed, .. } =
+            &mut *self.history;
         let course = &mut courses[number as usize];
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
@@ -536,13 +625,15 @@ impl Simulation<'_> {
         if course.count == COLLAPSE && !is_lossless {
             collapsed.push(number);
         }
-        if course.count >= max_events {
-            // It keeps its energy where energy is conserved. Elsewhere its velocity is that of its
-            // motion. Gravity would accelerate it without end if it stood still in each step.
-            course.stopped = Some(if is_lossless { new.velocity } else { [0.0; 2] });
-            stopped.push(number);
-            course.segment.velocity = [0.0; 2];
-            course.segment.falls = false;
+        if course.count == max_events && !course.is_exhausted {
+            course.is_exhausted = true;
+            exhausted_courses.push(number);
+            if is_lossless {
+                // It keeps its energy. Until the end of the step it moves only with what pushes it.
+                course.stopped = Some(new.velocity);
+                course.segment.velocity = [0.0; 2];
+                course.segment.falls = false;
+            }
         }
         let square = window.longest_square(course.index, &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
@@ -552,9 +643,19 @@ impl Simulation<'_> {
         }
     }
 
-    /// Events of a disc after which it stands still.
+    /// Events of a disc after which it is exhausted.
     pub(super) fn max_events(&self) -> u32 {
         MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
+    }
+
+    /// Events of a disc after which it has no more.
+    fn last_event(&self) -> u32 {
+        self.max_events() + MORE_EVENTS
+    }
+
+    /// Whether a disc has had so many. Others bounce off it as off an immovable one.
+    fn has_ended(&self, index: u32) -> bool {
+        self.find(index).is_some_and(|course| course.count >= self.last_event())
     }
 
     /// Coefficient of restitution of two discs that have had so many events.

@@ -3,7 +3,7 @@
 //! The result has the same bits as that of [`Simulation::happen`], without its lists.
 
 use super::early::Now;
-use super::history::Bounce;
+use super::history::{Bounce, Course};
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
@@ -45,7 +45,8 @@ impl Simulation<'_> {
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
         let max_events = self.max_events();
-        if courses.iter().any(|course| course.stopped.is_some() || course.count + 1 >= max_events) {
+        let is_last = |course: &&Course| course.count + 1 >= max_events;
+        if courses.iter().any(|course| is_last(course) || self.is_joint(course, time)) {
             return false;
         }
         let now = courses.map(|course| course.segment.moved(time, window.gravity()));
@@ -137,12 +138,12 @@ impl Simulation<'_> {
         let [touches, hits] = window.may_touch_wall(index, &own_now, span, left);
         if touches {
             let contacts = &mut self.scratch.contacts;
-            window.each_touched_wall(index, now, contacts, |wall, normal| {
+            window.each_touched_wall(index, now, false, contacts, |wall, normal| {
                 is_alone &= is_known(wall, normal);
             });
         }
         if hits {
-            predicted.extend(window.wall_event(index, new, count));
+            predicted.extend(window.wall_event(index, new, count, |_| false));
         }
         neighbors.of(index, |neighbor| {
             let (other, image) = (neighbor.index, neighbors.image(neighbor));
@@ -168,7 +169,8 @@ impl Simulation<'_> {
                     (moved, moved, count, false)
                 }
             };
-            is_alone &= is_this || !window.touch_now((index, now), (other, &before), image);
+            is_alone &=
+                is_this || !window.touch_now((index, now), (other, &before), image, || false);
             if let Some(impact) = window.impact((index, new), (other, &after), image, window.end) {
                 let counts = [count, other_count];
                 predicted.push(Event::of_discs(impact, [index, other], neighbor.image, counts));

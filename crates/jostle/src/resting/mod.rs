@@ -57,8 +57,6 @@ const BLOCKS_OF_A_THREAD: usize = 64;
 pub struct Support<'a> {
     /// The particles.
     pub particles: &'a Particles,
-    /// Which of them move.
-    pub moving: &'a [bool],
     /// Positions and velocities at the beginning of the sub-step.
     pub motions: &'a Motions,
     /// Angular velocities at the beginning of the sub-step.
@@ -178,17 +176,9 @@ impl Support<'_> {
         found.map_or([0.0; 2], |at| self.pushes[at].pushes)
     }
 
-    /// The velocity at the beginning of the sub-step. A particle that has had too many events stands
-    /// still.
-    fn velocity(&self, index: usize) -> [f32; 2] {
-        if self.is_exhausted(index) { [0.0; 2] } else { self.motions.velocity(index as u32) }
-    }
-
     /// Angular velocity times radius at the beginning of the sub-step.
     fn surface_speed(&self, index: usize) -> f32 {
-        let is_exhausted = self.is_exhausted(index);
-        let velocity = if is_exhausted { 0.0 } else { self.spins.velocity(index as u32) };
-        velocity * self.particles.radii[index]
+        self.spins.velocity(index as u32) * self.particles.radii[index]
     }
 
     /// Those of some particles that may be near enough to walls to rest on them. `near` is scratch.
@@ -216,10 +206,6 @@ impl Support<'_> {
             count += usize::from(is_near);
         }
         &near[..count]
-    }
-
-    fn is_exhausted(&self, index: usize) -> bool {
-        !self.moving[index] && self.particles.movable[index]
     }
 
     fn change(&self, kick: &Kick, k: usize) -> f64 {
@@ -376,10 +362,10 @@ impl Resting {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             let mut any = false;
             for (kick, index) in kicks.iter_mut().zip(first..) {
-                velocities.set(index as u32, scene.velocity(index));
+                velocities.set(index as u32, scene.motions.velocity(index as u32));
                 positions.set(index as u32, scene.motions.position(index as u32));
                 let mut change = [0.0; 2];
-                if scene.moving[index] {
+                if scene.particles.movable[index] {
                     let has_kick = kick.before != [0.0; 2] || kick.after != [0.0; 2];
                     any |= has_kick;
                     (change, kick.speed) = if has_kick { change_of(kick) } else { without_kick };
@@ -443,7 +429,9 @@ impl Resting {
             // Those of ghosts are solved by their own ranks.
             let is_own = |index: usize| scene.halo.is_none_or(|halo| halo.is_own[index]);
             let is_listed = |&index: &usize| {
-                scene.moving[index] && is_own(index) && contacts.is_uneven(index as u32) == uneven
+                scene.particles.movable[index]
+                    && is_own(index)
+                    && contacts.is_uneven(index as u32) == uneven
             };
             let tasks = parts.iter_mut().zip((0..kicks.len()).step_by(WALL_PART));
             parallel::for_each(scene.threads, tasks, |(part, first)| {
@@ -489,7 +477,7 @@ impl Resting {
     fn end(&self, scene: &Support<'_>, kicks: &mut [Kick]) {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, index) in kicks.iter_mut().zip(first..) {
-                if !scene.moving[index] {
+                if !scene.particles.movable[index] {
                     continue;
                 }
                 if scene.has_friction {

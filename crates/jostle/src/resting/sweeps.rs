@@ -162,7 +162,7 @@ impl Sweeps<'_> {
                     if !std::mem::replace(&mut is_current, true) {
                         all.refresh()?;
                     }
-                    all.accelerate(0..scene.moving.len());
+                    all.accelerate(0..scene.particles.len());
                     Ok(())
                 }
             }
@@ -217,7 +217,7 @@ impl Sweeps<'_> {
                 member.wait();
             }
             Task::Accelerate => {
-                all.accelerate(member.share(scene.moving.len()));
+                all.accelerate(member.share(scene.particles.len()));
                 member.wait();
             }
         };

@@ -26,9 +26,8 @@ impl World {
     pub(super) fn make_contacts(&mut self) -> Result<()> {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
-        self.find_moving();
         let Self { particles, scratch, contacts, .. } = self;
-        let StepScratch { pairs, moving, events, .. } = scratch;
+        let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         if !may_rest {
             let StepScratch { overlaps, overlap_parts, .. } = scratch;
@@ -36,7 +35,7 @@ impl World {
         }
         interrupt::check()?;
         let lists = if may_rest { pairs } else { &scratch.overlaps };
-        contacts.colour(lists, (particles, moving), threads);
+        contacts.colour(lists, particles, threads);
         interrupt::check()?;
         let (mut shape, mut refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
@@ -46,11 +45,11 @@ impl World {
             (shape, refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
             if shape.rounds > 0 {
-                shape.rounds = domain.divide(contacts.sequential(), &scratch.moving, rows)?;
+                shape.rounds = domain.divide(contacts.sequential(), &particles.movable, rows)?;
             }
         }
-        let (of, before) = ((&*particles, &scratch.moving[..]), scratch.tree.rows());
-        contacts.collect(lists, of, settings.restitution, before, shape.rounds, threads);
+        let before = scratch.tree.rows();
+        contacts.collect(lists, particles, settings.restitution, before, shape.rounds, threads);
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
         Ok(())
     }
@@ -69,17 +68,6 @@ impl World {
         if self.settings.on_touch == OnTouch::Merge {
             merge::list_candidates(pairs, particles, candidate_merges);
             pairs.clear();
-        }
-    }
-
-    /// Finds which particles move in this part of the step: those that are movable and have not had too
-    /// many events.
-    fn find_moving(&mut self) {
-        let StepScratch { moving, exhausted, .. } = &mut self.scratch;
-        moving.clone_from(&self.particles.movable);
-        if !exhausted.is_empty() {
-            let indices = self.rows.iter().zip(moving.iter_mut());
-            indices.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
     }
 }

@@ -129,8 +129,8 @@ pub struct Stats {
     pub depth: usize,
     /// Pairs tested.
     pub tests: u64,
-    /// Particles that had too many collisions in a part of the step, and stood still for the
-    /// rest of the step.
+    /// Particles that had too many collisions in a part of the step, and then stayed with what
+    /// pressed them.
     pub unresolved: u64,
     /// Sub-steps of all parts of the step.
     pub substeps: usize,
@@ -205,8 +205,6 @@ struct StepScratch {
     sleeping: sleeping::Scratch,
     waking: waking::Scratch,
     grown: bounds::Grown,
-    /// Particles that move in the step: movable, not exhausted.
-    moving: Vec<bool>,
     /// Rows that have had too many events in the step.
     exhausted: Vec<u32>,
     /// Collisions of the particle in each row in the parts of the step so far.

@@ -48,7 +48,7 @@ impl World {
         let ratio = particles.masses[a] / particles.masses[b];
         let ratio = ratio.max(1.0 / ratio);
         let is_counted = RATIO_OF_A_REFINEMENT < ratio && ratio <= LARGEST_RATIO;
-        if !(is_counted && self.scratch.moving[a] && self.scratch.moving[b]) {
+        if !(is_counted && self.particles.movable[a] && self.particles.movable[b]) {
             return None;
         }
         let [p, q] = [a, b].map(|index| particles.positions[index]);

@@ -196,7 +196,6 @@ impl World {
         let clock = of.clock(substep);
         let scene = Support {
             particles,
-            moving: &scratch.moving,
             motions: &scratch.motions,
             spins: &scratch.spins,
             has_friction: of.has_friction,
@@ -227,7 +226,6 @@ impl World {
             StepBounds::new(tree, particles, max_displacements, grown, settings.container);
         let flight = Flight {
             particles,
-            movable: &scratch.moving,
             motions: &scratch.motions,
             spins: &scratch.spins,
             has_friction: of.has_friction,

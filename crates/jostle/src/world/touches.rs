@@ -112,6 +112,7 @@ impl World {
         let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
         exhausted.extend(new);
         exhausted.sort_unstable();
+        exhausted.dedup();
         self.stats.unresolved = exhausted.len() as u64;
         let (domain, rows) = (&self.domain, &self.rows);
         let is_own = |index: u32| domain.as_ref().is_none_or(|of| of.owns(rows[index as usize]));
