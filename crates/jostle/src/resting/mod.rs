@@ -341,7 +341,8 @@ impl Resting {
         let Self { blocks, frictions, walls, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         let springs = springs.holds_any().then_some(springs);
-        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }.run()?;
+        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }
+            .run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.index as usize];

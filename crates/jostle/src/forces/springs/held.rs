@@ -43,11 +43,17 @@ pub struct Scratch {
 
 /// What decides whether a body is near anything.
 pub struct Surroundings<'a> {
+    /// The particles.
     pub particles: &'a Particles,
+    /// Positions and velocities at the beginning of the sub-step.
     pub motions: &'a Motions,
+    /// The contacts that the step may have.
     pub contacts: &'a Contacts,
+    /// The walls.
     pub walls: Around<'a>,
+    /// What other forces do in the sub-step.
     pub kicks: &'a [Kick],
+    /// The sub-step.
     pub flow: &'a Flow,
 }
 
@@ -172,7 +178,9 @@ impl SpringSolver {
                     node.inverse_mass = 0.0;
                 }
             }
-            for (link, tie) in links[body.links.clone()].iter().zip(&mut held.ties[body.links.clone()]) {
+            for (link, tie) in
+                links[body.links.clone()].iter().zip(&mut held.ties[body.links.clone()])
+            {
                 *tie = Tie::new(link, nodes, container, flow);
                 let [a, b] = link.nodes.map(|node| nodes[node as usize]);
                 let impulse = (rate(tie.along, &a, &b) + tie.rate) * tie.inverse;
@@ -208,7 +216,12 @@ impl SpringSolver {
 }
 
 impl Tie {
-    fn new(link: &Link, nodes: &[Node], container: &crate::container::Container, flow: &Flow) -> Self {
+    fn new(
+        link: &Link,
+        nodes: &[Node],
+        container: &crate::container::Container,
+        flow: &Flow,
+    ) -> Self {
         let [a, b] = link.nodes.map(|node| &nodes[node as usize]);
         let (along, length) = link.direction(a, b, container);
         let gain = flow.seconds * (link.stiffness * flow.duration + link.damping);
@@ -264,7 +277,9 @@ impl System<'_> {
         let error = |ties: &[Tie]| -> f64 {
             ties.iter().map(|tie| tie.residual * tie.residual * tie.inverse).sum()
         };
-        let size = |tie: &Tie| if tie.inverse > 0.0 { tie.impulse * tie.impulse / tie.inverse } else { 0.0 };
+        let size = |tie: &Tie| {
+            if tie.inverse > 0.0 { tie.impulse * tie.impulse / tie.inverse } else { 0.0 }
+        };
         let most = ERROR * self.ties.iter().map(size).sum::<f64>();
         let mut before = error(self.ties);
         self.ties.iter_mut().for_each(|tie| tie.search = tie.residual * tie.inverse);
