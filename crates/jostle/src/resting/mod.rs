@@ -26,6 +26,7 @@ use crate::container::{Container, MAX_WALLS};
 use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
+use crate::forces::springs::SpringSolver;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
@@ -314,16 +315,20 @@ impl Resting {
         scene: &Support<'_>,
         contacts: &Contacts,
         mut wall_pushes: WallPushes<'_>,
+        springs: &mut SpringSolver,
         kicks: &mut [Kick],
     ) -> Result<()> {
         self.begin(scene, kicks);
+        self.begin_held(scene, springs, kicks);
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
         let Self { blocks, frictions, walls, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
-        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, has_fast }.run()?;
+        let springs = springs.holds_any().then_some(springs);
+        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }
+            .run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.index as usize];
@@ -376,6 +381,25 @@ impl Resting {
             any_kick.fetch_or(any, Ordering::Relaxed);
         });
         self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick.1);
+    }
+
+    /// Begins a sub-step of springs that are solved together with contacts. They count as forces that
+    /// may press particles against each other.
+    fn begin_held(&mut self, scene: &Support<'_>, springs: &mut SpringSolver, kicks: &mut [Kick]) {
+        if !springs.holds_any() {
+            return;
+        }
+        let Self { velocities, changes, speeds, .. } = self;
+        let movable = &scene.particles.movable;
+        springs.begin_held(scene.flow, scene.motions, movable, velocities, |index, by| {
+            if movable[index as usize] {
+                let [x, y] = [0, 1].map(|k| f64::from(changes.get(index)[k]) + by[k]);
+                let kick = &mut kicks[index as usize];
+                kick.speed = kick.speed.max((x * x + y * y).sqrt() as f32);
+                speeds.set(index, [kick.speed, 0.0]);
+            }
+        });
+        self.speed_of_all = None;
     }
 
     /// Finds the contacts of two particles that rest.

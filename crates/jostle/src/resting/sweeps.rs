@@ -9,6 +9,7 @@ use super::walls::Walls;
 use super::{Support, friction, sum};
 use crate::contacts::{self, Contacts};
 use crate::error::Result;
+use crate::forces::springs::SpringSolver;
 use crate::interrupt::Stop;
 use crate::motion::{Scalars, Vectors};
 use crate::parallel::{self, Member, locked};
@@ -41,6 +42,8 @@ enum Which {
 enum Task {
     Contacts(Pass, Which),
     Walls(Pass, Which),
+    /// A turn of the springs of bodies that are held.
+    Springs(Pass),
     /// Gravity and forces are added to the velocities after the impacts.
     Accelerate,
 }
@@ -55,6 +58,8 @@ pub struct Sweeps<'a> {
     /// The particles with wall contacts. Those with contacts of uneven masses come first.
     pub walls: &'a mut [Walls],
     pub uneven_walls: usize,
+    /// Springs that are solved together with the contacts.
+    pub springs: Option<&'a mut SpringSolver>,
     /// Whether particles touch and approach too fast to rest.
     pub has_fast: bool,
 }
@@ -90,8 +95,7 @@ impl Sweeps<'_> {
 
     /// The tasks in their order.
     fn each_task(
-        has_fast: bool,
-        has_uneven: bool,
+        [has_fast, has_uneven, has_springs]: [bool; 3],
         mut act: impl FnMut(Task) -> Result<()>,
     ) -> Result<()> {
         use Task::{Accelerate, Contacts};
@@ -105,8 +109,12 @@ impl Sweeps<'_> {
         act(Accelerate)?;
         let further = if has_uneven { UNEVEN_ITERATIONS } else { 0 };
         let mut iterate = |pass, which| {
+            if has_springs && which == All && pass != Pass::Start {
+                act(Task::Springs(pass))?;
+            }
             act(Contacts(pass, which))?;
-            act(Task::Walls(pass, which))
+            act(Task::Walls(pass, which))?;
+            if has_springs && pass == Pass::Start { act(Task::Springs(pass)) } else { Ok(()) }
         };
         iterate(Pass::Start, All)?;
         for _ in 1..ITERATIONS {
@@ -121,8 +129,9 @@ impl Sweeps<'_> {
     /// Solves all contacts on this thread, in a distributed world together with other ranks, of which any have
     /// `work` in each colour.
     fn run_alone(self, has_fast: bool, work: Option<&[u8]>) -> Result<()> {
-        let Self { all, contacts, blocks, frictions, walls, uneven_walls, .. } = self;
+        let Self { all, contacts, blocks, frictions, walls, uneven_walls, mut springs, .. } = self;
         let State { scene, .. } = all;
+        let has_springs = springs.is_some();
         let (stop, shape) = (Stop::current(), scene.shape);
         // Whether the velocities of ghosts are those of their own ranks. They are refreshed only before a colour
         // or `Accelerate` reads them. A contact with a wall reads no other particle.
@@ -158,6 +167,12 @@ impl Sweeps<'_> {
                     is_current = false;
                     Ok(())
                 }
+                Task::Springs(pass) => {
+                    if let Some(springs) = &mut springs {
+                        springs.take_turn(all.velocities, pass == Pass::Start);
+                    }
+                    Ok(())
+                }
                 Task::Accelerate => {
                     if !std::mem::replace(&mut is_current, true) {
                         all.refresh()?;
@@ -167,15 +182,17 @@ impl Sweeps<'_> {
                 }
             }
         };
-        Self::each_task(has_fast, shape.has_uneven, &mut act)?;
+        Self::each_task([has_fast, shape.has_uneven, has_springs], &mut act)?;
         all.refresh()
     }
 
     /// Solves all contacts on this thread and on others.
     fn run_together(self, has_fast: bool) -> Result<()> {
         let stop = Stop::current();
-        let Self { all, contacts, blocks, mut frictions, walls, uneven_walls, .. } = self;
+        let Self { all, contacts, blocks, mut frictions, walls, uneven_walls, springs, .. } = self;
         let State { scene, .. } = all;
+        let traits = [has_fast, scene.shape.has_uneven, springs.is_some()];
+        let springs = Mutex::new(springs);
         let (mut parts, mut colours) = (Vec::new(), Vec::new());
         let mut rest = blocks;
         for colour in &contacts.blocks.colours {
@@ -216,6 +233,14 @@ impl Sweeps<'_> {
                 }
                 member.wait();
             }
+            Task::Springs(pass) => {
+                if member.is_first()
+                    && let Some(springs) = &mut *locked(&springs)
+                {
+                    springs.take_turn(all.velocities, pass == Pass::Start);
+                }
+                member.wait();
+            }
             Task::Accelerate => {
                 all.accelerate(member.share(scene.particles.len()));
                 member.wait();
@@ -227,7 +252,7 @@ impl Sweeps<'_> {
                 run(member, task);
                 Ok(())
             };
-            let _ = Self::each_task(has_fast, scene.shape.has_uneven, act);
+            let _ = Self::each_task(traits, act);
         });
         stop.check()
     }

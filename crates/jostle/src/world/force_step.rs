@@ -30,6 +30,10 @@ pub(super) struct ForceScratch {
     /// Islands of particles connected by springs.
     pub(super) groups: DisjointSets,
     pub(super) sprung: SpringSolver,
+    /// Whether any springs are so stiff that they may be solved together with contacts.
+    pub(super) are_springs_stiff: bool,
+    /// Scratch: sums over the springs of each particle.
+    sums: Vec<[f64; 2]>,
 }
 
 impl ForceScratch {
@@ -62,10 +66,11 @@ impl World {
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
         scratch.max_displacements.clear();
+        scratch.are_springs_stiff = false;
         if self.forces.is_empty() && self.given.is_none() {
             return Ok(());
         }
-        find_indices(&self.forces, &self.rows, &mut scratch.indices);
+        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut scratch.indices);
         let h = dt / substeps as f32;
         let particles = &self.particles;
         if has_accelerations {
@@ -76,21 +81,7 @@ impl World {
             scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;
         }
-        let (scratch, settings) = (&mut self.scratch.forces, &self.settings);
-        let particles = &self.particles;
-        let mut all = springs(&self.forces).flat_map(|springs| &springs.0).peekable();
-        if all.peek().is_some() {
-            let ForceScratch { indices, groups, max_displacements, .. } = scratch;
-            let bodies = bodies(particles, &particles.positions, (&self.rows, indices), settings);
-            forces::springs::max_displacements(
-                all,
-                &bodies,
-                &particles.velocities,
-                dt,
-                groups,
-                max_displacements,
-            );
-        }
+        self.estimate_springs(dt);
         let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
         let particles = &self.particles;
         let displacement = |index: usize| {
@@ -104,6 +95,23 @@ impl World {
         let id = self.id_of(longest, |index| displacement(index).unwrap_or(0.0));
         let rule = format!("forces would move particle {id} by {longest:e}, more than {most:e}");
         Err(Error::of("dt", dt, &rule))
+    }
+
+    /// Estimates displacements by springs, and finds out whether any are stiff.
+    fn estimate_springs(&mut self, dt: f32) {
+        let Self { forces: named, particles, rows, settings, scratch, .. } = self;
+        let h = f64::from(dt) / scratch.substeps as f64;
+        let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
+            &mut scratch.forces;
+        let all = awake_springs(named, indices);
+        if all.clone().next().is_none() {
+            return;
+        }
+        let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
+        *are_springs_stiff =
+            forces::springs::are_stiff(all.clone(), &bodies, &particles.movable, h, sums);
+        let velocities = &particles.velocities;
+        forces::springs::max_displacements(all, &bodies, velocities, dt, groups, max_displacements);
     }
 
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
@@ -162,11 +170,24 @@ pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs
     })
 }
 
-/// Writes the index of each row, if any force names particles.
-pub(super) fn find_indices(forces: &[Force], rows: &[u32], indices: &mut Vec<u32>) {
+/// The springs of particles that are awake.
+pub(super) fn awake_springs<'a>(
+    forces: &'a [Force],
+    indices: &'a [u32],
+) -> impl Iterator<Item = &'a forces::Spring> + Clone {
+    let is_awake =
+        |spring: &&forces::Spring| spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP);
+    springs(forces).flat_map(|springs| &springs.0).filter(is_awake)
+}
+
+/// Stands for no index: the particle of the row is asleep.
+pub(super) const ASLEEP: u32 = u32::MAX;
+
+/// Writes the index of each row, if any force names particles, of which some are asleep.
+pub(super) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {
     indices.clear();
     if forces::name_any(forces) {
-        indices.resize(rows.len(), 0);
+        indices.resize(rows.len() + asleep, ASLEEP);
         for (index, &row) in rows.iter().enumerate() {
             indices[row as usize] = index as u32;
         }

@@ -2,7 +2,7 @@
 
 use super::World;
 use super::discs::Discs;
-use super::force_step::{find_indices, springs};
+use super::force_step::{awake_springs, find_indices};
 use crate::parallel;
 use crate::table::Table;
 
@@ -56,10 +56,11 @@ impl World {
         if !forces.accelerations.is_empty() {
             gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
         }
-        find_indices(&self.forces, &self.rows, &mut forces.indices);
-        let all = springs(&self.forces).flat_map(|springs| &springs.0);
+        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut forces.indices);
+        let all = awake_springs(&self.forces, &forces.indices);
+        let (container, len) = (self.settings.container, self.rows.len());
         let inverse_mass = |index: usize| self.particles.inverse_mass(index);
-        forces.sprung.prepare(all, &forces.indices, self.settings.container, inverse_mass);
+        forces.sprung.prepare(all, &forces.indices, container, len, inverse_mass);
     }
 }
 

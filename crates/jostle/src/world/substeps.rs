@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
 use crate::forces;
+use crate::forces::springs::Surroundings;
 use crate::interrupt;
 use crate::particles::Particles;
 use crate::resting::{Support, WallPushes};
@@ -58,7 +59,9 @@ impl World {
     pub(super) fn are_own_lossless(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
-        self.settings.restitution == 1.0
+        // Stiff springs whose ends touch anything are solved with contacts that rest.
+        !self.scratch.forces.are_springs_stiff
+            && self.settings.restitution == 1.0
             && self.particles.restitutions.chunks(256).all(elastic)
             && self.walls.are_elastic()
             && !self.particles.has_friction()
@@ -174,8 +177,8 @@ impl World {
             self.accelerate(of.seconds as f32)?;
             watch(Stage::Forces);
         }
-        let Self { particles, scratch, .. } = self;
-        let StepScratch { forces, motions, kicks, .. } = scratch;
+        let Self { particles, scratch, contacts, walls, .. } = self;
+        let StepScratch { forces, motions, kicks, near_walls, .. } = scratch;
         kicks.clear();
         if !of.has_kicks {
             return Ok(());
@@ -183,6 +186,14 @@ impl World {
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &of.flow);
         if !forces.sprung.is_empty() && !self.forces.is_empty() {
+            forces.sprung.find_held(&Surroundings {
+                particles,
+                motions,
+                contacts,
+                walls: around(walls, near_walls, particles, of.clock(substep)),
+                kicks,
+                flow: &of.flow,
+            });
             forces.sprung.act(motions, kicks, of.seconds);
             watch(Stage::Forces);
         }
@@ -193,6 +204,7 @@ impl World {
     fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, domain, .. } = self;
         let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
+        let springs = &mut scratch.forces.sprung;
         let clock = of.clock(substep);
         let scene = Support {
             particles,
@@ -212,7 +224,7 @@ impl World {
         let WarmStart { normal, friction } = &mut self.persistent.warm_start;
         new.clear();
         let pushes = WallPushes { normal, friction, walls: new, impulses: wall_impulses };
-        scratch.resting.support(&scene, &self.contacts, pushes, kicks)?;
+        scratch.resting.support(&scene, &self.contacts, pushes, springs, kicks)?;
         new.sort_unstable_by_key(|of| (of.row, of.wall));
         std::mem::swap(new, wall_pushes);
         Ok(())

@@ -69,7 +69,7 @@ impl World {
 
     fn energy_in_forces(&self) -> f64 {
         let (mut indices, settings) = (Vec::new(), &self.settings);
-        find_indices(&self.forces, &self.rows, &mut indices);
+        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut indices);
         let positions = &self.particles.positions;
         let wrapped: Vec<[f32; 2]> =
             positions.iter().map(|&position| settings.container.wrap(position)).collect();
