@@ -77,11 +77,13 @@ pub(super) fn find_outside_at_start(
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
     let may_leave = |index: u32| window.may_leave(index, max_displacements[index as usize]);
-    let moving = (0..).zip(window.starts);
+    let moving = (0..).zip(window.now);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
         let segment = window.segment(index);
         let distance = window.longest_square(index, &segment).sqrt();
+        // A chain of circles need not begin before the window.
+        let segment = segment.moved(window.begin.max(segment.time), window.gravity());
         Outside { index, distance, segment }
     });
     outside.clear();

@@ -159,8 +159,7 @@ impl Events {
     fn load_near(&self, window: &Window<'_>) {
         for &disc in &self.discs {
             let near = self.neighbors.at_start(disc).iter().map(|neighbor| neighbor.index);
-            near.chain([disc])
-                .for_each(|index| _ = black_box(window.starts[index as usize].radius));
+            near.chain([disc]).for_each(|index| _ = black_box(window.now[index as usize].radius));
         }
     }
 
@@ -234,7 +233,9 @@ impl Events {
             }
             // Simultaneous contacts are solved together.
             let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
-            until < window.end && window.touch_now((a, &p), (b, &q), image)
+            let ends_with_event = |part: &Part| part.end == until && !part.is_last;
+            let is_event = ends_with_event(own) || ends_with_event(other);
+            is_event && window.touch_now((a, &p), (b, &q), image)
         })
     }
 

@@ -1,5 +1,6 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
+use super::history::{Carried, Course};
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::decomposition::Halo;
@@ -24,11 +25,14 @@ const COARSE: f64 = 1e-3;
 /// the end of the window is left out.
 const SLIGHT: f64 = 1e-6;
 
+/// Relative reserve for rounding of the time in which a disc is far from the sides of the container.
+const FAR: f64 = 1e-6;
+
 /// Two supported particles do not collide if they would overlap by less than this share of the sum
 /// of radii: their contact is solved at the beginning of the next sub-step.
 pub const DEFERRED: f64 = 0.01;
 
-/// How a disc begins a window.
+/// How a disc begins a flight, or in float32 a window of it.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct Start {
@@ -59,9 +63,9 @@ pub struct Flight<'a> {
     pub particles: &'a Particles,
     /// Which of them move.
     pub movable: &'a [bool],
-    /// Positions and velocities at the beginning of the window, if it is not the first of the step.
+    /// Positions and velocities at the beginning of the flight, if it is not the first of the step.
     pub motions: &'a Motions,
-    /// Angular velocities and angles at the beginning of the window.
+    /// Angular velocities and angles at the beginning of the flight.
     pub spins: &'a Spins,
     /// Whether any disc has friction.
     pub has_friction: bool,
@@ -73,8 +77,6 @@ pub struct Flight<'a> {
     pub flow: Flow,
     /// What forces and resting contacts do to each disc; empty where there are none.
     pub kicks: &'a [Kick],
-    /// Whether the window is the first of the sub-step.
-    pub is_first: bool,
     /// Whether it is the first of the step, in which discs begin as `particles` tell.
     pub begins_step: bool,
     /// The container.
@@ -108,6 +110,36 @@ pub struct Flight<'a> {
     pub threads: Option<usize>,
 }
 
+impl Window<'_> {
+    /// Whether the flight ends with the window.
+    pub fn is_last(&self) -> bool {
+        self.end == self.flight.end
+    }
+
+    /// Writes where all discs are when the window begins, rounded to float32. Those that had too many
+    /// events do not move.
+    pub fn fill_now(&self, now: &mut Vec<Start>) {
+        now.resize(self.starts.len(), Start::default());
+        parallel::for_chunks(self.flight.threads, now, |first, now| {
+            for (now, index) in now.iter_mut().zip(first..) {
+                let (start, course) = (self.starts[index], self.carried(index as u32));
+                let segment = self.segment(index as u32);
+                let [position, velocity] = segment.at(self.begin, self.gravity());
+                *now = Start {
+                    position: position.map(|v| v as f32),
+                    residual: [0.0; 2],
+                    velocity: velocity.map(|v| v as f32),
+                    is_movable: start.is_movable
+                        && course.is_none_or(|course| course.stopped.is_none()),
+                    falls: segment.falls,
+                    is_settled: start.is_settled && course.is_none(),
+                    ..start
+                };
+            }
+        });
+    }
+}
+
 impl Flight<'_> {
     /// Whether nothing reads the motions after the window has begun, so that they may be written before
     /// all histories are known.
@@ -115,7 +147,7 @@ impl Flight<'_> {
         self.kicks.is_empty() && self.spins.is_empty()
     }
 
-    /// The motion with which a disc begins the window.
+    /// The motion with which a disc begins.
     #[inline(always)]
     fn motion(&self, index: u32) -> Motion {
         if self.begins_step {
@@ -130,8 +162,8 @@ impl Flight<'_> {
     fn velocity(&self, index: u32) -> Vector {
         let velocity = self.motion(index).velocity.map(f64::from);
         match self.kicks.get(index as usize) {
-            Some(kick) if self.is_first => vector(|k| velocity[k] + kick.before[k]),
-            _ => velocity,
+            Some(kick) => vector(|k| velocity[k] + kick.before[k]),
+            None => velocity,
         }
     }
 
@@ -179,12 +211,22 @@ impl Flight<'_> {
 }
 
 /// A part of a sub-step at whose end all discs are known.
+///
+/// Windows are a schedule and nothing more: no number of a trajectory depends on where they begin and
+/// end. Times are seconds since the beginning of the flight, trajectories continue from window to window
+/// without rounding, and a prediction is that of the whole flight, left out if it is later than the window.
 #[derive(Clone, Copy)]
 pub struct Window<'a> {
-    /// The sub-step, from the beginning of the window.
+    /// The sub-step.
     pub flight: &'a Flight<'a>,
-    /// How the discs begin.
+    /// How the discs begin the flight.
     pub starts: &'a [Start],
+    /// Where they are when the window begins, rounded to float32, for tests that leave out pairs.
+    pub now: &'a [Start],
+    /// The discs that had events in earlier windows.
+    pub carried: &'a Carried,
+    /// When the window begins.
+    pub begin: f64,
     /// When the window ends.
     pub end: f64,
 }
@@ -196,9 +238,18 @@ impl Window<'_> {
         self.flight.gravity
     }
 
-    /// The first segment of a disc.
+    /// What earlier windows have led to, for a disc that had events in them.
+    #[inline(always)]
+    pub fn carried(&self, index: u32) -> Option<&Course> {
+        self.carried.get(index)
+    }
+
+    /// The segment with which a disc begins the window.
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
+        if let Some(course) = self.carried(index) {
+            return course.segment;
+        }
         let start = &self.starts[index as usize];
         let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
         Segment {
@@ -214,7 +265,7 @@ impl Window<'_> {
         }
     }
 
-    /// Moves a disc that nothing accelerates to the end of the window.
+    /// Moves a disc that nothing accelerates to the end of the flight.
     pub fn carry(&self, index: u32) {
         let Flight { particles, motions, spins, .. } = self.flight;
         if self.flight.begins_step {
@@ -235,7 +286,7 @@ impl Window<'_> {
         }
     }
 
-    /// Moves a disc along its last segment to the end of the window; `stopped` is its velocity after it
+    /// Moves a disc along its last segment to the end of the flight; `stopped` is its velocity after it
     /// had too many events.
     #[inline(always)]
     pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
@@ -245,13 +296,10 @@ impl Window<'_> {
         self.flight.motions.advance(index, exact(position, residual), end, velocity);
     }
 
-    /// The velocity of a disc after the sub-step from that at the end of the window.
+    /// The velocity of a disc after the sub-step from that at the end of the flight.
     #[inline(always)]
     pub fn after(&self, index: u32, falls: bool, velocity: Vector) -> Vector {
         let Flight { flow: Flow { decay, correction, .. }, kicks, .. } = self.flight;
-        if self.end < self.flight.end {
-            return velocity;
-        }
         let added = if falls { *correction } else { [0.0; 2] };
         let damped = vector(|k| velocity[k] * decay + added[k]);
         let kick = kicks.get(index as usize);
@@ -285,7 +333,6 @@ impl Window<'_> {
     #[inline(always)]
     fn limits(
         &self,
-        until: f64,
         position: Vector,
         contact_distance: f64,
         surfaces: impl Fn() -> (bool, f64),
@@ -300,8 +347,8 @@ impl Window<'_> {
             }
         };
         let limits = Limits {
-            until,
-            end: self.end,
+            until: self.flight.end,
+            end: self.flight.end,
             rounding: at_most(COARSE),
             tolerance: at_most(SLIGHT),
             deep_tolerance: rounding,
@@ -318,7 +365,7 @@ impl Window<'_> {
     }
 
     #[inline(always)]
-    fn pair_limits(&self, until: f64, position: Vector, pair: [u32; 2]) -> Limits {
+    fn pair_limits(&self, position: Vector, pair: [u32; 2]) -> Limits {
         let surfaces = || {
             let rests = |index: u32| {
                 let start = &self.starts[index as usize];
@@ -326,7 +373,7 @@ impl Window<'_> {
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
-        self.limits(until, position, self.contact_distance(pair[0], pair[1]), surfaces)
+        self.limits(position, self.contact_distance(pair[0], pair[1]), surfaces)
     }
 
     #[inline(always)]
@@ -335,7 +382,7 @@ impl Window<'_> {
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
         let contact_distance =
             self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
-        self.limits(self.end, position, contact_distance, surfaces)
+        self.limits(position, contact_distance, surfaces)
     }
 
     /// The limits at each side of the container.
@@ -369,11 +416,12 @@ impl Window<'_> {
         }
         let smaller = if a < b { first } else { second };
         let position = smaller.position_at(relative.start, self.gravity());
-        let limits = self.pair_limits(until, position, [a, b]);
-        relative.impact(self.contact_distance(a, b), &limits)
+        let limits = self.pair_limits(position, [a, b]);
+        let impact = relative.impact(self.contact_distance(a, b), &limits);
+        impact.filter(|impact| impact.time <= until)
     }
 
-    /// The next impact of a disc on a wall.
+    /// The next impact of a disc on a wall in the window.
     pub fn wall_event(&self, index: u32, segment: &Segment, count: u32) -> Option<Event> {
         if !self.starts[index as usize].is_movable {
             return None;
@@ -387,6 +435,7 @@ impl Window<'_> {
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
         }
+        let hit = hit.filter(|(impact, _)| impact.time <= self.end);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
     }
 
@@ -394,7 +443,7 @@ impl Window<'_> {
     fn container_impact(&self, index: u32, segment: &Segment) -> Option<(Impact, u32)> {
         let container = &self.flight.container;
         let radius = f64::from(self.starts[index as usize].radius);
-        let span = self.end - segment.time;
+        let span = (self.end - segment.time) * (1.0 + FAR);
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
@@ -413,7 +462,7 @@ impl Window<'_> {
     ) -> bool {
         let offset = vector(|k| second.position[k] - first.position[k] + image[k]);
         let position = if a < b { first.position } else { second.position };
-        let limits = self.pair_limits(self.end, position, [a, b]);
+        let limits = self.pair_limits(position, [a, b]);
         let (square, contact_distance) = (dot(offset, offset), self.contact_distance(a, b));
         let near = contact_distance + limits.rounding;
         if square > near * near {

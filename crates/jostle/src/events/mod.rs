@@ -38,7 +38,7 @@ use conflicts::AGAIN;
 pub use flight::Flight;
 use flight::{Start, Window};
 pub use history::Bounce;
-use history::{Course, History, NONE, Trajectory};
+use history::{Carried, Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
 use neighbors::Neighbors;
 pub use neighbors::{NearPair, PairList};
@@ -73,6 +73,10 @@ pub struct Events {
     /// Whether each of them may meet a disc of this rank.
     pub may_meet: Vec<bool>,
     starts: Vec<Start>,
+    /// Where discs are when a window begins that is not the first.
+    now: Vec<Start>,
+    /// The discs that had events in earlier windows of the sub-step.
+    carried: Carried,
     blocks: Vec<Block>,
     /// Discs of each block but the last.
     size: usize,
@@ -104,22 +108,33 @@ impl Events {
     pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
         // Windows are not shorter than this, so that there are not too many.
         let shortest = flight.end / MAX_WINDOWS;
-        let mut rest = *flight;
         let mut starts = std::mem::take(&mut self.starts);
-        loop {
-            rest.fill(&mut starts, &self.exhausted);
-            let window = Window { flight: &rest, starts: &starts, end: rest.end };
-            let end = self.simulate_window(window, bounds, shortest)?;
-            if end == rest.end {
-                self.starts = starts;
-                return Ok(());
-            }
-            rest.end -= end;
-            rest.walls.clock.elapsed += end * rest.walls.clock.rate;
-            rest.bounded = false;
-            rest.is_first = false;
-            rest.begins_step = false;
+        let mut now = std::mem::take(&mut self.now);
+        let mut carried = std::mem::take(&mut self.carried);
+        flight.fill(&mut starts, &self.exhausted);
+        carried.clear();
+        let mut begin = 0.0;
+        while begin < flight.end {
+            let first = begin == 0.0;
+            let own = |now| Window {
+                flight,
+                starts: &starts,
+                now,
+                carried: &carried,
+                begin,
+                end: flight.end,
+            };
+            let window = if first {
+                own(&starts)
+            } else {
+                own(&starts).fill_now(&mut now);
+                own(&now)
+            };
+            begin = self.simulate_window(window, bounds, shortest)?;
+            self.carry_over(&mut carried);
         }
+        (self.starts, self.now, self.carried) = (starts, now, carried);
+        Ok(())
     }
 
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
@@ -134,7 +149,7 @@ impl Events {
         bounds.begin_window();
         self.neighbors.begin_window();
         self.sensed_near.retain(|near| near.lasts);
-        if !window.flight.bounded {
+        if !(window.flight.bounded && window.begin == 0.0) {
             find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
@@ -150,7 +165,7 @@ impl Events {
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
-            if block.impacts_until(window.end) as u64 <= share {
+            if block.impacts_until([window.begin, window.end]) as u64 <= share {
                 block.simulate(&mut arguments);
             }
         });
@@ -161,7 +176,7 @@ impl Events {
         self.each_block(&window, max_displacements, |block, mut arguments| {
             if is_shorter {
                 arguments.course_of.fill(NONE);
-                block.shorten(&window, arguments.neighbors);
+                block.shorten(&window);
             }
             if !block.is_simulated {
                 block.simulate(&mut arguments);
@@ -172,8 +187,19 @@ impl Events {
         self.find_outside_limits(&window);
         self.find_sensed(&window);
         self.digest_shared(&window);
-        self.finish(&window);
+        if window.is_last() {
+            self.finish(&window);
+        }
+        self.collect();
         Ok(window.end)
+    }
+
+    /// Lets the discs that had events in a window continue from there in the next.
+    fn carry_over(&self, carried: &mut Carried) {
+        for block in &self.blocks {
+            carried.take(&block.history, 0, &self.course_of);
+        }
+        carried.take(&self.again, AGAIN, &self.course_of);
     }
 
     /// Begins a step: clears its results.
@@ -259,7 +285,7 @@ impl Events {
         Some((history, &history.courses[(number & !AGAIN) as usize]))
     }
 
-    /// Writes positions, velocities and displacements at the end of the window.
+    /// Writes positions, velocities and displacements at the end of the flight.
     fn finish(&mut self, window: &Window<'_>) {
         let (course_of, again) = (&self.course_of, &self.again);
         let is_moved = window.flight.keeps_starts();
@@ -278,14 +304,19 @@ impl Events {
                     window.turn(index, &turning);
                 }
             }
-            block.history.retain(0, course_of);
         });
         for (number, course) in (0..).zip(&again.courses) {
             if course_of[course.index as usize] == AGAIN | number {
                 window.move_disc(course.index, &course.segment, course.stopped);
             }
         }
-        self.again.retain(AGAIN, &self.course_of);
+    }
+
+    /// Takes what belongs to valid courses.
+    fn collect(&mut self) {
+        let course_of = &self.course_of;
+        self.blocks.iter_mut().for_each(|block| block.history.retain(0, course_of));
+        self.again.retain(AGAIN, course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);
             let index = |&number: &u32| history.courses[number as usize].index;

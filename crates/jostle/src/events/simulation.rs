@@ -18,16 +18,19 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of one disc in a window at most: where no collision loses energy, and elsewhere. A disc that
-/// has had them stands still for the rest of the step. More would resolve more discs of a pile, but a
+/// Events of one disc at most while it moves by its radius: where no collision loses energy, and elsewhere.
+/// A disc that has had them stands still for the rest of the step. More would resolve more discs of a pile, but a
 /// long row that collapses would take minutes.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
 
-/// After so many events in a window an inelastic disc collides elastically with other discs until its
-/// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
+/// After so many events an inelastic disc collides elastically with other discs, until it has moved by its
+/// radius since the first of them. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
 /// S. Luding and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas
 /// with the TC model*, 1998).
 const COLLAPSE: u32 = 64;
+
+/// Points have no radius: their events are counted in parts of a flight, as many as this.
+const PARTS: f64 = 1024.0;
 
 /// Events of a disc at one moment after which it stands still if it touches a wall.
 const MAX_AT_ONCE: usize = 8;
@@ -114,7 +117,7 @@ impl Simulation<'_> {
         self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
         discs.iter().for_each(|&disc| _ = self.course(disc));
         for &disc in discs {
-            self.join(disc, 0.0);
+            self.join(disc, None);
             self.predict(0);
             self.dissolve();
         }
@@ -167,17 +170,20 @@ impl Simulation<'_> {
             return number;
         }
         let number = self.history.courses.len() as u32;
+        let carried = self.window.carried(index);
         self.course_of[(index - self.range.start) as usize] = self.mark + number;
         self.history.courses.push(Course {
             index,
             count: 0,
+            recent: carried.map_or(0, |course| course.recent),
+            travelled: carried.map_or(0.0, |course| course.travelled),
             segment: self.window.segment(index),
             before: NONE,
             inverse_mass: self.window.inverse_mass(index),
             in_group: 0,
             island: number,
             next: number,
-            stopped: None,
+            stopped: carried.and_then(|course| course.stopped),
             groups: 0,
         });
         if self.window.flight.has_friction {
@@ -189,7 +195,7 @@ impl Simulation<'_> {
     /// Executes an event and all simultaneous contacts. Returns the number of impacts.
     fn happen(&mut self, event: &Event) -> usize {
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
-        self.join(index, time);
+        self.join(index, Some(time));
         if partner == WALL {
             let (_, own, _) = self.in_group(index).expect("it is in the group");
             self.touch_wall(index, code, self.window.wall_normal(index, code, &own.now));
@@ -215,9 +221,11 @@ impl Simulation<'_> {
         impacts
     }
 
-    /// Adds a movable disc to the group, with the discs near it.
-    fn join(&mut self, index: u32, time: f64) {
+    /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on the segments
+    /// with which they begin the window.
+    fn join(&mut self, index: u32, time: Option<f64>) {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
+        let at = |segment: &Segment| time.map_or(*segment, |time| segment.moved(time, gravity));
         let number = self.course(index);
         let position = self.scratch.group.len();
         let own = &mut self.history.courses[number as usize];
@@ -225,12 +233,12 @@ impl Simulation<'_> {
             return;
         }
         own.in_group = position as u32 + 1;
-        let now = own.segment.moved(time, gravity);
+        let now = at(&own.segment);
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
             let Some((number, segment, count)) = self.current(index) else { return };
-            let now = segment.moved(time, gravity);
+            let now = at(&segment);
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
         });
         let near = start..self.scratch.nearby.len();
@@ -268,7 +276,7 @@ impl Simulation<'_> {
                 if is_predicted || course.stopped.is_some() && stopped.is_some() {
                     continue;
                 }
-            } else if stopped.is_some() && !window.starts[other.index as usize].is_movable {
+            } else if stopped.is_some() && !window.now[other.index as usize].is_movable {
                 continue;
             }
             let image = self.neighbors.image_of(other.image);
@@ -327,7 +335,7 @@ impl Simulation<'_> {
         self.add(touch);
         if wall >= FIRST && !has_room {
             // It stands still from its next event on, which is this one.
-            self.history.courses[number as usize].count = self.max_events() - 1;
+            self.history.courses[number as usize].recent = self.max_events() - 1;
         }
     }
 
@@ -341,7 +349,7 @@ impl Simulation<'_> {
         normal: Vector,
     ) -> Touch {
         // Between walls at an acute angle, too, there can be infinitely many collisions.
-        let collapses = wall >= FIRST && course.count >= COLLAPSE;
+        let collapses = wall >= FIRST && course.recent >= COLLAPSE;
         let restitution = if collapses { 1.0 } else { self.window.wall_restitution(index, wall) };
         Touch {
             bodies: [Some(position), None],
@@ -363,7 +371,7 @@ impl Simulation<'_> {
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
         let window = self.window;
         if window.starts[partner as usize].is_movable {
-            self.join(partner, time);
+            self.join(partner, Some(time));
         }
         // From the smaller index to the larger, so that both give the same numbers.
         let (pair, code) = if index < partner {
@@ -391,7 +399,7 @@ impl Simulation<'_> {
             None => course.inverse_mass,
             Some(_) => 0.0,
         };
-        let counts = found.map(|found| found.map_or(0, |(.., course)| course.count));
+        let counts = found.map(|found| found.map_or(0, |(.., course)| course.recent));
         let touch = Touch {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
             inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
@@ -458,7 +466,7 @@ impl Simulation<'_> {
             }
             let mut new = Segment { velocity: self.scratch.velocities[position], ..now };
             if kind == Kind::Hold && !is_heated {
-                self.hold(position, &mut new, window.end - time);
+                self.hold(position, &mut new, window.flight.end - time);
             }
             self.turn(number, new);
         }
@@ -528,14 +536,15 @@ impl Simulation<'_> {
         let is_lossless = window.flight.is_lossless;
         let History { courses, ended, outside, stopped, collapsed, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
+        course.count_recent(&new, window.radius(course.index), window.flight.end / PARTS);
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
-        if course.count == COLLAPSE && !is_lossless {
+        if course.recent == COLLAPSE && !is_lossless {
             collapsed.push(number);
         }
-        if course.count >= max_events {
+        if course.recent >= max_events {
             // It keeps its energy where energy is conserved. Elsewhere its velocity is that of its
             // motion. Gravity would accelerate it without end if it stood still in each step.
             course.stopped = Some(if is_lossless { new.velocity } else { [0.0; 2] });
@@ -551,15 +560,32 @@ impl Simulation<'_> {
         }
     }
 
-    /// Events of a disc after which it stands still.
+    /// Recent events of a disc after which it stands still.
     pub(super) fn max_events(&self) -> u32 {
         MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
     }
 
-    /// Coefficient of restitution of two discs that have had so many events.
+    /// Coefficient of restitution of two discs that have had so many recent events.
     pub(super) fn pair_restitution(&self, pair: [u32; 2], counts: [u32; 2]) -> f64 {
         let collapses = counts.iter().any(|&count| count >= COLLAPSE);
         if collapses { 1.0 } else { self.window.pair_restitution(pair) }
+    }
+}
+
+impl Course {
+    /// Counts an event after which the disc of this radius continues on `new`. What is counted follows from
+    /// its own trajectory alone. A point moves by nothing; its events are counted in parts of `seconds`.
+    fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
+        if radius > 0.0 {
+            let by = vector(|k| new.position[k] - self.segment.position[k]);
+            self.travelled += dot(by, by).sqrt();
+        } else if (self.segment.time / seconds).floor() < (new.time / seconds).floor() {
+            self.travelled = f64::INFINITY;
+        }
+        if self.travelled > radius {
+            (self.recent, self.travelled) = (0, 0.0);
+        }
+        self.recent += 1;
     }
 }
 

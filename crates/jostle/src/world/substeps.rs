@@ -232,7 +232,6 @@ impl World {
             end: of.flow.duration,
             flow: of.flow,
             kicks: &scratch.kicks,
-            is_first: true,
             begins_step: substep == 0,
             halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
