@@ -107,7 +107,7 @@ const ADDITIONS: [Addition; 14] = [
         no_walls(far(base, immovable(scattered(1, (0.4, 0.0), NONE, random), 0.0)))
     }),
     ("large immovable", |_, random| {
-        no_walls(immovable(scattered(2, (12.0, 0.0), NONE, random), 0.0))
+        no_walls(immovable(scattered(2, (9.0, 0.0), NONE, random), 0.0))
     }),
     ("small immovable, many", |_, random| {
         no_walls(immovable(scattered(300, (0.01, 0.0), NONE, random), 0.0))
@@ -141,7 +141,10 @@ const ADDITIONS: [Addition; 14] = [
         all.velocities.iter_mut().for_each(|[u, v]| (*u, *v) = (*v + 0.1, -*u));
         no_walls(all)
     }),
-    ("walls far away", |_, _| {
+    ("walls far away", |base, _| {
+        if let Container::Torus { .. } = base.settings.container {
+            return no_walls(Particles::default());
+        }
         let wall = Wall::new([[2000.0, 0.0], [2000.0, 50.0]]);
         let moving = Wall { velocity: [3.0, 0.0], restitution: 0.2, ..wall };
         (Particles::default(), vec![wall, Wall { ends: [[3000.0; 2], [3010.0; 2]], ..moving }])

@@ -204,7 +204,8 @@ impl Window<'_> {
     /// False only if a disc certainly stays in its bounds along its first segment.
     #[inline(always)]
     pub fn may_leave(&self, index: u32, max_displacement: f32) -> bool {
-        let anchor = self.flight.particles.positions[index as usize];
+        let own = &self.flight.particles.positions;
+        let anchor = self.anchors.unwrap_or(own)[index as usize];
         let gravity = self.flight.gravity.map(|g| g as f32);
         let span = (self.end - self.begin) as f32;
         self.now[index as usize].may_leave(anchor, gravity, span, max_displacement)

@@ -90,8 +90,8 @@ impl Block {
     ) {
         let all = neighbors.block(self.number);
         for (list, range) in &all.inside {
-            let (image, pairs) = &window.flight.candidates[*list as usize];
-            let code = neighbors.code(*image);
+            let (image, pairs) = &window.candidates[*list as usize];
+            let code = neighbors.code(*list);
             for pairs in pairs[range.start as usize..range.end as usize].chunks(PAIRS) {
                 let count = find_near(window, pairs, *image, near);
                 for &pair in &near[..count] {

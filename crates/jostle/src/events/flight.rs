@@ -1,6 +1,7 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
 use super::history::{Carried, Course};
+use super::neighbors::PairList;
 use super::queue::Event;
 use crate::container::{Container, ROUNDING, size};
 use crate::decomposition::Halo;
@@ -147,6 +148,12 @@ impl Flight<'_> {
         self.kicks.is_empty() && self.spins.is_empty()
     }
 
+    /// The position of a disc at the beginning of the step.
+    pub fn anchor(&self, index: u32) -> Vector {
+        let Particles { positions, residuals, .. } = self.particles;
+        exact(positions[index as usize], residuals[index as usize])
+    }
+
     /// The motion with which a disc begins.
     #[inline(always)]
     fn motion(&self, index: u32) -> Motion {
@@ -225,6 +232,10 @@ pub struct Window<'a> {
     pub now: &'a [Start],
     /// The discs that had events in earlier windows.
     pub carried: &'a Carried,
+    /// Where discs were when their bounds were renewed, if they were.
+    pub anchors: Option<&'a [[f32; 2]]>,
+    /// The candidate pairs, a list for each image.
+    pub candidates: &'a [PairList],
     /// When the window begins.
     pub begin: f64,
     /// When the window ends.
@@ -528,18 +539,25 @@ impl Window<'_> {
         self.flight.walls.normal(index, wall, now)
     }
 
-    /// Square of the longest distance from its position at the beginning of the step that a disc
-    /// has while it moves along a segment to the end of the window.
+    /// The position of a disc when the bounds were made.
     #[inline(always)]
-    pub fn longest_square(&self, index: u32, segment: &Segment) -> f64 {
-        let anchor = if self.flight.begins_step {
+    pub fn anchor(&self, index: u32) -> Vector {
+        if let Some(anchors) = self.anchors {
+            return anchors[index as usize].map(f64::from);
+        }
+        if self.flight.begins_step {
             // In the cache, for other reasons.
             let Start { position, residual, .. } = self.starts[index as usize];
             exact(position, residual)
         } else {
-            let Particles { positions, residuals, .. } = self.flight.particles;
-            exact(positions[index as usize], residuals[index as usize])
-        };
+            self.flight.anchor(index)
+        }
+    }
+
+    /// Square of the longest distance from a position that a disc has while it moves along a segment to the end
+    /// of the window.
+    #[inline(always)]
+    pub fn longest_square(&self, anchor: Vector, segment: &Segment) -> f64 {
         let square = |p: Vector| {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)

@@ -33,10 +33,10 @@ use crate::interrupt::{self, Stop};
 use crate::parallel::{self, locked};
 use block::{Arguments, Block};
 use bounds::find_outside_at_start;
-pub use bounds::{Bounds, Outside};
+pub use bounds::{Bounds, Candidates, Outside};
 use conflicts::AGAIN;
-pub use flight::Flight;
-use flight::{Start, Window};
+use flight::Window;
+pub use flight::{Flight, Start};
 pub use history::Bounce;
 use history::{Carried, Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
@@ -44,7 +44,7 @@ use neighbors::Neighbors;
 pub use neighbors::{NearPair, PairList};
 pub use queue::WALL;
 use simulation::Scratch;
-use window::{end_for_the_fast, most_impacts};
+use window::{end_for_the_fast, most_impacts, shortest_of_all};
 
 /// Windows of a sub-step at most, apart from the last of all.
 const MAX_WINDOWS: f64 = 1024.0;
@@ -77,6 +77,10 @@ pub struct Events {
     now: Vec<Start>,
     /// The discs that had events in earlier windows of the sub-step.
     carried: Carried,
+    /// The pairs of bounds that were renewed in the step, and where discs were then.
+    candidates: Candidates,
+    anchors: Vec<[f32; 2]>,
+    is_renewed: bool,
     blocks: Vec<Block>,
     /// Discs of each block but the last.
     size: usize,
@@ -106,35 +110,59 @@ pub struct Events {
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
     pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
-        // Windows are not shorter than this, so that there are not too many.
-        let shortest = flight.end / MAX_WINDOWS;
         let mut starts = std::mem::take(&mut self.starts);
         let mut now = std::mem::take(&mut self.now);
         let mut carried = std::mem::take(&mut self.carried);
+        let mut anchors = std::mem::take(&mut self.anchors);
+        let mut candidates = std::mem::take(&mut self.candidates);
         flight.fill(&mut starts, &self.exhausted);
         carried.clear();
-        let mut begin = 0.0;
+        let (mut begin, mut horizon) = (0.0, bounds.horizon());
+        let mut shortest = horizon.min(flight.end) / MAX_WINDOWS;
         while begin < flight.end {
-            let first = begin == 0.0;
-            let own = |now| Window {
+            let mut window = Window {
                 flight,
                 starts: &starts,
-                now,
+                now: &starts,
                 carried: &carried,
+                anchors: None,
+                candidates: flight.candidates,
                 begin,
                 end: flight.end,
             };
-            let window = if first {
-                own(&starts)
-            } else {
-                own(&starts).fill_now(&mut now);
-                own(&now)
-            };
+            if begin > 0.0 {
+                window.fill_now(&mut now);
+                window.now = &now;
+            }
+            if begin >= horizon {
+                let seconds = bounds.renew(window.now, flight.end - begin, &mut candidates)?;
+                let seconds = shortest_of_all(flight, seconds)?;
+                shortest = seconds / MAX_WINDOWS;
+                let is_last = seconds >= flight.end - begin;
+                horizon = if is_last { f64::INFINITY } else { begin + seconds };
+                anchors.clear();
+                anchors.extend(window.now.iter().map(|of| of.position));
+                self.take_renewed(starts.len(), &candidates, flight.threads);
+            }
+            if self.is_renewed {
+                (window.anchors, window.candidates) = (Some(&anchors[..]), &candidates.pairs[..]);
+            }
+            window.end = window.end.min(horizon);
             begin = self.simulate_window(window, bounds, shortest)?;
             self.carry_over(&mut carried);
         }
         (self.starts, self.now, self.carried) = (starts, now, carried);
+        (self.anchors, self.candidates) = (anchors, candidates);
         Ok(())
+    }
+
+    /// Takes the pairs of renewed bounds.
+    fn take_renewed(&mut self, len: usize, all: &Candidates, threads: Option<usize>) {
+        self.is_renewed = true;
+        let lists = (&all.pairs[..], all.offsets.iter().copied());
+        self.neighbors.fill(len, lists, self.size, threads);
+        self.sensed_near.clear();
+        self.sensed_near.extend(&all.sensed);
     }
 
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
@@ -149,7 +177,7 @@ impl Events {
         bounds.begin_window();
         self.neighbors.begin_window();
         self.sensed_near.retain(|near| near.lasts);
-        if !(window.flight.bounded && window.begin == 0.0) {
+        if !window.flight.bounded || window.begin > 0.0 || window.anchors.is_some() {
             find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
@@ -218,7 +246,9 @@ impl Events {
     /// Takes the candidate pairs of a step of `len` discs, a list for each image of a torus.
     pub fn take_pairs(&mut self, len: usize, lists: &[PairList], threads: Option<usize>) {
         self.size = block::size(len, threads);
-        self.neighbors.fill(len, lists, self.size, threads);
+        self.is_renewed = false;
+        let offsets = lists.iter().map(|(image, _)| image.map(f64::from));
+        self.neighbors.fill(len, (lists, offsets), self.size, threads);
     }
 
     /// Makes blocks of all discs.

@@ -552,7 +552,7 @@ impl Simulation<'_> {
             course.segment.velocity = [0.0; 2];
             course.segment.falls = false;
         }
-        let square = window.longest_square(course.index, &course.segment);
+        let square = window.longest_square(window.anchor(course.index), &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
         if square > max_displacement * max_displacement {
             let Course { index, segment, .. } = *course;

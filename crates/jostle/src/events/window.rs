@@ -1,7 +1,7 @@
 //! How long a window is: short enough for few events, and on a torus for short trajectories.
 
 use super::Events;
-use super::flight::{Start, Window};
+use super::flight::{Flight, Start, Window};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::parallel::locked;
@@ -70,4 +70,10 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
         return Err(Error::of("dt", format!("{left} s in a sub-step"), rule));
     }
     Ok(window.shortened(window.end, shortest, |end| tours(end - window.begin) > 1.0))
+}
+
+/// The shortest time for which ranks have made bounds.
+pub(super) fn shortest_of_all(flight: &Flight<'_>, seconds: f64) -> Result<f64> {
+    let Some(halo) = flight.halo else { return Ok(seconds) };
+    Ok(-locked(halo.group).largest([-seconds])?[0])
 }

@@ -1,8 +1,11 @@
 //! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
 //! and solved in the sub-steps.
 
+use super::bounds::{distance_of_fall, reach};
+use super::force_step::force_displacement;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
+use crate::container::Container;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -15,26 +18,40 @@ const FILTERED: usize = 1 << 14;
 
 impl World {
     /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose positions
-    /// may have to be corrected or that may rest.
-    pub(super) fn make_contacts(&mut self) -> Result<()> {
+    /// may have to be corrected or that may rest: of a world in which something may rest, the pairs that may
+    /// come near each other by themselves, and else those that overlap. Which pairs these are depends on the
+    /// state of the two alone, not on the candidates, which are more.
+    pub(super) fn make_contacts(&mut self, dt: f32) -> Result<()> {
         let (threads, may_rest) = (self.threads(), self.may_rest());
         self.take_pairs_that_pass();
         self.find_moving();
         let Self { particles, settings, scratch, contacts, .. } = self;
         let StepScratch { tree, pairs, moving, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
-        if !may_rest {
-            let StepScratch { overlaps, overlap_parts, .. } = scratch;
-            find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
+        let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
+        let to = (&mut *overlaps, overlap_parts);
+        if may_rest {
+            let container = &settings.container;
+            find_reaches(
+                particles,
+                &forces.accelerations,
+                (settings.gravity, dt),
+                container,
+                reaches,
+            );
+            let reaches = &reaches[..];
+            let is_near = |pair, image| is_near(particles, reaches, pair, image);
+            find_pairs(pairs, to, threads, is_near);
+        } else {
+            find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
         }
-        let lists = if may_rest { pairs } else { &scratch.overlaps };
+        let lists = &scratch.overlaps;
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
         if let Some(domain) = domain {
-            let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
-            let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
+            let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
             (scratch.contact_shape, scratch.refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
         }
@@ -70,12 +87,12 @@ impl World {
     }
 }
 
-/// Lists the pairs that overlap by more than [`OVERLAP`], sorted; the scratch keeps the lists of threads.
-fn find_overlapping(
-    particles: &Particles,
+/// Lists the pairs for which `is_listed` is true, sorted; the scratch keeps the lists of threads.
+fn find_pairs(
     pairs: &Lists,
     (overlaps, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
     threads: Option<usize>,
+    is_listed: impl Fn([u32; 2], [f32; 2]) -> bool + Sync + Send,
 ) {
     overlaps.resize_with(pairs.len(), Default::default);
     for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
@@ -85,12 +102,43 @@ fn find_overlapping(
         let parts = scratch.iter_mut().zip(pairs.chunks(FILTERED));
         parallel::for_each(threads, parts, |(part, pairs)| {
             part.clear();
-            part.extend(pairs.iter().filter(|&&pair| overlap(particles, pair, *image)));
+            part.extend(pairs.iter().filter(|&&pair| is_listed(pair, *image)));
         });
         list.clear();
         list.extend(scratch[..count].iter().flatten());
-        list.sort_unstable();
+        if !list.is_sorted() {
+            list.sort_unstable();
+        }
     }
+}
+
+/// Writes how far each particle may get from its surface by itself, and as far as its contacts are solved.
+fn find_reaches(
+    particles: &Particles,
+    accelerations: &[[f32; 2]],
+    (gravity, dt): ([f32; 2], f32),
+    container: &Container,
+    reaches: &mut Vec<f32>,
+) {
+    let fall = distance_of_fall(gravity, dt);
+    let longest = container.max_displacement();
+    reaches.clear();
+    let columns = particles.velocities.iter().zip(&particles.radii).zip(&particles.movable);
+    reaches.extend(columns.enumerate().map(|(index, ((&velocity, &radius), &is_movable))| {
+        let pulled = || force_displacement(accelerations.get(index), None, dt).unwrap_or(0.0);
+        let by_forces = if is_movable { fall + pulled() } else { 0.0 };
+        reach(velocity, radius, (by_forces, longest), dt)
+    }));
+}
+
+/// Whether two particles may come near each other by themselves, the second moved by `image`.
+#[inline(always)]
+fn is_near(particles: &Particles, reaches: &[f32], [a, b]: [u32; 2], image: [f32; 2]) -> bool {
+    let [a, b] = [a, b].map(|index| index as usize);
+    let (p, q) = (particles.positions[a], particles.positions[b]);
+    let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    let limit = (particles.radii[a] + particles.radii[b]) + (reaches[a] + reaches[b]);
+    x * x + y * y < limit * limit
 }
 
 /// Whether two particles overlap by more than [`OVERLAP`], the second moved by `image`.

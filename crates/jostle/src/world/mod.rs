@@ -239,9 +239,15 @@ struct StepScratch {
     pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.
     sensed: search::Lists,
-    /// Those that overlap at the beginning of a step in which nothing can rest.
+    /// Those of which contacts are made.
     overlaps: search::Lists,
     overlap_parts: Vec<Vec<[u32; 2]>>,
+    /// How far from its surface each particle may rest in the step.
+    reaches: Vec<f32>,
+    /// Seconds for which the bounds of the step are made.
+    horizon: f32,
+    crowd: bounds::Crowd,
+    renewed: bounds::Renewed,
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
     /// Of a distributed one: the particles at the beginning of a part of the step, by indices.

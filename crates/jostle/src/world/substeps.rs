@@ -1,7 +1,7 @@
 //! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
-use super::bounds::StepBounds;
+use super::bounds::{BoundsScratch, StepBounds};
 use super::discs::WarmStart;
 use super::force_step::springs;
 use super::merge;
@@ -32,6 +32,8 @@ pub(super) struct Substeps {
     has_kicks: bool,
     /// Whether all particles without events stay in their bounds in the first sub-step.
     is_bounded: bool,
+    /// The share of the first sub-step for which the bounds of the step are made, if these are renewed.
+    horizon: Option<f64>,
     /// Whether there are more sub-steps than [`World::apply_forces`] knew of.
     is_refined: bool,
     threads: Option<usize>,
@@ -128,6 +130,7 @@ impl World {
             domain.fill_limits(particles, rows, &settings.container, scratch);
         }
         scratch.grown.clear();
+        scratch.renewed.clear();
         scratch.events.begin_step();
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
@@ -152,6 +155,7 @@ impl World {
             has_accelerations,
             has_kicks: may_rest || is_pulled,
             is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
+            horizon: (scratch.horizon < dt).then(|| f64::from(scratch.horizon) / seconds),
             is_refined: scratch.refinement > 1,
             threads,
         }
@@ -219,9 +223,10 @@ impl World {
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, domain, .. } = self;
-        let StepScratch { tree, max_displacements, grown, .. } = scratch;
-        let mut bounds =
-            StepBounds::new(tree, particles, max_displacements, grown, settings.container);
+        let StepScratch { tree, max_displacements, grown, renewed, crowd, .. } = scratch;
+        let of_bounds = BoundsScratch { tree, max_displacements, grown, renewed, crowd: *crowd };
+        let share = of.horizon.map(|share| if substep == 0 { share } else { 0.0 });
+        let mut bounds = StepBounds::new(particles, settings, of_bounds, share, of.flow.duration);
         let flight = Flight {
             particles,
             movable: &scratch.moving,
