@@ -88,6 +88,8 @@ pub struct Flight<'a> {
     pub restitution: f32,
     /// Whether all collisions keep the energy: elastic, without friction.
     pub is_lossless: bool,
+    /// Which discs lose energy, of a world in which some do and others do not; else empty.
+    pub lossy: &'a [bool],
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
     /// The walls at temperatures.
@@ -152,6 +154,13 @@ impl Flight<'_> {
     pub fn anchor(&self, index: u32) -> Vector {
         let Particles { positions, residuals, .. } = self.particles;
         exact(positions[index as usize], residuals[index as usize])
+    }
+
+    /// Whether collisions of some discs may lose energy.
+    #[inline(always)]
+    pub fn lose_energy<const N: usize>(&self, indices: [u32; N]) -> bool {
+        let is_lossy = |&index: &u32| self.lossy[index as usize];
+        !self.is_lossless && (self.lossy.is_empty() || indices.iter().any(is_lossy))
     }
 
     /// The motion with which a disc begins.
@@ -346,6 +355,7 @@ impl Window<'_> {
         &self,
         position: Vector,
         contact_distance: f64,
+        is_lossy: bool,
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
         let size = size(position, contact_distance);
@@ -365,7 +375,7 @@ impl Window<'_> {
             deep_tolerance: rounding,
             bounces: f64::INFINITY,
         };
-        if self.flight.is_lossless {
+        if !is_lossy {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
@@ -384,7 +394,8 @@ impl Window<'_> {
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
-        self.limits(position, self.contact_distance(pair[0], pair[1]), surfaces)
+        let is_lossy = self.flight.lose_energy(pair);
+        self.limits(position, self.contact_distance(pair[0], pair[1]), is_lossy, surfaces)
     }
 
     #[inline(always)]
@@ -393,7 +404,7 @@ impl Window<'_> {
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
         let contact_distance =
             self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
-        self.limits(position, contact_distance, surfaces)
+        self.limits(position, contact_distance, self.flight.lose_energy([index]), surfaces)
     }
 
     /// The limits at each side of the container.

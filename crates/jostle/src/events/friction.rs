@@ -120,6 +120,10 @@ impl Rubbing {
         bounced.clear();
         bounced.extend(impulses.iter().map(|[normal, _]| *normal));
         impulses.iter_mut().for_each(|[_, friction]| *friction = 0.0);
+        // The discs are those of a world without friction then.
+        if touches.iter().all(|touch| touch.friction == 0.0) {
+            return;
+        }
         let mut fastest = 0.0f64;
         for iteration in 0..MAX_ITERATIONS {
             let mut largest = 0.0f64;

@@ -18,7 +18,7 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of one disc at most while it moves by its radius: where no collision loses energy, and elsewhere.
+/// Events of one disc at most while it moves by its radius: of one that loses no energy, and of others.
 /// A disc that has had them stands still for the rest of the step. More would resolve more discs of a pile, but a
 /// long row that collapses would take minutes.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
@@ -335,7 +335,7 @@ impl Simulation<'_> {
         self.add(touch);
         if wall >= FIRST && !has_room {
             // It stands still from its next event on, which is this one.
-            self.history.courses[number as usize].recent = self.max_events() - 1;
+            self.history.courses[number as usize].recent = self.max_events(index) - 1;
         }
     }
 
@@ -532,22 +532,22 @@ impl Simulation<'_> {
 
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
-        let (window, max_events) = (self.window, self.max_events());
-        let is_lossless = window.flight.is_lossless;
+        let window = self.window;
         let History { courses, ended, outside, stopped, collapsed, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
+        let is_lossy = window.flight.lose_energy([course.index]);
         course.count_recent(&new, window.radius(course.index), window.flight.end / PARTS);
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
-        if course.recent == COLLAPSE && !is_lossless {
+        if course.recent == COLLAPSE && is_lossy {
             collapsed.push(number);
         }
-        if course.recent >= max_events {
+        if course.recent >= MAX_EVENTS[usize::from(is_lossy)] {
             // It keeps its energy where energy is conserved. Elsewhere its velocity is that of its
             // motion. Gravity would accelerate it without end if it stood still in each step.
-            course.stopped = Some(if is_lossless { new.velocity } else { [0.0; 2] });
+            course.stopped = Some(if is_lossy { [0.0; 2] } else { new.velocity });
             stopped.push(number);
             course.segment.velocity = [0.0; 2];
             course.segment.falls = false;
@@ -561,8 +561,8 @@ impl Simulation<'_> {
     }
 
     /// Recent events of a disc after which it stands still.
-    pub(super) fn max_events(&self) -> u32 {
-        MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
+    pub(super) fn max_events(&self, index: u32) -> u32 {
+        MAX_EVENTS[usize::from(self.window.flight.lose_energy([index]))]
     }
 
     /// Coefficient of restitution of two discs that have had so many recent events.

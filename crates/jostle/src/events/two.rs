@@ -3,7 +3,7 @@
 //! The result has the same bits as that of [`Simulation::happen`], without its lists.
 
 use super::early::Now;
-use super::history::Bounce;
+use super::history::{Bounce, Course};
 use super::impulses::{self, Touch};
 use super::neighbors::opposite;
 use super::queue::{Event, WALL};
@@ -44,9 +44,8 @@ impl Simulation<'_> {
         }
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        let max_events = self.max_events();
-        if courses.iter().any(|course| course.stopped.is_some() || course.recent + 1 >= max_events)
-        {
+        let is_last = |course: &&Course| course.recent + 1 >= self.max_events(course.index);
+        if courses.iter().any(|course| course.stopped.is_some() || is_last(course)) {
             return false;
         }
         let now = courses.map(|course| course.segment.moved(time, window.gravity()));

@@ -1,6 +1,8 @@
 //! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
 //! and solved in the sub-steps.
 
+use std::cell::Cell;
+
 use super::bounds::{distance_of_fall, reach};
 use super::force_step::force_displacement;
 use super::search::Lists;
@@ -22,11 +24,13 @@ impl World {
     /// come near each other by themselves, and else those that overlap. Which pairs these are depends on the
     /// state of the two alone, not on the candidates, which are more.
     pub(super) fn make_contacts(&mut self, dt: f32) -> Result<()> {
-        let (threads, may_rest) = (self.threads(), self.may_rest());
+        let (threads, may_rest, is_lossless) =
+            (self.threads(), self.may_rest(), self.is_lossless());
         self.take_pairs_that_pass();
         self.find_moving();
-        let Self { particles, settings, scratch, contacts, .. } = self;
-        let StepScratch { tree, pairs, moving, events, .. } = scratch;
+        self.find_lossy(is_lossless);
+        let Self { particles, settings, scratch, .. } = self;
+        let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
         let to = (&mut *overlaps, overlap_parts);
@@ -42,10 +46,12 @@ impl World {
             let reaches = &reaches[..];
             let is_near = |pair, image| is_near(particles, reaches, pair, image);
             find_pairs(pairs, to, threads, is_near);
+            self.leave_out_elastic()?;
         } else {
             find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
         }
-        let lists = &scratch.overlaps;
+        let Self { particles, settings, scratch, contacts, .. } = self;
+        let StepScratch { tree, moving, overlaps: lists, .. } = scratch;
         contacts.collect(lists, particles, moving, settings.restitution, tree.rows(), threads);
         let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, scratch, contacts, domain, rows, .. } = self;
@@ -54,6 +60,50 @@ impl World {
             let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
             (scratch.contact_shape, scratch.refinement) = domain.shape_of_all(shape, refinement)?;
             domain.add_pair_digests(of_pairs);
+        }
+        Ok(())
+    }
+
+    /// Finds the particles that lose energy, if some do and others do not.
+    fn find_lossy(&mut self, is_lossless: bool) {
+        let Self { particles, scratch, settings, walls, .. } = self;
+        scratch.lossy.clear();
+        if is_lossless || settings.restitution < 1.0 || !walls.are_elastic() {
+            return;
+        }
+        let is_rough =
+            |index: usize| particles.spins.get(index).is_some_and(|of| of.friction > 0.0);
+        let all = particles.restitutions.iter().enumerate();
+        scratch.lossy.extend(all.map(|(index, &own)| own < 1.0 || is_rough(index)));
+    }
+
+    /// Of a world in which some particles lose energy and others do not: adds those that may touch one that does,
+    /// and leaves out the pairs of others, unless they overlap. They cannot come to rest, and are those of a
+    /// world in which nothing loses energy.
+    fn leave_out_elastic(&mut self) -> Result<()> {
+        let Self { particles, scratch, domain, .. } = self;
+        let StepScratch { lossy, overlaps, .. } = scratch;
+        if lossy.is_empty() {
+            return Ok(());
+        }
+        let own = lossy.clone();
+        for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
+            let [a, b] = pair.map(|index| index as usize);
+            lossy[a] |= own[b];
+            lossy[b] |= own[a];
+        }
+        if let Some(domain) = domain {
+            // Only its own rank has all that a particle may touch.
+            let lossy = Cell::from_mut(&mut lossy[..]).as_slice_of_cells();
+            domain.halo().any(false)?;
+            domain.halo().refresh(
+                |index| [f32::from(u8::from(lossy[index as usize].get()))],
+                |index, [is_lossy]| lossy[index as usize].set(is_lossy > 0.0),
+            )?;
+        }
+        for (image, pairs) in overlaps.iter_mut() {
+            let is_any = |pair: [u32; 2]| pair.iter().any(|&index| lossy[index as usize]);
+            pairs.retain(|&pair| is_any(pair) || overlap(particles, pair, *image));
         }
         Ok(())
     }

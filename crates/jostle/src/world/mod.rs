@@ -244,6 +244,9 @@ struct StepScratch {
     overlap_parts: Vec<Vec<[u32; 2]>>,
     /// How far from its surface each particle may rest in the step.
     reaches: Vec<f32>,
+    /// Which particles lose energy, or may touch one that does, of a world in which some do and others do not;
+    /// else empty.
+    lossy: Vec<bool>,
     /// Seconds for which the bounds of the step are made.
     horizon: f32,
     crowd: bounds::Crowd,

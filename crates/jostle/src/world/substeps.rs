@@ -139,7 +139,7 @@ impl World {
         persistent.warm_start.normal.resize(on_walls, Default::default());
         persistent.warm_start.friction.resize(with_friction, Default::default());
         if may_rest {
-            scratch.resting.begin_step(contacts, particles, has_friction);
+            scratch.resting.begin_step(contacts, particles, &scratch.lossy, has_friction);
         } else {
             scratch.wall_pushes.clear();
         }
@@ -198,6 +198,7 @@ impl World {
         let scene = Support {
             particles,
             moving: &scratch.moving,
+            lossy: &scratch.lossy,
             motions: &scratch.motions,
             spins: &scratch.spins,
             has_friction: of.has_friction,
@@ -244,6 +245,7 @@ impl World {
             walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
             restitution: settings.restitution,
             is_lossless: of.is_lossless,
+            lossy: &scratch.lossy,
             thermostat: forces::thermostat(&self.forces),
             hot: &scratch.hot_walls,
             pairs: settings.on_touch == OnTouch::Bounce,
