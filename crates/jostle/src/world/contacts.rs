@@ -28,7 +28,7 @@ impl World {
             (self.threads(), self.may_rest(), self.is_lossless());
         self.take_pairs_that_pass();
         self.find_moving();
-        self.find_lossy(is_lossless);
+        let is_mixed = self.find_lossy(is_lossless);
         let Self { particles, settings, scratch, .. } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
@@ -46,7 +46,9 @@ impl World {
             let reaches = &reaches[..];
             let is_near = |pair, image| is_near(particles, reaches, pair, image);
             find_pairs(pairs, to, threads, is_near);
-            self.leave_out_elastic()?;
+            if is_mixed {
+                self.leave_out_elastic()?;
+            }
         } else {
             find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
         }
@@ -64,17 +66,18 @@ impl World {
         Ok(())
     }
 
-    /// Finds the particles that lose energy, if some do and others do not.
-    fn find_lossy(&mut self, is_lossless: bool) {
+    /// Finds the particles that lose energy, if some do and others do not; returns whether this is so.
+    fn find_lossy(&mut self, is_lossless: bool) -> bool {
         let Self { particles, scratch, settings, walls, .. } = self;
         scratch.lossy.clear();
         if is_lossless || settings.restitution < 1.0 || !walls.are_elastic() {
-            return;
+            return false;
         }
         let is_rough =
             |index: usize| particles.spins.get(index).is_some_and(|of| of.friction > 0.0);
         let all = particles.restitutions.iter().enumerate();
         scratch.lossy.extend(all.map(|(index, &own)| own < 1.0 || is_rough(index)));
+        true
     }
 
     /// Of a world in which some particles lose energy and others do not: adds those that may touch one that does,
@@ -83,9 +86,6 @@ impl World {
     fn leave_out_elastic(&mut self) -> Result<()> {
         let Self { particles, scratch, domain, .. } = self;
         let StepScratch { lossy, overlaps, .. } = scratch;
-        if lossy.is_empty() {
-            return Ok(());
-        }
         let own = lossy.clone();
         for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
             let [a, b] = pair.map(|index| index as usize);

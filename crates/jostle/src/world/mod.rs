@@ -213,10 +213,6 @@ struct StepScratch {
     collisions: Collisions,
     touching: touching::Scratch,
     events: Events,
-    /// Pairs that touched in earlier parts of the step, and their impulses.
-    touched_before: Vec<([u32; 2], [f32; 2])>,
-    /// The new index of each particle, while the columns are reordered.
-    indices: Vec<u32>,
     /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
     wall_impulses: Vec<(u32, u32, [f32; 2])>,
     /// The pushes of walls in the last sub-step, sorted by row and wall.
