@@ -294,6 +294,8 @@ pub(super) struct Renewed {
     tree: Quadtree<f32>,
     listing: ListScratch,
     found: Lists,
+    /// The number of the list of each image.
+    numbers: HashMap<[i32; 2], usize>,
 }
 
 /// Numbers from this one on, 2⁵², are whole.
@@ -490,11 +492,13 @@ impl<'a> StepBounds<'a> {
     /// Lists the pairs of the new bounds.
     fn list_renewed(&mut self, to: &mut Candidates) -> Result<()> {
         let Self { renewed, particles, container, settings, .. } = self;
-        let Renewed { tree, tiles, listing, found, .. } = &mut **renewed;
+        let Renewed { tree, tiles, listing, found, numbers, .. } = &mut **renewed;
         search::list(tree, settings, false, listing, found)?;
         let sides = container.period().unwrap_or([1.0; 2]);
-        let mut numbers = HashMap::new();
+        numbers.clear();
         to.clear();
+        // Most pairs are in the same list as the pair before.
+        let mut last = None;
         for (image, pairs) in &*found {
             let image = [0, 1].map(|k| (image[k] / sides[k]).round() as i32);
             for pair in pairs {
@@ -506,7 +510,11 @@ impl<'a> StepBounds<'a> {
                     to.sensed.push(NearPair { pair, offset, lasts: true });
                     continue;
                 }
-                let number = *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile)));
+                let number = match last {
+                    Some((last, number)) if last == tile => number,
+                    _ => *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile))),
+                };
+                last = Some((tile, number));
                 to.pairs[number].1.push(pair);
             }
         }

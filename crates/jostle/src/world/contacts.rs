@@ -68,15 +68,16 @@ impl World {
 
     /// Finds the particles that lose energy, if some do and others do not; returns whether this is so.
     fn find_lossy(&mut self, is_lossless: bool) -> bool {
-        let Self { particles, scratch, settings, walls, .. } = self;
+        let Self { particles, scratch, settings, walls, domain, .. } = self;
         scratch.lossy.clear();
         if is_lossless || settings.restitution < 1.0 || !walls.are_elastic() {
             return false;
         }
-        let is_rough =
-            |index: usize| particles.spins.get(index).is_some_and(|of| of.friction > 0.0);
-        let all = particles.restitutions.iter().enumerate();
-        scratch.lossy.extend(all.map(|(index, &own)| own < 1.0 || is_rough(index)));
+        scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
+        if domain.is_none() && scratch.lossy.iter().all(|&lossy| lossy) {
+            scratch.lossy.clear();
+            return false;
+        }
         true
     }
 
@@ -86,11 +87,11 @@ impl World {
     fn leave_out_elastic(&mut self) -> Result<()> {
         let Self { particles, scratch, domain, .. } = self;
         let StepScratch { lossy, overlaps, .. } = scratch;
-        let own = lossy.clone();
+        let own = |index: usize| loses_energy(particles, index);
         for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
             let [a, b] = pair.map(|index| index as usize);
-            lossy[a] |= own[b];
-            lossy[b] |= own[a];
+            lossy[a] |= own(b);
+            lossy[b] |= own(a);
         }
         if let Some(domain) = domain {
             // Only its own rank has all that a particle may touch.
@@ -135,6 +136,11 @@ impl World {
             indices.for_each(|(row, moves)| *moves &= exhausted.binary_search(row).is_err());
         }
     }
+}
+
+/// Whether the collisions of a particle lose energy by its own coefficients.
+fn loses_energy(particles: &Particles, index: usize) -> bool {
+    particles.restitutions[index] < 1.0 || particles.spin(index).friction > 0.0
 }
 
 /// Lists the pairs for which `is_listed` is true, sorted; the scratch keeps the lists of threads.
