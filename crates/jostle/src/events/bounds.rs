@@ -2,6 +2,7 @@
 
 use super::Events;
 use super::flight::{Start, Window};
+use super::history::NONE;
 use super::neighbors::{NearPair, PairList};
 use crate::error::Result;
 use crate::trajectory::{Segment, Vector};
@@ -91,9 +92,11 @@ impl Events {
     /// Lists the discs that get further than their limits in the window.
     pub(super) fn find_outside_limits(&mut self, window: &Window<'_>) {
         let mut listed = std::mem::take(&mut self.may_be_outside_limits);
-        if window.anchors.is_some() && !window.flight.limits.is_empty() {
-            // Renewed bounds do not tell.
-            listed.extend(0..window.starts.len() as u32);
+        if !window.flight.limits.is_empty() {
+            // Limits may be smaller than bounds. Without events only renewed bounds let a disc get further.
+            let has_events = |&index: &u32| self.course_of[index as usize] != NONE;
+            let all = 0..window.starts.len() as u32;
+            listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));
         }
         listed.sort_unstable();
         listed.dedup();

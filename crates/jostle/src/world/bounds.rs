@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::force_step::force_displacement;
+use super::force_step::{ForceScratch, force_displacement};
 use super::search::{self, ListScratch, Lists};
 use super::{MAX_CANDIDATES, OnTouch, World, WorldSettings};
 use crate::container::Container;
@@ -128,7 +128,8 @@ impl World {
                     if may_rest {
                         let pulled = if is_pulled { pulled(index, step) } else { 0.0 };
                         let by_forces = if is_movable { fall_in_step + pulled } else { 0.0 };
-                        let reach = reach(velocity, own_radius, (by_forces, longest), step);
+                        let free = (distance_at(velocity, step) + by_forces).min(longest);
+                        let reach = reach(free, own_radius);
                         *max_displacement = max_displacement.max(reach + RESERVE * own_radius);
                     }
                     *radius = own_radius + *max_displacement + rounding_of(center, sides);
@@ -308,6 +309,31 @@ pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
     f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
 }
 
+/// How far particles get in a step by their velocities and by forces, if nothing hits them.
+pub(super) struct FreeDisplacements<'a> {
+    accelerations: &'a [[f32; 2]],
+    fall: f32,
+    longest: f32,
+    dt: f32,
+}
+
+impl<'a> FreeDisplacements<'a> {
+    /// Those of a step of `dt` seconds.
+    pub(super) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
+        let fall = distance_of_fall(settings.gravity, dt);
+        let longest = settings.container.max_displacement();
+        Self { accelerations: &forces.accelerations, fall, longest, dt }
+    }
+
+    /// That of a particle.
+    pub(super) fn of(&self, particles: &Particles, index: usize) -> f32 {
+        let pulled = || force_displacement(self.accelerations.get(index), None, self.dt);
+        let is_movable = particles.movable[index];
+        let by_forces = if is_movable { self.fall + pulled().unwrap_or(0.0) } else { 0.0 };
+        (distance_at(particles.velocities[index], self.dt) + by_forces).min(self.longest)
+    }
+}
+
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
 #[inline(always)]
 pub(super) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
@@ -319,17 +345,11 @@ pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
     0.5 * dt * dt * (x * x + y * y).sqrt()
 }
 
-/// How far from its surface at the beginning of a step of `dt` seconds a particle may rest on another: its
-/// displacement by its velocity and by forces, but at most its radius and the `longest` displacement that a
-/// container allows, and a share of its radius for surfaces that nearly touch.
+/// How far from its surface at the beginning of a step a particle may rest on another: its free displacement,
+/// but at most its radius, and a share of its radius for surfaces that nearly touch.
 #[inline(always)]
-pub(super) fn reach(
-    velocity: [f32; 2],
-    radius: f32,
-    (by_forces, longest): (f32, f32),
-    dt: f32,
-) -> f32 {
-    (distance_at(velocity, dt) + by_forces).min(radius).min(longest) + SLACK * radius
+pub(super) fn reach(free: f32, radius: f32) -> f32 {
+    free.min(radius) + SLACK * radius
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side.

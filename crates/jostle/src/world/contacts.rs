@@ -3,11 +3,9 @@
 
 use std::cell::Cell;
 
-use super::bounds::{distance_of_fall, reach};
-use super::force_step::force_displacement;
+use super::bounds::{FreeDisplacements, reach};
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
-use crate::container::Container;
 use crate::error::Result;
 use crate::parallel;
 use crate::particles::Particles;
@@ -35,14 +33,10 @@ impl World {
         let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
         let to = (&mut *overlaps, overlap_parts);
         if may_rest {
-            let container = &settings.container;
-            find_reaches(
-                particles,
-                &forces.accelerations,
-                (settings.gravity, dt),
-                container,
-                reaches,
-            );
+            let free = FreeDisplacements::new(settings, forces, dt);
+            reaches.clear();
+            let all = particles.radii.iter().enumerate();
+            reaches.extend(all.map(|(index, &radius)| reach(free.of(particles, index), radius)));
             let reaches = &reaches[..];
             let is_near = |pair, image| is_near(particles, reaches, pair, image);
             find_pairs(pairs, to, threads, is_near);
@@ -126,7 +120,7 @@ impl World {
         }
     }
 
-    /// Finds which particles move in this part of the step: those that are movable and have not had too
+    /// Finds which particles move in the step: those that are movable and have not had too
     /// many events.
     fn find_moving(&mut self) {
         let StepScratch { moving, exhausted, .. } = &mut self.scratch;
@@ -166,25 +160,6 @@ fn find_pairs(
             list.sort_unstable();
         }
     }
-}
-
-/// Writes how far each particle may get from its surface by itself, and as far as its contacts are solved.
-fn find_reaches(
-    particles: &Particles,
-    accelerations: &[[f32; 2]],
-    (gravity, dt): ([f32; 2], f32),
-    container: &Container,
-    reaches: &mut Vec<f32>,
-) {
-    let fall = distance_of_fall(gravity, dt);
-    let longest = container.max_displacement();
-    reaches.clear();
-    let columns = particles.velocities.iter().zip(&particles.radii).zip(&particles.movable);
-    reaches.extend(columns.enumerate().map(|(index, ((&velocity, &radius), &is_movable))| {
-        let pulled = || force_displacement(accelerations.get(index), None, dt).unwrap_or(0.0);
-        let by_forces = if is_movable { fall + pulled() } else { 0.0 };
-        reach(velocity, radius, (by_forces, longest), dt)
-    }));
 }
 
 /// Whether two particles may come near each other by themselves, the second moved by `image`.

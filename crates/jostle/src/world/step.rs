@@ -219,7 +219,7 @@ impl World {
         self.build_tree()?;
         watch(Stage::Build);
         interrupt::check()?;
-        if self.is_near_sleepers()? {
+        if self.is_near_sleepers(dt)? {
             return Ok(());
         }
         self.find_candidates()?;

@@ -1,7 +1,7 @@
 //! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
-use super::bounds::{BoundsScratch, StepBounds};
+use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::discs::WarmStart;
 use super::force_step::springs;
 use super::merge;
@@ -124,10 +124,12 @@ impl World {
         };
         scratch.limits.clear();
         if !self.asleep.is_empty() {
-            scratch.limits.extend_from_slice(&scratch.max_displacements);
+            let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+            let all = scratch.max_displacements.iter().enumerate();
+            scratch.limits.extend(all.map(|(index, &most)| free.of(particles, index).min(most)));
         }
         if let Some(domain) = domain {
-            domain.fill_limits(particles, rows, &settings.container, scratch);
+            domain.fill_limits(particles, rows, settings, dt, scratch);
         }
         scratch.grown.clear();
         scratch.renewed.clear();
