@@ -77,13 +77,13 @@ impl World {
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
         let fall = distance_of_fall(settings.gravity, dt);
-        let fall_in_step = distance_of_fall(settings.gravity, step);
+        let free = FreeDisplacements::new(settings, forces, step);
         // Particles that merge are not searched again, so their bounds contain the estimated
         // displacements by springs.
         let is_merging = settings.on_touch == OnTouch::Merge;
         let by_springs = if is_merging { &forces.max_displacements[..] } else { &[] };
         let is_pulled = !(accelerations.is_empty() && by_springs.is_empty());
-        let pulled = |index: usize, dt: f32| {
+        let pulled = |index: usize| {
             force_displacement(accelerations.get(index), by_springs.get(index), dt).unwrap_or(0.0)
         };
         let longest =
@@ -102,7 +102,7 @@ impl World {
             max_displacements,
             radii,
             |first, max_displacements, radii| {
-                let bounds = max_displacements.iter_mut().zip(radii);
+                let bounds = max_displacements.iter_mut().zip(&mut *radii);
                 let columns =
                     particles.velocities[first..].iter().zip(&particles.positions[first..]);
                 let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
@@ -119,23 +119,27 @@ impl World {
                     let own = distance_at(velocity, dt);
                     let mut by_forces = fall;
                     if is_pulled {
-                        by_forces += pulled(index, dt);
+                        by_forces += pulled(index);
                     }
                     let (least, by_forces) =
                         if is_movable { (usual, by_forces) } else { (0.0, 0.0) };
                     *max_displacement = (own.max(least) + by_forces).min(longest);
                     any_cut |= *max_displacement < own + by_forces;
-                    if may_rest {
-                        let pulled = if is_pulled { pulled(index, step) } else { 0.0 };
-                        let by_forces = if is_movable { fall_in_step + pulled } else { 0.0 };
-                        let free = (distance_at(velocity, step) + by_forces).min(longest);
-                        let reach = reach(free, own_radius);
-                        *max_displacement = max_displacement.max(reach + RESERVE * own_radius);
-                    }
                     *radius = own_radius + *max_displacement + rounding_of(center, sides);
                 }
                 if any_cut {
                     is_cut.store(true, Ordering::Relaxed);
+                }
+                if !may_rest {
+                    return;
+                }
+                // In a loop of its own: bounds contain what contacts are made of.
+                let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
+                for ((max_displacement, radius), index) in bounds {
+                    let own_radius = particles.radii[index];
+                    let least = reach(free.of(particles, index), own_radius) + RESERVE * own_radius;
+                    *radius += (least - *max_displacement).max(0.0);
+                    *max_displacement = max_displacement.max(least);
                 }
             },
         );
