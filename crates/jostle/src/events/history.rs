@@ -18,8 +18,8 @@ pub struct Course {
     pub count: u32,
     /// Its events in the flight since it has moved by its radius.
     pub recent: u32,
-    /// How far it has moved in these, from event to event.
-    pub travelled: f64,
+    /// How far it has moved in these, from event to event: the sum of the distances along both axes.
+    pub travelled: f32,
     /// The segment that it is on, in the end its last one.
     pub segment: Segment,
     /// The segment before, in the history's list; [`NONE`] if there is none.

@@ -218,7 +218,7 @@ impl Events {
         if window.is_last() {
             self.finish(&window);
         }
-        self.collect();
+        self.collect(&window);
         Ok(window.end)
     }
 
@@ -343,9 +343,12 @@ impl Events {
     }
 
     /// Takes what belongs to valid courses.
-    fn collect(&mut self) {
+    fn collect(&mut self, window: &Window<'_>) {
         let course_of = &self.course_of;
-        self.blocks.iter_mut().for_each(|block| block.history.retain(0, course_of));
+        let blocks = self.blocks.iter_mut();
+        parallel::for_each(window.flight.threads, blocks, |block| {
+            block.history.retain(0, course_of);
+        });
         self.again.retain(AGAIN, course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);

@@ -577,12 +577,12 @@ impl Course {
     /// its own trajectory alone. A point moves by nothing; its events are counted in parts of `seconds`.
     fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
         if radius > 0.0 {
-            let by = vector(|k| new.position[k] - self.segment.position[k]);
-            self.travelled += dot(by, by).sqrt();
+            let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
+            self.travelled += (by[0] + by[1]) as f32;
         } else if (self.segment.time / seconds).floor() < (new.time / seconds).floor() {
-            self.travelled = f64::INFINITY;
+            self.travelled = f32::INFINITY;
         }
-        if self.travelled > radius {
+        if self.travelled > radius as f32 {
             (self.recent, self.travelled) = (0, 0.0);
         }
         self.recent += 1;
