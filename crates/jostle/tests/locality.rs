@@ -270,7 +270,9 @@ fn what_touches_nothing_changes_no_pile() {
 fn sleeper(seed: u64) -> Base {
     let base = pile(4 * seed);
     let settings = WorldSettings { sleeping: true, restitution: 0.2, ..base.settings };
-    Base { name: format!("sleeping {}", base.name), settings, steps: 200, ..base }
+    let mut particles = base.particles.clone();
+    particles.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.6);
+    Base { name: format!("sleeping {}", base.name), particles, settings, steps: 420, ..base }
 }
 
 #[test]

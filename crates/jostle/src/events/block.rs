@@ -137,11 +137,13 @@ impl Block {
         // All as if they had no events, and then those that have, because a branch for each would often be
         // predicted wrongly.
         for index in self.range.clone() {
-            if window.starts[index as usize].is_movable {
+            if !window.starts[index as usize].is_movable {
+                window.carry(index);
+            } else if window.begin == 0.0 {
+                window.move_disc(index, &window.free_segment(index), None);
+            } else {
                 let stopped = window.carried(index).and_then(|course| course.stopped);
                 window.move_disc(index, &window.segment(index), stopped);
-            } else {
-                window.carry(index);
             }
         }
         for (number, course) in (0..).zip(&self.history.courses) {

@@ -267,9 +267,12 @@ impl Window<'_> {
     /// The segment with which a disc begins the window.
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
-        if let Some(course) = self.carried(index) {
-            return course.segment;
-        }
+        self.carried(index).map_or_else(|| self.free_segment(index), |course| course.segment)
+    }
+
+    /// The segment with which a disc begins the flight.
+    #[inline(always)]
+    pub fn free_segment(&self, index: u32) -> Segment {
         let start = &self.starts[index as usize];
         let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
         Segment {
