@@ -124,10 +124,10 @@ pub(super) fn find_outside_at_start(
     let moving = (0..).zip(window.now);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
+        // Where it was before the window does not matter.
         let segment = window.segment(index);
-        let distance = window.longest_square(window.anchor(index), &segment).sqrt();
-        // A chain of circles need not begin before the window.
         let segment = segment.moved(window.begin.max(segment.time), window.gravity());
+        let distance = window.longest_square(window.anchor(index), &segment).sqrt();
         Outside { index, distance, segment }
     });
     outside.clear();
