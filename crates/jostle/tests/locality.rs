@@ -146,7 +146,9 @@ const ADDITIONS: [Addition; 14] = [
             return no_walls(Particles::default());
         }
         let wall = Wall::new([[2000.0, 0.0], [2000.0, 50.0]]);
-        let moving = Wall { velocity: [3.0, 0.0], ..wall };
+        // Nothing falls asleep while a wall moves.
+        let speed = if base.settings.sleeping { 0.0 } else { 3.0 };
+        let moving = Wall { velocity: [speed, 0.0], ..wall };
         (Particles::default(), vec![wall, Wall { ends: [[3000.0; 2], [3010.0; 2]], ..moving }])
     }),
 ];
