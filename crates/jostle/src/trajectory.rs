@@ -25,7 +25,7 @@ pub fn vector(component: impl Fn(usize) -> f64) -> Vector {
 /// A part of a trajectory without events.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
-    /// When it begins, in seconds since the beginning of the window.
+    /// When it begins, in seconds since the beginning of the flight.
     pub time: f64,
     /// Centre at that time.
     pub position: Vector,
@@ -33,7 +33,7 @@ pub struct Segment {
     pub velocity: Vector,
     /// Whether gravity accelerates the disc.
     pub falls: bool,
-    /// Whether the disc has had no event in the window.
+    /// Whether the disc has had no event in the flight.
     pub is_first: bool,
 }
 
@@ -75,7 +75,7 @@ pub enum Kind {
 /// A predicted event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// In seconds since the beginning of the window.
+    /// In seconds since the beginning of the flight.
     pub time: f64,
     /// What happens.
     pub kind: Kind,
@@ -86,13 +86,13 @@ pub struct Impact {
 pub struct Limits {
     /// Events after this time are not predicted.
     pub until: f64,
-    /// When the window ends.
+    /// When the flight ends.
     pub end: f64,
     /// Surfaces with a smaller gap touch, and lower bounces are ignored. About the rounding of
     /// positions to float32.
     pub rounding: f64,
     /// An impact is ignored if without it the surfaces would overlap by less than this at the end
-    /// of the window. A later window resolves it, because then the surfaces touch as it begins.
+    /// of the flight. The next one resolves it, because the surfaces touch as it begins.
     pub tolerance: f64,
     /// The same for surfaces that touch, or overlap, where the motion begins.
     pub touching_tolerance: f64,

@@ -13,6 +13,7 @@ mod grid;
 mod interrupt;
 mod kinematic;
 mod limits;
+mod locality;
 mod merging;
 mod motors;
 mod moving_walls;

@@ -570,10 +570,11 @@ fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool 
     x * x + y * y < most * most
 }
 
-/// Sorts contacts by their keys. Those in the right order, equal ones also, stay where they are.
+/// Sorts contacts by their keys. Sums of impulses depend on the order, so equal keys are sorted by these.
 fn sort(list: &mut [Contact]) {
-    if !list.is_sorted_by_key(Contact::key) {
-        list.sort_unstable_by_key(Contact::key);
+    let key = |of: &Contact| (of.key(), of.totals.map(f32::to_bits));
+    if !list.is_sorted_by_key(key) {
+        list.sort_unstable_by_key(key);
     }
 }
 

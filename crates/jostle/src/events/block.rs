@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::flight::Window;
 use super::history::{Bounce, History};
 use super::neighbors::Neighbors;
-use super::queue::{Event, WALL};
+use super::queue::Event;
 use super::simulation::{Scratch, Simulation};
 use crate::cache;
 use crate::interrupt::Stop;
@@ -59,36 +59,18 @@ impl Block {
         self.is_simulated = false;
     }
 
-    /// Predicts the impacts of a shorter window again: what is too slow to matter depends on its
-    /// end.
-    pub(super) fn shorten(&mut self, window: &Window<'_>, neighbors: &Neighbors) {
+    /// Leaves out the impacts after the end of a shorter window.
+    pub(super) fn shorten(&mut self, window: &Window<'_>) {
         self.history.clear();
         self.is_simulated = false;
         for events in [&mut self.first, &mut self.crossing] {
-            events.retain_mut(|event| {
-                let Event { time, pair: [a, b], code, .. } = *event;
-                if time > window.end {
-                    return false;
-                }
-                let new = if b == WALL {
-                    window.wall_event(a, &window.segment(a), 0, |_| false)
-                } else {
-                    let [p, q] = [a, b].map(|disc| window.segment(disc));
-                    let impact =
-                        window.impact((a, &p), (b, &q), neighbors.image_of(code), window.end);
-                    impact.map(|impact| Event::of_discs(impact, [a, b], code, [0; 2]))
-                };
-                new.is_some_and(|new| {
-                    *event = new;
-                    true
-                })
-            });
+            events.retain(|event| event.time <= window.end);
         }
     }
 
     pub(super) fn load_starts(&self, arguments: &Arguments<'_>) {
         let range = self.range.start as usize..self.range.end as usize;
-        cache::load(&arguments.window.starts[range]);
+        cache::load(&arguments.window.now[range]);
     }
 
     /// Loads into the cache what events need of a few discs each, in the order of time.
@@ -144,21 +126,24 @@ impl Block {
         };
         simulation.run(&self.first, &[]);
         self.history.bounces.sort_unstable_by(Bounce::order);
-        if window.flight.keeps_starts() {
+        if window.is_last() && window.flight.keeps_starts() {
             // The discs are in the cache now. Those that are simulated again are moved again.
             self.move_discs(window, course_of);
         }
     }
 
-    /// Moves the discs of the block to the end of the window, by its own history.
+    /// Moves the discs of the block to the end of the flight, by its own history.
     pub(super) fn move_discs(&self, window: &Window<'_>, course_of: &[u32]) {
         // All as if they had no events, and then those that have, because a branch for each would often be
         // predicted wrongly.
         for index in self.range.clone() {
-            if window.starts[index as usize].is_movable {
-                window.move_disc(index, &window.segment(index), None);
-            } else {
+            if !window.starts[index as usize].is_movable {
                 window.carry(index);
+            } else if window.begin == 0.0 {
+                window.move_disc(index, &window.free_segment(index), None);
+            } else {
+                let stopped = window.carried(index).and_then(|course| course.stopped);
+                window.move_disc(index, &window.segment(index), stopped);
             }
         }
         for (number, course) in (0..).zip(&self.history.courses) {
@@ -168,9 +153,9 @@ impl Block {
         }
     }
 
-    /// The number of impacts after the start, until `end`.
-    pub(super) fn impacts_until(&self, end: f64) -> usize {
-        let is_counted = |event: &&Event| event.time > 0.0 && event.time <= end;
+    /// The number of impacts after `begin`, until `end`.
+    pub(super) fn impacts_until(&self, [begin, end]: [f64; 2]) -> usize {
+        let is_counted = |event: &&Event| event.time > begin && event.time <= end;
         self.first.iter().chain(&self.crossing).filter(is_counted).count()
     }
 }

@@ -2,15 +2,21 @@
 
 use super::Events;
 use super::flight::{Start, Window};
-use super::neighbors::NearPair;
+use super::history::NONE;
+use super::neighbors::{NearPair, PairList};
 use crate::error::Result;
 use crate::trajectory::{Segment, Vector};
 
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait Bounds {
-    /// Distances from their positions at the beginning of the step within which discs were
-    /// searched for neighbours.
+    /// Distances from their positions at the beginning of the step, or when bounds were renewed, within which
+    /// discs were searched for neighbours.
     fn max_displacements(&self) -> &[f32];
+    /// Until when they are made, in seconds since the beginning of the flight.
+    fn horizon(&self) -> f64;
+    /// Makes bounds around the present places of all discs for some of the `left` seconds, and replaces the pairs
+    /// that may meet in them. Returns for how many seconds.
+    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64>;
     /// Forgets what was added for the window before.
     fn begin_window(&mut self);
     /// Lets the bounds of discs grow around trajectories in a window that ends at `end`, and appends
@@ -24,12 +30,43 @@ pub trait Bounds {
     ) -> Result<()>;
 }
 
+/// The pairs that may meet in renewed bounds.
+#[derive(Debug, Default)]
+pub struct Candidates {
+    /// A list for each image, as of the candidate pairs of a step.
+    pub pairs: Vec<PairList>,
+    /// The offset of the second discs of each list, exactly.
+    pub offsets: Vec<Vector>,
+    /// The pairs that pass through each other.
+    pub sensed: Vec<NearPair>,
+    /// Lists that are not in use.
+    spare: Vec<Vec<[u32; 2]>>,
+}
+
+impl Candidates {
+    /// Removes all pairs.
+    pub fn clear(&mut self) {
+        let lists = self.pairs.drain(..).map(|(_, list)| list);
+        self.spare.extend(lists);
+        self.spare.iter_mut().for_each(Vec::clear);
+        self.offsets.clear();
+        self.sensed.clear();
+    }
+
+    /// Adds a list; returns its number.
+    pub fn add(&mut self, offset: Vector) -> usize {
+        self.offsets.push(offset);
+        self.pairs.push((offset.map(|v| v as f32), self.spare.pop().unwrap_or_default()));
+        self.pairs.len() - 1
+    }
+}
+
 /// A disc that leaves its bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Outside {
     /// The disc.
     pub index: u32,
-    /// How far it gets from its position at the beginning of the step, if it has no further events.
+    /// How far it gets from its position when the bounds were made, if it has no further events.
     pub distance: f64,
     /// The segment that it is on.
     pub segment: Segment,
@@ -55,11 +92,18 @@ impl Events {
     /// Lists the discs that get further than their limits in the window.
     pub(super) fn find_outside_limits(&mut self, window: &Window<'_>) {
         let mut listed = std::mem::take(&mut self.may_be_outside_limits);
+        if !window.flight.limits.is_empty() {
+            // Limits may be smaller than bounds. Without events only renewed bounds let a disc get further.
+            let has_events = |&index: &u32| self.course_of[index as usize] != NONE;
+            let all = 0..window.starts.len() as u32;
+            listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));
+        }
         listed.sort_unstable();
         listed.dedup();
         for &index in &listed {
             let squares = self.trajectory(window, index);
-            let squares = squares.map(|part| window.longest_square(index, &part.segment));
+            let anchor = window.flight.anchor(index);
+            let squares = squares.map(|part| window.longest_square(anchor, &part.segment));
             let distance = squares.fold(0.0, f64::max).sqrt();
             if distance > f64::from(window.flight.limits[index as usize]) {
                 self.outside_limits.push((index, distance));
@@ -77,11 +121,13 @@ pub(super) fn find_outside_at_start(
 ) {
     let moves = |start: &Start| start.is_movable || start.velocity != [0.0; 2];
     let may_leave = |index: u32| window.may_leave(index, max_displacements[index as usize]);
-    let moving = (0..).zip(window.starts);
+    let moving = (0..).zip(window.now);
     let moving = moving.filter(|&(index, start)| moves(start) && may_leave(index));
     let all = moving.map(|(index, _)| {
+        // Where it was before the window does not matter.
         let segment = window.segment(index);
-        let distance = window.longest_square(index, &segment).sqrt();
+        let segment = segment.moved(window.begin.max(segment.time), window.gravity());
+        let distance = window.longest_square(window.anchor(index), &segment).sqrt();
         Outside { index, distance, segment }
     });
     outside.clear();

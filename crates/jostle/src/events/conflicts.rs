@@ -159,8 +159,7 @@ impl Events {
     fn load_near(&self, window: &Window<'_>) {
         for &disc in &self.discs {
             let near = self.neighbors.at_start(disc).iter().map(|neighbor| neighbor.index);
-            near.chain([disc])
-                .for_each(|index| _ = black_box(window.starts[index as usize].radius));
+            near.chain([disc]).for_each(|index| _ = black_box(window.now[index as usize].radius));
         }
     }
 
@@ -219,7 +218,10 @@ impl Events {
     /// Whether the trajectories of two discs meet, or touch as one of the two collides; the times
     /// of impact of the first segments are tested only if `first` says so.
     fn meet(&self, window: &Window<'_>, [a, b]: [u32; 2], image: Vector, first: bool) -> bool {
-        let is_joint = |index| self.course(index).is_some_and(|(_, course)| course.is_joint);
+        let is_joint = |index| match self.course(index) {
+            Some((_, course)) => course.is_joint,
+            None => window.was_exhausted(index),
+        };
         let all = is_joint(a) || is_joint(b);
         self.any_at_once(window, [a, b], |own, other| {
             let until = own.end.min(other.end);
@@ -236,7 +238,9 @@ impl Events {
             }
             // Simultaneous contacts are solved together.
             let [p, q] = [own.segment, other.segment].map(|s| s.moved(until, window.gravity()));
-            until < window.end && window.touch_now((a, &p), (b, &q), image, || all)
+            let ends_with_event = |part: &Part| part.end == until && !part.is_last;
+            let is_event = ends_with_event(own) || ends_with_event(other);
+            is_event && window.touch_now((a, &p), (b, &q), image, || all)
         })
     }
 

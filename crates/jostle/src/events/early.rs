@@ -135,7 +135,7 @@ impl Window<'_> {
     /// False only if two discs certainly do not meet along their first segments.
     #[inline(always)]
     pub fn may_meet(&self, own: &Start, other: &Start, image: [f32; 2]) -> bool {
-        let span = self.end as f32;
+        let span = (self.end - self.begin) as f32;
         let passing = own.now().passing(&other.now(), image, span);
         // In a pile nearly all pairs end here, so the branch is predicted rightly.
         if !self.flight.is_lossless && self.defers(own, other, &passing) {
@@ -158,7 +158,8 @@ impl Window<'_> {
         let [v, w] = [own, other].map(|start| dot(start.velocity, start.velocity));
         // (a + b)² is at most 2 (a² + b²).
         let speeds = dot(velocity, velocity) + MARGIN * MARGIN * (v + w);
-        let approach = 2.0 * speeds * (self.end * self.end) as f32;
+        let left = self.flight.end - self.begin;
+        let approach = 2.0 * speeds * (left * left) as f32;
         let most = DEFERRED as f32 * size;
         let least = contact_distance - most;
         let is_slow = approach < most * most;
@@ -166,10 +167,11 @@ impl Window<'_> {
         is_slow & is_apart
     }
 
-    /// A disc on its first segment at `time`.
+    /// A disc without events in the window at `time`.
     #[inline(always)]
-    pub fn first_at(&self, index: u32, time: f32) -> Now {
-        let Start { position, velocity, radius, falls, .. } = self.starts[index as usize];
+    pub fn first_at(&self, index: u32, time: f64) -> Now {
+        let time = (time - self.begin) as f32;
+        let Start { position, velocity, radius, falls, .. } = self.now[index as usize];
         let gained = if falls { self.flight.gravity.map(|g| g as f32 * time) } else { [0.0; 2] };
         let displacement = |k: usize| (velocity[k] + 0.5 * gained[k]) * time;
         Now {
@@ -205,9 +207,11 @@ impl Window<'_> {
     /// False only if a disc certainly stays in its bounds along its first segment.
     #[inline(always)]
     pub fn may_leave(&self, index: u32, max_displacement: f32) -> bool {
-        let anchor = self.flight.particles.positions[index as usize];
+        let own = &self.flight.particles.positions;
+        let anchor = self.anchors.unwrap_or(own)[index as usize];
         let gravity = self.flight.gravity.map(|g| g as f32);
-        self.starts[index as usize].may_leave(anchor, gravity, self.end as f32, max_displacement)
+        let span = (self.end - self.begin) as f32;
+        self.now[index as usize].may_leave(anchor, gravity, span, max_displacement)
     }
 
     /// Lists the discs of a range that are not settled.
@@ -217,7 +221,7 @@ impl Window<'_> {
         for index in range {
             // Without a branch, which would often be predicted wrongly.
             unsettled[count] = index;
-            count += usize::from(!self.starts[index as usize].is_settled);
+            count += usize::from(!self.now[index as usize].is_settled);
         }
         unsettled.truncate(count);
     }
@@ -234,12 +238,12 @@ impl Window<'_> {
         if !(has_sides || has_walls) {
             return near;
         }
-        let end = self.end as f32;
+        let end = (self.end - self.begin) as f32;
         let fall = 0.5 * end * dot(gravity.map(|g| g as f32), gravity.map(|g| g as f32)).sqrt();
         near.resize(discs.len(), 0);
         let mut count = 0;
         for index in discs {
-            let Start { position, velocity, radius, .. } = self.starts[index as usize];
+            let Start { position, velocity, radius, .. } = self.now[index as usize];
             let far = (dot(velocity, velocity).sqrt() + fall) * end * (1.0 + MARGIN);
             let margin = |k: usize| far + radius + MARGIN * (position[k].abs() + radius);
             let is_near_side =
@@ -252,7 +256,7 @@ impl Window<'_> {
         near.truncate(count);
         if has_walls {
             near.retain(|&index| {
-                let now = self.starts[index as usize].now();
+                let now = self.now[index as usize].now();
                 self.may_touch_wall(index, &now, end, None)[1]
             });
         }

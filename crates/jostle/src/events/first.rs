@@ -69,7 +69,7 @@ impl Block {
         for &own in unsettled {
             for &Neighbor { index, image: code } in neighbors.at_start(own) {
                 // Both of two have the pair in their lists.
-                let is_tested = index < own && !window.starts[index as usize].is_settled;
+                let is_tested = index < own && !window.now[index as usize].is_settled;
                 let image = neighbors.image_of(code).map(|v| v as f32);
                 if self.range.contains(&index)
                     && !is_tested
@@ -90,8 +90,8 @@ impl Block {
     ) {
         let all = neighbors.block(self.number);
         for (list, range) in &all.inside {
-            let (image, pairs) = &window.flight.candidates[*list as usize];
-            let code = neighbors.code(*image);
+            let (image, pairs) = &window.candidates[*list as usize];
+            let code = neighbors.code(*list);
             for pairs in pairs[range.start as usize..range.end as usize].chunks(PAIRS) {
                 let count = find_near(window, pairs, *image, near);
                 for &pair in &near[..count] {
@@ -142,7 +142,7 @@ fn find_near(
 
 #[inline(always)]
 fn may_meet(window: &Window<'_>, pair: [u32; 2], image: [f32; 2]) -> bool {
-    let [own, other] = pair.map(|index| &window.starts[index as usize]);
+    let [own, other] = pair.map(|index| &window.now[index as usize]);
     (own.is_movable | other.is_movable)
         & !(own.is_settled & other.is_settled)
         & window.may_meet(own, other, image)
@@ -165,6 +165,10 @@ fn first_impact(
     pair: [u32; 2],
     code: u32,
 ) -> Option<Event> {
+    // Also of discs that had too many events, one of a pair must move.
+    if !pair.iter().any(|&disc| window.now[disc as usize].is_movable) {
+        return None;
+    }
     let [p, q] = pair.map(|disc| window.segment(disc));
     let image = neighbors.image_of(code);
     let impact = window.impact((pair[0], &p), (pair[1], &q), image, window.end);

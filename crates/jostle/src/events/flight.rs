@@ -1,5 +1,7 @@
 //! What all discs of a sub-step have in common, and the impacts that this makes possible.
 
+use super::history::{Carried, Course};
+use super::neighbors::PairList;
 use super::queue::Event;
 use crate::container::Container;
 use crate::decomposition::Halo;
@@ -15,7 +17,7 @@ use crate::trajectory::{
 use crate::walls::{Around, Contact, FIRST};
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the end
-/// of the window is left out, if it loses energy and follows another impact in the window.
+/// of the flight is left out, if it loses energy and follows another impact in the flight.
 const SLIGHT: f64 = 1e-6;
 
 /// The same for other impacts. It is below the displacements of the slowest discs in a step.
@@ -24,11 +26,14 @@ const SLIGHTEST: f64 = 1e-11;
 /// Overlap of two discs, as a share of the size, from which on position correction separates them.
 const DEEP: f64 = 0.01;
 
+/// Relative reserve for rounding of the time in which a disc is far from the sides of the container.
+const FAR: f64 = 1e-6;
+
 /// Two supported particles do not collide if they would overlap by less than this share of the size:
 /// their contact is solved at the beginning of the next sub-step.
 pub const DEFERRED: f64 = 0.01;
 
-/// How a disc begins a window.
+/// How a disc begins a flight, or in float32 a window of it.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
 pub struct Start {
@@ -57,9 +62,9 @@ pub struct Start {
 pub struct Flight<'a> {
     /// The discs, as they were at the beginning of the step.
     pub particles: &'a Particles,
-    /// Positions and velocities at the beginning of the window, if it is not the first of the step.
+    /// Positions and velocities at the beginning of the flight, if it is not the first of the step.
     pub motions: &'a Motions,
-    /// Angular velocities and angles at the beginning of the window.
+    /// Angular velocities and angles at the beginning of the flight.
     pub spins: &'a Spins,
     /// Whether any disc has friction.
     pub has_friction: bool,
@@ -71,8 +76,6 @@ pub struct Flight<'a> {
     pub flow: Flow,
     /// What forces and resting contacts do to each disc; empty where there are none.
     pub kicks: &'a [Kick],
-    /// Whether the window is the first of the sub-step.
-    pub is_first: bool,
     /// Whether it is the first of the step, in which discs begin as `particles` tell.
     pub begins_step: bool,
     /// The container.
@@ -83,6 +86,8 @@ pub struct Flight<'a> {
     pub restitution: f32,
     /// Whether all collisions keep the energy: elastic, without friction.
     pub is_lossless: bool,
+    /// Which discs lose energy, of a world in which some do and others do not; else empty.
+    pub lossy: &'a [bool],
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
     /// The walls at temperatures.
@@ -108,6 +113,36 @@ pub struct Flight<'a> {
     pub threads: Option<usize>,
 }
 
+impl Window<'_> {
+    /// Whether the flight ends with the window.
+    pub fn is_last(&self) -> bool {
+        self.end == self.flight.end
+    }
+
+    /// Writes where all discs are when the window begins, rounded to float32. Those that had too many
+    /// events do not move.
+    pub fn fill_now(&self, now: &mut Vec<Start>) {
+        now.resize(self.starts.len(), Start::default());
+        parallel::for_chunks(self.flight.threads, now, |first, now| {
+            for (now, index) in now.iter_mut().zip(first..) {
+                let (start, course) = (self.starts[index], self.carried(index as u32));
+                let segment = self.segment(index as u32);
+                let [position, velocity] = segment.at(self.begin, self.gravity());
+                *now = Start {
+                    position: position.map(|v| v as f32),
+                    residual: [0.0; 2],
+                    velocity: velocity.map(|v| v as f32),
+                    is_movable: start.is_movable
+                        && !course.is_some_and(|course| self.has_ended(course)),
+                    falls: segment.falls,
+                    is_settled: start.is_settled && course.is_none(),
+                    ..start
+                };
+            }
+        });
+    }
+}
+
 impl Flight<'_> {
     /// Whether nothing reads the motions after the window has begun, so that they may be written before
     /// all histories are known.
@@ -115,7 +150,20 @@ impl Flight<'_> {
         self.kicks.is_empty() && self.spins.is_empty()
     }
 
-    /// The motion with which a disc begins the window.
+    /// The position of a disc at the beginning of the step.
+    pub fn anchor(&self, index: u32) -> Vector {
+        let Particles { positions, residuals, .. } = self.particles;
+        exact(positions[index as usize], residuals[index as usize])
+    }
+
+    /// Whether collisions of some discs may lose energy.
+    #[inline(always)]
+    pub fn lose_energy<const N: usize>(&self, indices: [u32; N]) -> bool {
+        let is_lossy = |&index: &u32| self.lossy[index as usize];
+        !self.is_lossless && (self.lossy.is_empty() || indices.iter().any(is_lossy))
+    }
+
+    /// The motion with which a disc begins.
     #[inline(always)]
     pub fn motion(&self, index: u32) -> Motion {
         if self.begins_step {
@@ -130,8 +178,8 @@ impl Flight<'_> {
     fn velocity(&self, index: u32) -> Vector {
         let velocity = self.motion(index).velocity.map(f64::from);
         match self.kicks.get(index as usize) {
-            Some(kick) if self.is_first => vector(|k| velocity[k] + kick.before[k]),
-            _ => velocity,
+            Some(kick) => vector(|k| velocity[k] + kick.before[k]),
+            None => velocity,
         }
     }
 
@@ -171,7 +219,7 @@ impl Flight<'_> {
                     !self.is_lossless && start.is_settled(self.end as f32, self.smallest_radius);
             }
         });
-        for &index in exhausted.iter().filter(|_| self.is_lossless) {
+        for &index in exhausted.iter().filter(|&&index| !self.lose_energy([index])) {
             let start = &mut starts[index as usize];
             (start.velocity, start.falls) = ([0.0; 2], false);
         }
@@ -179,14 +227,28 @@ impl Flight<'_> {
 }
 
 /// A part of a sub-step at whose end all discs are known.
+///
+/// Windows are a schedule and nothing more: no number of a trajectory depends on where they begin and
+/// end. Times are seconds since the beginning of the flight, trajectories continue from window to window
+/// without rounding, and a prediction is that of the whole flight, left out if it is later than the window.
 #[derive(Clone, Copy)]
 pub struct Window<'a> {
-    /// The sub-step, from the beginning of the window.
+    /// The sub-step.
     pub flight: &'a Flight<'a>,
-    /// How the discs begin.
+    /// How the discs begin the flight.
     pub starts: &'a [Start],
-    /// Discs that had too many events in windows before, sorted.
+    /// Discs that had too many events in earlier flights of the step, sorted.
     pub exhausted: &'a [u32],
+    /// Where they are when the window begins, rounded to float32, for tests that leave out pairs.
+    pub now: &'a [Start],
+    /// The discs that had events in earlier windows.
+    pub carried: &'a Carried,
+    /// Where discs were when their bounds were renewed, if they were.
+    pub anchors: Option<&'a [[f32; 2]]>,
+    /// The candidate pairs, a list for each image.
+    pub candidates: &'a [PairList],
+    /// When the window begins.
+    pub begin: f64,
     /// When the window ends.
     pub end: f64,
 }
@@ -198,9 +260,21 @@ impl Window<'_> {
         self.flight.gravity
     }
 
-    /// The first segment of a disc.
+    /// What earlier windows have led to, for a disc that had events in them.
+    #[inline(always)]
+    pub fn carried(&self, index: u32) -> Option<&Course> {
+        self.carried.get(index)
+    }
+
+    /// The segment with which a disc begins the window.
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
+        self.carried(index).map_or_else(|| self.free_segment(index), |course| course.segment)
+    }
+
+    /// The segment with which a disc begins the flight.
+    #[inline(always)]
+    pub fn free_segment(&self, index: u32) -> Segment {
         let start = &self.starts[index as usize];
         let is_kicked = !self.flight.kicks.is_empty() && start.is_movable;
         Segment {
@@ -217,7 +291,7 @@ impl Window<'_> {
         }
     }
 
-    /// Moves a disc that nothing accelerates to the end of the window.
+    /// Moves a disc that nothing accelerates to the end of the flight.
     pub fn carry(&self, index: u32) {
         let Flight { particles, motions, spins, .. } = self.flight;
         if self.flight.begins_step {
@@ -238,13 +312,21 @@ impl Window<'_> {
         }
     }
 
-    /// Whether a disc had too many events in windows before.
+    /// Whether a disc had too many events in the step before the window.
     #[inline(always)]
     pub fn is_exhausted(&self, index: u32) -> bool {
-        !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok()
+        match self.carried(index) {
+            Some(course) => course.is_exhausted,
+            None => !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok(),
+        }
     }
 
-    /// Moves a disc along its last segment to the end of the window; `stopped` is its velocity after it
+    /// Whether a disc had too many events in an earlier window of the flight.
+    pub fn was_exhausted(&self, index: u32) -> bool {
+        self.carried(index).is_some_and(|course| course.is_exhausted)
+    }
+
+    /// Moves a disc along its last segment to the end of the flight; `stopped` is its velocity after it
     /// had too many events, where it keeps it.
     #[inline(always)]
     pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
@@ -254,13 +336,10 @@ impl Window<'_> {
         self.flight.motions.advance(index, exact(position, residual), end, velocity);
     }
 
-    /// The velocity of a disc after the sub-step from that at the end of the window.
+    /// The velocity of a disc after the sub-step from that at the end of the flight.
     #[inline(always)]
     pub fn after(&self, index: u32, falls: bool, velocity: Vector) -> Vector {
         let Flight { flow: Flow { decay, correction, .. }, kicks, .. } = self.flight;
-        if self.end < self.flight.end {
-            return velocity;
-        }
         let added = if falls { *correction } else { [0.0; 2] };
         let damped = vector(|k| velocity[k] * decay + added[k]);
         let kick = kicks.get(index as usize);
@@ -294,15 +373,14 @@ impl Window<'_> {
     #[inline(always)]
     fn limits(
         &self,
-        until: f64,
         tolerance: &Tolerance,
-        is_first: bool,
+        [is_first, is_lossy]: [bool; 2],
         surfaces: impl Fn() -> (bool, f64),
     ) -> Limits {
         let slightest = tolerance.at_most(SLIGHTEST);
         let limits = Limits {
-            until,
-            end: self.end,
+            until: self.flight.end,
+            end: self.flight.end,
             rounding: tolerance.rounding(),
             tolerance: slightest,
             touching_tolerance: slightest,
@@ -310,7 +388,7 @@ impl Window<'_> {
             deep_tolerance: slightest,
             bounces: f64::INFINITY,
         };
-        if self.flight.is_lossless {
+        if !is_lossy {
             return limits;
         }
         let (are_supported, restitution) = surfaces();
@@ -327,7 +405,7 @@ impl Window<'_> {
 
     /// The limits for two discs on segments, from a time on.
     #[inline(always)]
-    fn pair_limits(&self, until: f64, now: [(u32, &Segment); 2], time: f64) -> Limits {
+    fn pair_limits(&self, now: [(u32, &Segment); 2], time: f64) -> Limits {
         let pair = now.map(|(index, _)| index);
         let radii = pair.map(|index| self.starts[index as usize].radius);
         // They meet at the surface of the smaller disc, which is near its centre.
@@ -342,7 +420,7 @@ impl Window<'_> {
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
         let is_first = now.iter().all(|(_, segment)| segment.is_first);
-        let limits = self.limits(until, &tolerance, is_first, surfaces);
+        let limits = self.limits(&tolerance, [is_first, self.flight.lose_energy(pair)], surfaces);
         let deep_tolerance = tolerance.rounding().max(limits.tolerance);
         Limits { deep: DEEP * tolerance.size(), deep_tolerance, ..limits }
     }
@@ -353,7 +431,8 @@ impl Window<'_> {
         let start = &self.starts[index as usize];
         let surfaces = || (start.is_supported, self.wall_restitution(index, wall));
         let size = self.flight.walls.walls.contact_distance(wall, f64::from(start.radius));
-        self.limits(self.end, &Tolerance::of(size, now.position), now.is_first, surfaces)
+        let traits = [now.is_first, self.flight.lose_energy([index])];
+        self.limits(&Tolerance::of(size, now.position), traits, surfaces)
     }
 
     /// The limits at each side of the container.
@@ -385,11 +464,12 @@ impl Window<'_> {
         if relative.separates() {
             return None;
         }
-        let limits = || self.pair_limits(until, [(a, first), (b, second)], relative.start);
-        relative.impact(self.contact_distance(a, b), until, limits)
+        let limits = || self.pair_limits([(a, first), (b, second)], relative.start);
+        let impact = relative.impact(self.contact_distance(a, b), until, limits);
+        impact.filter(|impact| impact.time <= until)
     }
 
-    /// The next impact of a disc on a wall for which `skips` is false.
+    /// The next impact of a disc in the window on a wall for which `skips` is false.
     #[inline(always)]
     pub fn wall_event(
         &self,
@@ -418,6 +498,7 @@ impl Window<'_> {
             let is_first = hit.zip(other).is_none_or(|(a, b)| b.0.time < a.0.time);
             hit = if is_first { other.or(hit) } else { hit };
         }
+        let hit = hit.filter(|(impact, _)| impact.time <= self.end);
         hit.map(|(impact, wall)| Event::with_wall(impact, index, wall, count))
     }
 
@@ -430,7 +511,7 @@ impl Window<'_> {
     ) -> Option<(Impact, u32)> {
         let container = &self.flight.container;
         let radius = f64::from(self.starts[index as usize].radius);
-        let span = self.end - segment.time;
+        let span = (self.end - segment.time) * (1.0 + FAR);
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
         if container.is_far(segment.position, radius, [far(0), far(1)]) {
             return None;
@@ -456,7 +537,7 @@ impl Window<'_> {
         if square > farthest * farthest {
             return false;
         }
-        let limits = self.pair_limits(self.end, [(a, first), (b, second)], first.time);
+        let limits = self.pair_limits([(a, first), (b, second)], first.time);
         let near = contact_distance + limits.rounding;
         if square > near * near {
             return false;
@@ -530,18 +611,25 @@ impl Window<'_> {
         self.flight.walls.normal(index, wall, now)
     }
 
-    /// Square of the longest distance from its position at the beginning of the step that a disc
-    /// has while it moves along a segment to the end of the window.
+    /// The position of a disc when the bounds were made.
     #[inline(always)]
-    pub fn longest_square(&self, index: u32, segment: &Segment) -> f64 {
-        let anchor = if self.flight.begins_step {
+    pub fn anchor(&self, index: u32) -> Vector {
+        if let Some(anchors) = self.anchors {
+            return anchors[index as usize].map(f64::from);
+        }
+        if self.flight.begins_step {
             // In the cache, for other reasons.
             let Start { position, residual, .. } = self.starts[index as usize];
             exact(position, residual)
         } else {
-            let Particles { positions, residuals, .. } = self.flight.particles;
-            exact(positions[index as usize], residuals[index as usize])
-        };
+            self.flight.anchor(index)
+        }
+    }
+
+    /// Square of the longest distance from a position that a disc has while it moves along a segment to the end
+    /// of the window.
+    #[inline(always)]
+    pub fn longest_square(&self, anchor: Vector, segment: &Segment) -> f64 {
         let square = |p: Vector| {
             let offset = vector(|k| p[k] - anchor[k]);
             dot(offset, offset)

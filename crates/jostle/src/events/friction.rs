@@ -10,12 +10,12 @@ use super::impulses::{MAX_ITERATIONS, TOLERANCE, Touch};
 use super::simulation::Simulation;
 use crate::trajectory::{Segment, Vector, dot, vector};
 
-/// The rotation of a disc during a window.
+/// The rotation of a disc during a flight.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turning {
     /// Angular velocity.
     velocity: f64,
-    /// Since when, in seconds since the beginning of the window.
+    /// Since when, in seconds since the beginning of the flight.
     time: f64,
     /// The angle by which the disc has turned until then.
     angle: f64,
@@ -120,6 +120,10 @@ impl Rubbing {
         bounced.clear();
         bounced.extend(impulses.iter().map(|[normal, _]| *normal));
         impulses.iter_mut().for_each(|[_, friction]| *friction = 0.0);
+        // The discs are those of a world without friction then.
+        if touches.iter().all(|touch| touch.friction == 0.0) {
+            return;
+        }
         let mut fastest = 0.0f64;
         for iteration in 0..MAX_ITERATIONS {
             let mut largest = 0.0f64;
@@ -140,13 +144,16 @@ impl Rubbing {
 }
 
 impl Window<'_> {
-    /// The rotation of a disc without impacts.
+    /// The rotation with which a disc begins the window.
     pub fn turning(&self, index: u32) -> Turning {
+        if let Some(turning) = self.carried.turning(index) {
+            return *turning;
+        }
         let velocity = f64::from(self.flight.spins.velocity(index));
         Turning { velocity, ..Turning::default() }
     }
 
-    /// Writes the rotation of a disc at the end of the window.
+    /// Writes the rotation of a disc at the end of the flight.
     pub fn turn(&self, index: u32, turning: &Turning) {
         let flow = &self.flight.flow;
         // The flight is shorter than the sub-step if there is damping.

@@ -1,4 +1,4 @@
-//! What the events of a window lead to: trajectories and bounces.
+//! What the events of a window lead to: trajectories and bounces. What later windows need of them.
 
 use std::cmp::Ordering;
 
@@ -14,8 +14,12 @@ pub const NONE: u32 = u32::MAX;
 pub struct Course {
     /// The disc.
     pub index: u32,
-    /// The number of its events.
+    /// The number of its events in the window.
     pub count: u32,
+    /// Its events in the flight since it has moved by its radius.
+    pub recent: u32,
+    /// How far it has moved in these, from event to event: the sum of the distances along both axes.
+    pub travelled: f32,
     /// The segment that it is on, in the end its last one.
     pub segment: Segment,
     /// The segment before, in the history's list; [`NONE`] if there is none.
@@ -33,7 +37,7 @@ pub struct Course {
     pub is_exhausted: bool,
     /// Whether all that touched it was solved together at some moment.
     pub is_joint: bool,
-    /// The velocity after the window, if the disc had too many events in it and energy is conserved.
+    /// The velocity after the flight, if the disc had too many events in it and loses no energy.
     pub stopped: Option<Vector>,
     /// A hash of the discs that collided with it at the same moment, where these were at least two.
     pub groups: u64,
@@ -168,18 +172,74 @@ impl History {
     }
 }
 
+/// The discs that had events in earlier windows of a flight, and how they continue.
+#[derive(Debug, Default)]
+pub struct Carried {
+    /// The number of the course of each disc, [`NONE`] if it had no events; empty if none had any.
+    numbers: Vec<u32>,
+    courses: Vec<Course>,
+    /// The rotation of each of them; empty if no disc has friction.
+    turnings: Vec<Turning>,
+}
+
+impl Carried {
+    /// Begins a flight.
+    pub fn clear(&mut self) {
+        self.numbers.clear();
+        self.courses.clear();
+        self.turnings.clear();
+    }
+
+    /// The course of a disc that had events.
+    #[inline(always)]
+    pub fn get(&self, index: u32) -> Option<&Course> {
+        let &number = self.numbers.get(index as usize)?;
+        self.courses.get(number as usize)
+    }
+
+    /// The rotation of a disc that had events, if any disc has friction.
+    pub fn turning(&self, index: u32) -> Option<&Turning> {
+        let &number = self.numbers.get(index as usize)?;
+        self.turnings.get(number as usize)
+    }
+
+    /// Takes the courses with events of a window of `len` discs. `mark` is added to the numbers of valid
+    /// courses in `course_of`.
+    pub fn take(&mut self, history: &History, mark: u32, course_of: &[u32]) {
+        let Self { numbers, courses, turnings } = self;
+        numbers.resize(course_of.len(), NONE);
+        for (number, course) in (0..).zip(&history.courses) {
+            let index = course.index as usize;
+            if course_of[index] != mark | number || course.count == 0 {
+                continue;
+            }
+            let known = numbers[index] as usize;
+            let turning = history.turnings.get(number as usize);
+            if known < courses.len() {
+                courses[known] = *course;
+                turning.into_iter().for_each(|turning| turnings[known] = *turning);
+            } else {
+                numbers[index] = courses.len() as u32;
+                courses.push(*course);
+                turnings.extend(turning);
+            }
+        }
+    }
+}
+
 /// The segments of a disc, the last one first.
 #[derive(Clone, Debug)]
 pub struct Trajectory<'a> {
     ended: &'a [(Segment, u32)],
     next: Option<(Segment, u32)>,
     end: f64,
+    is_last: bool,
 }
 
 impl<'a> Trajectory<'a> {
     /// The trajectory of a disc without events.
     pub fn free(segment: Segment, end: f64) -> Self {
-        Self { ended: &[], next: Some((segment, NONE)), end }
+        Self { ended: &[], next: Some((segment, NONE)), end, is_last: true }
     }
 
     /// Leaves out the segments that begin after `time`.
@@ -191,7 +251,8 @@ impl<'a> Trajectory<'a> {
 
     /// The trajectory of a disc with events.
     pub fn of(history: &'a History, course: &Course, end: f64) -> Self {
-        Self { ended: &history.ended, next: Some((course.segment, course.before)), end }
+        let next = Some((course.segment, course.before));
+        Self { ended: &history.ended, next, end, is_last: true }
     }
 }
 
@@ -203,6 +264,8 @@ pub struct Part {
     pub end: f64,
     /// Whether it is the first.
     pub is_first: bool,
+    /// Whether it ends with the window, and not with an event.
+    pub is_last: bool,
 }
 
 impl Iterator for Trajectory<'_> {
@@ -211,7 +274,8 @@ impl Iterator for Trajectory<'_> {
     fn next(&mut self) -> Option<Part> {
         let (segment, before) = self.next?;
         self.next = self.ended.get(before as usize).copied();
-        let part = Part { segment, end: self.end, is_first: before == NONE };
+        let is_last = std::mem::take(&mut self.is_last);
+        let part = Part { segment, end: self.end, is_first: before == NONE, is_last };
         self.end = segment.time;
         Some(part)
     }

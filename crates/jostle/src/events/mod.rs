@@ -35,18 +35,18 @@ use crate::motion::Motion;
 use crate::parallel::{self, locked};
 use block::{Arguments, Block};
 use bounds::find_outside_at_start;
-pub use bounds::{Bounds, Outside};
+pub use bounds::{Bounds, Candidates, Outside};
 use conflicts::AGAIN;
-pub use flight::Flight;
-use flight::{Start, Window};
+use flight::Window;
+pub use flight::{Flight, Start};
 pub use history::Bounce;
-use history::{Course, History, NONE, Trajectory};
+use history::{Carried, Course, History, NONE, Trajectory};
 use neighbors::Neighbor;
 use neighbors::Neighbors;
 pub use neighbors::{NearPair, PairList};
 pub use queue::WALL;
 use simulation::Scratch;
-use window::{end_for_the_fast, most_impacts};
+use window::{end_for_the_fast, most_impacts, shortest_of_all};
 
 /// Windows of a sub-step at most, apart from the last of all.
 const MAX_WINDOWS: f64 = 1024.0;
@@ -84,6 +84,14 @@ pub struct Events {
     /// Whether each of them may meet a disc of this rank.
     pub may_meet: Vec<bool>,
     starts: Vec<Start>,
+    /// Where discs are when a window begins that is not the first.
+    now: Vec<Start>,
+    /// The discs that had events in earlier windows of the sub-step.
+    carried: Carried,
+    /// The pairs of bounds that were renewed in the step, and where discs were then.
+    candidates: Candidates,
+    anchors: Vec<[f32; 2]>,
+    is_renewed: bool,
     blocks: Vec<Block>,
     /// Discs of each block but the last.
     size: usize,
@@ -113,39 +121,73 @@ pub struct Events {
 impl Events {
     /// Moves all discs to the end of the sub-step, window by window.
     pub fn simulate(&mut self, flight: &Flight<'_>, bounds: &mut dyn Bounds) -> Result<()> {
-        // Windows are not shorter than this, so that there are not too many.
-        let shortest = flight.end / MAX_WINDOWS;
-        let mut rest = *flight;
         let mut starts = std::mem::take(&mut self.starts);
-        loop {
+        let mut now = std::mem::take(&mut self.now);
+        let mut carried = std::mem::take(&mut self.carried);
+        let mut anchors = std::mem::take(&mut self.anchors);
+        let mut candidates = std::mem::take(&mut self.candidates);
+        let before = std::mem::take(&mut self.exhausted);
+        flight.fill(&mut starts, &before);
+        // Discs that lose no energy stand still, and keep their velocities.
+        let stands = before.iter().filter(|&&index| !flight.lose_energy([index]));
+        let kept: Vec<_> = stands.map(|&index| (index, flight.motion(index).velocity)).collect();
+        carried.clear();
+        let (mut begin, mut horizon) = (0.0, bounds.horizon());
+        let mut shortest = horizon.min(flight.end) / MAX_WINDOWS;
+        while begin < flight.end {
             // Before each window but the first of a sub-step all ranks learn that one has failed.
-            if !rest.is_first && *self.has_too_many.get_mut() {
+            if begin > 0.0 && *self.has_too_many.get_mut() {
                 return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
             }
-            rest.fill(&mut starts, &self.exhausted);
-            let before = std::mem::take(&mut self.exhausted);
-            let stopped = if rest.is_lossless { &before[..] } else { &[] };
-            let velocity = |index: &u32| (*index, rest.motion(*index));
-            let kept: Vec<_> = stopped.iter().map(velocity).collect();
-            let window =
-                Window { flight: &rest, starts: &starts, exhausted: &before, end: rest.end };
-            let end = self.simulate_window(window, bounds, shortest)?;
-            for (index, motion) in kept {
-                let moved = rest.motions.get(index);
-                rest.motions.set(index, Motion { velocity: motion.velocity, ..moved });
+            let mut window = Window {
+                flight,
+                starts: &starts,
+                exhausted: &before,
+                now: &starts,
+                carried: &carried,
+                anchors: None,
+                candidates: flight.candidates,
+                begin,
+                end: flight.end,
+            };
+            if begin > 0.0 {
+                window.fill_now(&mut now);
+                window.now = &now;
             }
-            self.exhausted.extend(before);
-            self.exhausted.sort_unstable();
-            if end == rest.end {
-                self.starts = starts;
-                return Ok(());
+            if begin >= horizon {
+                let seconds = bounds.renew(window.now, flight.end - begin, &mut candidates)?;
+                let seconds = shortest_of_all(flight, seconds)?;
+                shortest = seconds / MAX_WINDOWS;
+                let is_last = seconds >= flight.end - begin;
+                horizon = if is_last { f64::INFINITY } else { begin + seconds };
+                anchors.clear();
+                anchors.extend(window.now.iter().map(|of| of.position));
+                self.take_renewed(starts.len(), &candidates, flight.threads);
             }
-            rest.end -= end;
-            rest.walls.clock.elapsed += end * rest.walls.clock.rate;
-            rest.bounded = false;
-            rest.is_first = false;
-            rest.begins_step = false;
+            if self.is_renewed {
+                (window.anchors, window.candidates) = (Some(&anchors[..]), &candidates.pairs[..]);
+            }
+            window.end = window.end.min(horizon);
+            begin = self.simulate_window(window, bounds, shortest)?;
+            self.carry_over(&mut carried);
         }
+        for (index, velocity) in kept {
+            flight.motions.set(index, Motion { velocity, ..flight.motions.get(index) });
+        }
+        self.exhausted.extend(before);
+        self.exhausted.sort_unstable();
+        (self.starts, self.now, self.carried) = (starts, now, carried);
+        (self.anchors, self.candidates) = (anchors, candidates);
+        Ok(())
+    }
+
+    /// Takes the pairs of renewed bounds.
+    fn take_renewed(&mut self, len: usize, all: &Candidates, threads: Option<usize>) {
+        self.is_renewed = true;
+        let lists = (&all.pairs[..], all.offsets.iter().copied());
+        self.neighbors.fill(len, lists, self.size, threads);
+        self.sensed_near.clear();
+        self.sensed_near.extend(&all.sensed);
     }
 
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.
@@ -160,7 +202,7 @@ impl Events {
         bounds.begin_window();
         self.neighbors.begin_window();
         self.sensed_near.retain(|near| near.lasts);
-        if !window.flight.bounded {
+        if !window.flight.bounded || window.begin > 0.0 || window.anchors.is_some() {
             find_outside_at_start(&window, bounds.max_displacements(), &mut self.outside);
             self.grow(&window, bounds)?;
         }
@@ -176,7 +218,7 @@ impl Events {
             block.load(&arguments);
             // Most windows are not shortened, and the discs are in the cache now.
             let share = most as u64 * block.range.len() as u64 / window.starts.len() as u64;
-            if block.impacts_until(window.end) as u64 <= share {
+            if block.impacts_until([window.begin, window.end]) as u64 <= share {
                 block.simulate(&mut arguments);
             }
         });
@@ -187,7 +229,7 @@ impl Events {
         self.each_block(&window, max_displacements, |block, mut arguments| {
             if is_shorter {
                 arguments.course_of.fill(NONE);
-                block.shorten(&window, arguments.neighbors);
+                block.shorten(&window);
             }
             if !block.is_simulated {
                 block.simulate(&mut arguments);
@@ -198,8 +240,19 @@ impl Events {
         self.find_outside_limits(&window);
         self.find_sensed(&window);
         self.digest_shared(&window);
-        self.finish(&window);
+        if window.is_last() {
+            self.finish(&window);
+        }
+        self.collect(&window);
         Ok(window.end)
+    }
+
+    /// Lets the discs that had events in a window continue from there in the next.
+    fn carry_over(&self, carried: &mut Carried) {
+        for block in &self.blocks {
+            carried.take(&block.history, 0, &self.course_of);
+        }
+        carried.take(&self.again, AGAIN, &self.course_of);
     }
 
     /// Begins a step of `len` discs: clears its results.
@@ -221,7 +274,9 @@ impl Events {
     /// Takes the candidate pairs of a step of `len` discs, a list for each image of a torus.
     pub fn take_pairs(&mut self, len: usize, lists: &[PairList], threads: Option<usize>) {
         self.size = block::size(len, threads);
-        self.neighbors.fill(len, lists, self.size, threads);
+        self.is_renewed = false;
+        let offsets = lists.iter().map(|(image, _)| image.map(f64::from));
+        self.neighbors.fill(len, (lists, offsets), self.size, threads);
     }
 
     /// Makes blocks of all discs.
@@ -288,21 +343,12 @@ impl Events {
         Some((history, &history.courses[(number & !AGAIN) as usize]))
     }
 
-    /// Writes positions, velocities and displacements at the end of the window.
+    /// Writes positions, velocities and displacements at the end of the flight.
     fn finish(&mut self, window: &Window<'_>) {
         let (course_of, again) = (&self.course_of, &self.again);
         let is_moved = window.flight.keeps_starts();
         let turns = !window.flight.spins.is_empty();
-        let halo = window.flight.halo;
-        let count = |counts: &mut u32, course: &Course| {
-            *counts += course.count;
-            let is_own = || halo.is_none_or(|halo| halo.is_own[course.index as usize]);
-            if *counts > MAX_COLLISIONS && is_own() {
-                self.has_too_many.store(true, Ordering::Relaxed);
-            }
-        };
-        let blocks = self.blocks.iter_mut().zip(self.counts.chunks_mut(self.size));
-        parallel::for_each(window.flight.threads, blocks, |(block, counts)| {
+        parallel::for_each(window.flight.threads, self.blocks.iter_mut(), |block| {
             if !is_moved {
                 let range = block.range.start as usize..block.range.end as usize;
                 block.move_discs(window, &course_of[range]);
@@ -316,6 +362,27 @@ impl Events {
                     window.turn(index, &turning);
                 }
             }
+        });
+        for (number, course) in (0..).zip(&again.courses) {
+            if course_of[course.index as usize] == AGAIN | number {
+                window.move_disc(course.index, &course.segment, course.stopped);
+            }
+        }
+    }
+
+    /// Takes what belongs to valid courses.
+    fn collect(&mut self, window: &Window<'_>) {
+        let course_of = &self.course_of;
+        let halo = window.flight.halo;
+        let count = |counts: &mut u32, course: &Course| {
+            *counts += course.count;
+            let is_own = || halo.is_none_or(|halo| halo.is_own[course.index as usize]);
+            if *counts > MAX_COLLISIONS && is_own() {
+                self.has_too_many.store(true, Ordering::Relaxed);
+            }
+        };
+        let blocks = self.blocks.iter_mut().zip(self.counts.chunks_mut(self.size));
+        parallel::for_each(window.flight.threads, blocks, |(block, counts)| {
             for (number, course) in (0..).zip(&block.history.courses) {
                 if course_of[course.index as usize] == number {
                     count(&mut counts[(course.index - block.range.start) as usize], course);
@@ -323,13 +390,12 @@ impl Events {
             }
             block.history.retain(0, course_of);
         });
-        for (number, course) in (0..).zip(&again.courses) {
+        for (number, course) in (0..).zip(&self.again.courses) {
             if course_of[course.index as usize] == AGAIN | number {
                 count(&mut self.counts[course.index as usize], course);
-                window.move_disc(course.index, &course.segment, course.stopped);
             }
         }
-        self.again.retain(AGAIN, &self.course_of);
+        self.again.retain(AGAIN, course_of);
         for history in self.blocks.iter().map(|block| &block.history).chain([&self.again]) {
             self.exhausted.extend(&history.exhausted);
             let index = |&number: &u32| history.courses[number as usize].index;

@@ -46,6 +46,8 @@ pub struct Neighbors {
     /// Whether a disc has any of these; empty if none has.
     has_later: Vec<bool>,
     images: Images,
+    /// The number of the image of each list of candidate pairs.
+    codes: Vec<u32>,
 }
 
 /// The neighbours of the discs of a block, a range of discs.
@@ -106,11 +108,6 @@ impl Images {
             self.numbers.insert(Self::bits(offset), number);
         }
         number
-    }
-
-    /// The number of an offset that has one.
-    fn known(&self, offset: Vector) -> u32 {
-        if offset == [0.0; 2] { 0 } else { self.numbers[&Self::bits(offset)] }
     }
 
     /// 0 + v, so that no offset is −0.
@@ -181,14 +178,22 @@ impl NearBlock {
 impl Neighbors {
     /// Takes the candidate pairs, a list for each image: the first of a pair, moved by minus the
     /// image, is near the second. A block has `size` discs of all `len`.
-    pub fn fill(&mut self, len: usize, lists: &[PairList], size: usize, threads: Option<usize>) {
-        let Self { blocks, parts, later, lasting, has_later, images, .. } = self;
+    /// `offsets` are those images, exactly.
+    pub fn fill(
+        &mut self,
+        len: usize,
+        (lists, offsets): (&[PairList], impl Iterator<Item = Vector>),
+        size: usize,
+        threads: Option<usize>,
+    ) {
+        let Self { blocks, parts, later, lasting, has_later, images, codes, .. } = self;
         self.size = size;
         later.clear();
         lasting.clear();
         has_later.clear();
         images.clear();
-        lists.iter().for_each(|(image, _)| _ = images.number(image.map(f64::from)));
+        codes.clear();
+        codes.extend(offsets.map(|offset| images.number(offset)));
         let chunks = || {
             let lists = (0..).zip(lists);
             lists.flat_map(|(list, (_, pairs))| {
@@ -210,7 +215,7 @@ impl Neighbors {
             block.across.clear();
         }
         for (part, (list, _)) in parts.iter().zip(chunks()) {
-            let code = images.number(lists[list as usize].0.map(f64::from));
+            let code = codes[list as usize];
             for (block, range) in &part.inside {
                 blocks[*block as usize].inside.push((list, range.clone()));
             }
@@ -222,7 +227,7 @@ impl Neighbors {
         }
         let blocks = &mut blocks[..len.div_ceil(size)];
         parallel::for_each(threads, blocks.iter_mut(), |block| {
-            block.fill(lists, |list| images.known(lists[list as usize].0.map(f64::from)));
+            block.fill(lists, |list| codes[list as usize]);
         });
     }
 
@@ -290,8 +295,8 @@ impl Neighbors {
     }
 
     /// The number of the image of a list of candidate pairs.
-    pub fn code(&self, image: [f32; 2]) -> u32 {
-        self.images.known(image.map(f64::from))
+    pub fn code(&self, list: u32) -> u32 {
+        self.codes[list as usize]
     }
 
     /// The offset that is added to the position of a neighbour.

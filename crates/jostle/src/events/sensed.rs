@@ -14,11 +14,13 @@ impl Events {
     /// Appends the pairs that touch along their trajectories in the window, of those that pass
     /// through each other.
     pub(super) fn find_sensed(&mut self, window: &Window<'_>) {
-        let is_any = window.flight.sensed.iter().any(|(_, pairs)| !pairs.is_empty());
+        // Those of renewed bounds are in another list.
+        let sensed = if window.anchors.is_some() { &[] } else { window.flight.sensed };
+        let is_any = sensed.iter().any(|(_, pairs)| !pairs.is_empty());
         if !is_any && self.sensed_near.is_empty() {
             return;
         }
-        let lists = window.flight.sensed.iter();
+        let lists = sensed.iter();
         let parts: Vec<_> = lists
             .flat_map(|(image, pairs)| pairs.chunks(PAIRS).map(move |part| (*image, part)))
             .collect();

@@ -22,11 +22,14 @@ impl Events {
     ) -> Result<f64> {
         let mut ends = [window.end; LENGTHS];
         let mut early = [0; LENGTHS];
-        for (number, end) in ends.iter_mut().enumerate() {
-            *end *= 0.5f64.powi(number as i32);
+        let length = window.end - window.begin;
+        for (number, end) in ends.iter_mut().enumerate().skip(1) {
+            *end = window.begin + length * 0.5f64.powi(number as i32);
         }
         let all = self.blocks.iter().flat_map(|block| block.first.iter().chain(&block.crossing));
-        for event in all.filter(|event| event.time > 0.0 && halo.is_own[event.pair[0] as usize]) {
+        for event in
+            all.filter(|event| event.time > window.begin && halo.is_own[event.pair[0] as usize])
+        {
             for (count, end) in early.iter_mut().zip(&ends) {
                 *count += u64::from(event.time <= *end);
             }
@@ -34,7 +37,8 @@ impl Events {
         let early = locked(halo.group).sum(early)?;
         let most = most_impacts(halo.total) as u64;
         let mut number = 0;
-        while number + 1 < LENGTHS && 0.5 * ends[number] >= shortest && early[number] > most {
+        let is_long = |number: usize| length * 0.5f64.powi(number as i32 + 1) >= shortest;
+        while number + 1 < LENGTHS && is_long(number) && early[number] > most {
             number += 1;
         }
         Ok(ends[number])

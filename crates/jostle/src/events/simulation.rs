@@ -18,25 +18,28 @@ use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::{Contact, FIRST};
 
-/// Events of a disc in a window after which it is exhausted until the end of the step: where no collision
-/// loses energy, and elsewhere. All that touches an exhausted disc is solved together and without
+/// Events of a disc while it moves by its radius after which it is exhausted until the end of the step: of
+/// one that loses no energy, and of others. All that touches an exhausted disc is solved together and without
 /// restitution, so that surfaces that press it stay with it.
 /// Larger numbers would take minutes for a long row that collapses.
 const MAX_EVENTS: [u32; 2] = [1024, 384];
 
-/// Events of an exhausted disc in a window at most. After that it moves with walls and immovable discs that
-/// press it, and has no more events in the window.
+/// Further such events of an exhausted disc at most. After that it moves with walls and immovable discs that
+/// press it, and has no more events in the flight.
 const MORE_EVENTS: u32 = 128;
 
 /// Square of the part of its speed with which a disc may approach walls without counting as one that has
 /// no room.
 const NO_ROOM: f64 = 1e-12;
 
-/// After so many events in a window an inelastic disc collides elastically with other discs until its
-/// end. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
+/// After so many events an inelastic disc collides elastically with other discs, until it has moved by its
+/// radius since the first of them. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
 /// S. Luding and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas
 /// with the TC model*, 1998).
 const COLLAPSE: u32 = 64;
+
+/// Points have no radius: their events are counted in parts of a flight, as many as this.
+const PARTS: f64 = 1024.0;
 
 /// Events of a disc at one moment after which all that touches it is solved together, also what does not
 /// approach it, and without restitution. Between a wall that pushes and another disc there can be infinitely
@@ -131,7 +134,7 @@ impl Simulation<'_> {
         self.scratch.queue.fill(first.iter().filter(|event| event.time <= window.end));
         discs.iter().for_each(|&disc| _ = self.course(disc));
         for &disc in discs {
-            self.join(disc, 0.0);
+            self.join(disc, None);
             self.predict(0);
             self.dissolve();
         }
@@ -184,10 +187,13 @@ impl Simulation<'_> {
             return number;
         }
         let number = self.history.courses.len() as u32;
+        let carried = self.window.carried(index);
         self.course_of[(index - self.range.start) as usize] = self.mark + number;
         self.history.courses.push(Course {
             index,
             count: 0,
+            recent: carried.map_or(0, |course| course.recent),
+            travelled: carried.map_or(0.0, |course| course.travelled),
             segment: self.window.segment(index),
             before: NONE,
             inverse_mass: self.window.inverse_mass(index),
@@ -196,7 +202,7 @@ impl Simulation<'_> {
             next: number,
             is_exhausted: self.window.is_exhausted(index),
             is_joint: false,
-            stopped: None,
+            stopped: carried.and_then(|course| course.stopped),
             groups: 0,
         });
         if self.window.flight.has_friction {
@@ -208,7 +214,7 @@ impl Simulation<'_> {
     /// Executes an event and all simultaneous contacts. Returns the number of impacts.
     fn happen(&mut self, event: &Event) -> usize {
         let Event { time, kind, code, pair: [index, partner], .. } = *event;
-        self.join(index, time);
+        self.join(index, Some(time));
         if partner == WALL {
             let (_, own, _) = self.in_group(index).expect("it is in the group");
             self.touch_wall(index, code, self.window.wall_normal(index, code, &own.now));
@@ -234,24 +240,27 @@ impl Simulation<'_> {
         impacts
     }
 
-    /// Adds a movable disc to the group, with the discs near it.
-    fn join(&mut self, index: u32, time: f64) {
+    /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on the segments
+    /// with which they begin the window.
+    fn join(&mut self, index: u32, time: Option<f64>) {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
+        let at = |segment: &Segment| time.map_or(*segment, |time| segment.moved(time, gravity));
         let number = self.course(index);
         let position = self.scratch.group.len();
         if self.history.courses[number as usize].in_group != 0 {
             return;
         }
-        let is_joint = self.is_joint(&self.history.courses[number as usize], time);
+        let course = &self.history.courses[number as usize];
+        let is_joint = self.is_joint(course, time.unwrap_or(self.window.begin));
         let own = &mut self.history.courses[number as usize];
         own.in_group = position as u32 + 1;
         own.is_joint |= is_joint;
-        let now = own.segment.moved(time, gravity);
+        let now = at(&own.segment);
         let start = self.scratch.nearby.len();
         neighbors.of(index, |neighbor| {
             let Neighbor { index, image } = *neighbor;
             let Some((number, segment, count)) = self.current(index) else { return };
-            let now = segment.moved(time, gravity);
+            let now = at(&segment);
             self.scratch.nearby.push(Nearby { index, number, image, count, now });
         });
         let near = start..self.scratch.nearby.len();
@@ -265,7 +274,8 @@ impl Simulation<'_> {
             segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
         };
         let is_at_once = course.count as usize >= MAX_AT_ONCE && course.segment.time == time;
-        course.is_exhausted || is_at_once && !self.window.flight.is_lossless && has_many()
+        let is_lossy = || self.window.flight.lose_energy([course.index]);
+        course.is_exhausted || is_at_once && is_lossy() && has_many()
     }
 
     /// Ends the group.
@@ -278,12 +288,13 @@ impl Simulation<'_> {
 
     /// Adds the next impacts of a disc of the group to the queue.
     fn predict(&mut self, position: usize) {
-        let (window, most) = (self.window, self.last_event());
+        let window = self.window;
         let Scratch { queue, group, nearby, touches, velocities, .. } = &mut *self.scratch;
         let InGroup { index, number, is_joint, near, .. } = &group[position];
         let courses = &self.history.courses;
-        let Course { segment: own, count: own_count, .. } = &courses[*number as usize];
-        let has_ended = *own_count >= most;
+        let course = &courses[*number as usize];
+        let Course { segment: own, count: own_count, .. } = course;
+        let has_ended = window.has_ended(course);
         // Without room no velocity keeps a disc from approaching all that was solved together.
         let is_without_room = |wall: u32| {
             let is_it = |touch: &Touch| touch.key == [*index, WALL, wall];
@@ -309,10 +320,10 @@ impl Simulation<'_> {
                 }
                 // The impacts of two discs of the group are predicted once.
                 let is_predicted = course.in_group != 0 && (course.in_group as usize) <= position;
-                if is_predicted || has_ended && course.count >= most {
+                if is_predicted || has_ended && window.has_ended(course) {
                     continue;
                 }
-            } else if has_ended && !window.starts[other.index as usize].is_movable {
+            } else if has_ended && !window.now[other.index as usize].is_movable {
                 continue;
             }
             let image = self.neighbors.image_of(other.image);
@@ -349,7 +360,8 @@ impl Simulation<'_> {
                 let (partner, code) = (*partner, *code);
                 let image = self.neighbors.image_of(code);
                 let has_joint = |other: &Course| self.is_joint(other, time);
-                let all = || is_joint || self.find(partner).is_some_and(has_joint);
+                let was_exhausted = || window.was_exhausted(partner);
+                let all = || is_joint || self.find(partner).map_or_else(was_exhausted, has_joint);
                 if !window.touch_now((index, &now), (partner, there), image, all) {
                     continue;
                 }
@@ -386,7 +398,7 @@ impl Simulation<'_> {
         // Between walls at an acute angle, too, there can be infinitely many collisions.
         let restitution = if course.is_exhausted {
             0.0
-        } else if wall >= FIRST && course.count >= COLLAPSE {
+        } else if wall >= FIRST && course.recent >= COLLAPSE {
             1.0
         } else {
             self.window.wall_restitution(index, wall)
@@ -404,7 +416,7 @@ impl Simulation<'_> {
     fn touch_disc(&mut self, index: u32, partner: u32, code: u32, time: f64) {
         let window = self.window;
         if window.starts[partner as usize].is_movable {
-            self.join(partner, time);
+            self.join(partner, Some(time));
         }
         // From the smaller index to the larger, so that both give the same numbers.
         let (pair, code) = if index < partner {
@@ -428,12 +440,12 @@ impl Simulation<'_> {
         }
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
-        let counts = found.map(|found| found.map_or(0, |(.., course)| course.count));
+        let counts = found.map(|found| found.map_or(0, |(.., course)| course.recent));
         let is_exhausted =
             |found: Option<(_, _, &Course)>| found.is_none_or(|(.., course)| course.is_exhausted);
         let are_exhausted = found.map(is_exhausted);
         // Where energy is conserved, the others bounce off an exhausted disc as off an immovable one.
-        let conserves = window.flight.is_lossless && are_exhausted != [true; 2];
+        let conserves = !window.flight.lose_energy(pair) && are_exhausted != [true; 2];
         let inverse_mass = |(_, own, course): (usize, &InGroup, &Course)| {
             let is_fixed = conserves && course.is_exhausted || self.has_ended(own.index);
             if is_fixed { 0.0 } else { course.inverse_mass }
@@ -486,7 +498,7 @@ impl Simulation<'_> {
         velocities.extend(group.iter().map(|own| own.now.velocity));
         let is_joint = group.iter().any(|own| own.is_joint);
         if is_joint {
-            if !window.flight.is_lossless {
+            if group.iter().any(|own| window.flight.lose_energy([own.index])) {
                 touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
             }
             impulses::apply_jointly(touches, velocities, impulses);
@@ -517,7 +529,7 @@ impl Simulation<'_> {
             let velocity = self.scratch.velocities[position];
             let mut new = Segment { velocity, is_first: false, ..now };
             if kind == Kind::Hold && !is_heated {
-                self.hold(position, &mut new, window.end - time);
+                self.hold(position, &mut new, window.flight.end - time);
             }
             self.turn(number, new);
         }
@@ -529,7 +541,7 @@ impl Simulation<'_> {
     /// between them. Surfaces that no impulse moves come last, so that others do not push a disc through
     /// them. A disc that has no room between them, or no further events in the window, moves with them alone.
     fn share(&mut self) {
-        let most = self.last_event();
+        let window = self.window;
         let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
         let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
         if fixed.clone().next().is_none() {
@@ -537,7 +549,8 @@ impl Simulation<'_> {
         }
         impulses::project(touches.iter(), velocities, sums);
         for (own, velocity) in group.iter().zip(&mut *velocities) {
-            if self.history.courses[own.number as usize].count + 1 == most {
+            let course = &self.history.courses[own.number as usize];
+            if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
                 *velocity = [0.0; 2];
             }
         }
@@ -613,29 +626,30 @@ impl Simulation<'_> {
 
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
-        let (window, max_events) = (self.window, self.max_events());
-        let is_lossless = window.flight.is_lossless;
+        let window = self.window;
         let History { courses, ended, outside, exhausted_courses, collapsed, .. } =
             &mut *self.history;
         let course = &mut courses[number as usize];
+        let is_lossy = window.flight.lose_energy([course.index]);
+        course.count_recent(&new, window.radius(course.index), window.flight.end / PARTS);
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
-        if course.count == COLLAPSE && !is_lossless {
+        if course.recent == COLLAPSE && is_lossy {
             collapsed.push(number);
         }
-        if course.count == max_events && !course.is_exhausted {
+        if course.recent >= MAX_EVENTS[usize::from(is_lossy)] && !course.is_exhausted {
             course.is_exhausted = true;
             exhausted_courses.push(number);
-            if is_lossless {
+            if !is_lossy {
                 // It keeps its energy. Until the end of the step it moves only with what pushes it.
                 course.stopped = Some(new.velocity);
                 course.segment.velocity = [0.0; 2];
                 course.segment.falls = false;
             }
         }
-        let square = window.longest_square(course.index, &course.segment);
+        let square = window.longest_square(window.anchor(course.index), &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
         if square > max_displacement * max_displacement {
             let Course { index, segment, .. } = *course;
@@ -643,25 +657,46 @@ impl Simulation<'_> {
         }
     }
 
-    /// Events of a disc after which it is exhausted.
-    pub(super) fn max_events(&self) -> u32 {
-        MAX_EVENTS[usize::from(!self.window.flight.is_lossless)]
+    /// Recent events of a disc after which it is exhausted.
+    pub(super) fn max_events(&self, index: u32) -> u32 {
+        MAX_EVENTS[usize::from(self.window.flight.lose_energy([index]))]
     }
 
-    /// Events of a disc after which it has no more.
-    fn last_event(&self) -> u32 {
-        self.max_events() + MORE_EVENTS
-    }
-
-    /// Whether a disc has had so many. Others bounce off it as off an immovable one.
+    /// Whether a disc has had so many that it has no more. Others bounce off it as off an immovable one.
     fn has_ended(&self, index: u32) -> bool {
-        self.find(index).is_some_and(|course| course.count >= self.last_event())
+        let course = self.find(index).or_else(|| self.window.carried(index));
+        course.is_some_and(|course| self.window.has_ended(course))
     }
 
-    /// Coefficient of restitution of two discs that have had so many events.
+    /// Coefficient of restitution of two discs that have had so many recent events.
     pub(super) fn pair_restitution(&self, pair: [u32; 2], counts: [u32; 2]) -> f64 {
         let collapses = counts.iter().any(|&count| count >= COLLAPSE);
         if collapses { 1.0 } else { self.window.pair_restitution(pair) }
+    }
+}
+
+impl Window<'_> {
+    /// Whether the disc of a course has had so many events that it has no more in the flight.
+    pub(super) fn has_ended(&self, course: &Course) -> bool {
+        let most = MAX_EVENTS[usize::from(self.flight.lose_energy([course.index]))];
+        course.recent >= most + MORE_EVENTS
+    }
+}
+
+impl Course {
+    /// Counts an event after which the disc of this radius continues on `new`. What is counted follows from
+    /// its own trajectory alone. A point moves by nothing; its events are counted in parts of `seconds`.
+    fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
+        if radius > 0.0 {
+            let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
+            self.travelled += (by[0] + by[1]) as f32;
+        } else if (self.segment.time / seconds).floor() < (new.time / seconds).floor() {
+            self.travelled = f32::INFINITY;
+        }
+        if self.travelled > radius as f32 {
+            (self.recent, self.travelled) = (0, 0.0);
+        }
+        self.recent += 1;
     }
 }
 

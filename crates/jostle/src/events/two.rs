@@ -44,13 +44,13 @@ impl Simulation<'_> {
         }
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        let max_events = self.max_events();
-        let is_last = |course: &&Course| course.count + 1 >= max_events;
+        let is_last = |course: &&Course| course.recent + 1 >= self.max_events(course.index);
         if courses.iter().any(|course| is_last(course) || self.is_joint(course, time)) {
             return false;
         }
         let now = courses.map(|course| course.segment.moved(time, window.gravity()));
         let counts = courses.map(|course| course.count);
+        let recent = courses.map(|course| course.recent);
         // From the smaller index to the larger, so that both give the same numbers.
         let ([a, b], code) =
             if discs[0] < discs[1] { ([0, 1], code) } else { ([1, 0], opposite(code)) };
@@ -60,7 +60,7 @@ impl Simulation<'_> {
         let touch = Touch {
             bodies: [Some(a), Some(b)],
             inverse_masses: [a, b].map(|k| courses[k].inverse_mass),
-            restitution: self.pair_restitution(pair, counts),
+            restitution: self.pair_restitution(pair, recent),
             friction: window.pair_friction(pair),
             ..Touch::of_discs(pair, code, offset)
         };
@@ -158,7 +158,7 @@ impl Simulation<'_> {
                             let segment = &self.history.courses[number as usize].segment;
                             Now::of(&segment.moved(time, window.gravity()), window.radius(other))
                         }
-                        None => window.first_at(other, time as f32),
+                        None => window.first_at(other, time),
                     };
                     let image = image.map(|v| v as f32);
                     if !own_now.may_meet(&there, image, span) {

@@ -1,7 +1,7 @@
 //! How long a window is: short enough for few events, and on a torus for short trajectories.
 
 use super::Events;
-use super::flight::{Start, Window};
+use super::flight::{Flight, Start, Window};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::parallel::locked;
@@ -18,9 +18,8 @@ pub(super) fn most_impacts(discs: usize) -> usize {
 }
 
 impl Events {
-    /// The longest of `end`, `end`/2, `end`/4 … before which few first impacts happen, but not less than
-    /// `shortest`. Impacts at the start are in every window, so they do not count. The result depends on
-    /// the state alone.
+    /// The end of the window, halved until few first impacts happen in it, but not shorter than `shortest`.
+    /// Impacts at the start are in every window, so they do not count.
     pub(super) fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
         if !window.flight.pairs {
             return Ok(window.end);
@@ -29,20 +28,27 @@ impl Events {
             return self.end_of_window_of_all(window, shortest, &halo);
         }
         let most = most_impacts(window.starts.len());
-        let mut end = window.end;
-        while 0.5 * end >= shortest {
-            let early = self.blocks.iter().map(|block| block.impacts_until(end)).sum::<usize>();
-            if early <= most {
-                break;
-            }
-            end *= 0.5;
-        }
-        Ok(end)
+        Ok(window.shortened(window.end, shortest, |end| {
+            let until = [window.begin, end];
+            self.blocks.iter().map(|block| block.impacts_until(until)).sum::<usize>() > most
+        }))
     }
 }
 
-/// The longest of `end`, `end`/2, `end`/4 … before which no disc travels further than around a torus,
-/// but not less than `shortest`. Refuses a sub-step in which forces make one too fast.
+impl Window<'_> {
+    /// The end of the window, which is halved while it is too long, but not shorter than `shortest`.
+    fn shortened(&self, end: f64, shortest: f64, is_too_long: impl Fn(f64) -> bool) -> f64 {
+        let (mut length, mut end) = (end - self.begin, end);
+        while 0.5 * length >= shortest && is_too_long(end) {
+            length *= 0.5;
+            end = self.begin + length;
+        }
+        end
+    }
+}
+
+/// The end of the window, halved until no disc travels further than around a torus in it, but not shorter
+/// than `shortest`. Refuses a sub-step in which forces make one too fast.
 pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
     let container = &window.flight.container;
     if container.period().is_none() {
@@ -50,21 +56,24 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
     }
     let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
     let fastest = match window.flight.halo {
-        None => window.starts.iter().map(speed).fold(0.0, f32::max),
+        None => window.now.iter().map(speed).fold(0.0, f32::max),
         Some(halo) => {
-            let own = window.starts.iter().zip(halo.is_own).filter(|(_, is_own)| **is_own);
+            let own = window.now.iter().zip(halo.is_own).filter(|(_, is_own)| **is_own);
             let fastest = own.map(|(start, _)| speed(start)).fold(0.0, f32::max);
             locked(halo.group).largest([f64::from(fastest)])?[0] as f32
         }
     };
     let tours = |seconds: f64| container.tours(fastest * seconds as f32);
-    if tours(window.end) > 2.0 * MAX_TOURS {
+    let left = window.end - window.begin;
+    if tours(left) > 2.0 * MAX_TOURS {
         let rule = "forces would make a particle circle the torus too often; take smaller steps";
-        return Err(Error::of("dt", format!("{} s in a sub-step", window.end), rule));
+        return Err(Error::of("dt", format!("{left} s in a sub-step"), rule));
     }
-    let mut end = window.end;
-    while 0.5 * end >= shortest && tours(end) > 1.0 {
-        end *= 0.5;
-    }
-    Ok(end)
+    Ok(window.shortened(window.end, shortest, |end| tours(end - window.begin) > 1.0))
+}
+
+/// The shortest time for which ranks have made bounds.
+pub(super) fn shortest_of_all(flight: &Flight<'_>, seconds: f64) -> Result<f64> {
+    let Some(halo) = flight.halo else { return Ok(seconds) };
+    Ok(-locked(halo.group).largest([-seconds])?[0])
 }

@@ -39,6 +39,29 @@ impl Grid {
         Self { prescale, origin, side }
     }
 
+    /// The smallest grid over all centres between `min` and `max` of those that contain each other: squares
+    /// whose sides are powers of two and whose corners are multiples of their sides, and squares around the
+    /// origin. Their Morton orders agree, so the order of two shapes does not depend on other shapes.
+    pub fn nested_around(min: [f64; 2], max: [f64; 2]) -> Self {
+        let Self { prescale, side, .. } = Self::around(min, max);
+        let [min, max] = [min, max].map(|corner| corner.map(|v| v * prescale));
+        // Below this side the corners of a grid are no numbers of their own.
+        let farthest = min.iter().chain(&max).fold(0.0f64, |most, v| most.max(v.abs()));
+        let mut side = side.max(power_of_two_at_least(farthest) * 2f64.powi(-40)) * 0.5;
+        if [0, 1].iter().all(|&k| (min[k] < 0.0) == (max[k] < 0.0)) {
+            // It ends at the latest where the corner is the origin.
+            while side.is_finite() {
+                let cell = |v: [f64; 2]| v.map(|v| (v / side).floor());
+                if cell(min) == cell(max) {
+                    return Self { prescale, origin: cell(min).map(|v| v * side), side };
+                }
+                side *= 2.0;
+            }
+        }
+        let half = power_of_two_at_least(farthest * (1.0 + f64::EPSILON));
+        Self { prescale, origin: [-half; 2], side: 2.0 * half }
+    }
+
     /// A grid for centres that all coincide.
     pub fn at(center: [f64; 2]) -> Self {
         Self { prescale: 1.0, origin: center, side: 1.0 }
@@ -180,6 +203,37 @@ mod tests {
         }
         let inner = grid.inside(grid.key([3.0, 5.0]));
         assert_eq!(inner.cell(0, 0), grid.cell(grid.key([3.0, 5.0]), GRID_LEVELS));
+    }
+
+    #[test]
+    fn nested_grids_have_one_order() {
+        let mut random = 1u64;
+        let mut number = |scale: f64| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (random >> 33) as f64 / f64::from(1u32 << 31) * 2.0 * scale - scale
+        };
+        for round in 0..2000 {
+            let scale = 10f64.powi(round % 9 - 3);
+            let centre = [number(100.0), number(100.0)];
+            let mut near = || [0, 1].map(|k| (centre[k] + number(scale)) as f32).map(f64::from);
+            let (a, b) = (near(), near());
+            let grid_of = |more: [f64; 2]| {
+                let all = [a, b, more];
+                let corner = |pick: fn(f64, f64) -> f64| {
+                    [0, 1].map(|k| all.iter().map(|v| v[k]).reduce(pick).unwrap())
+                };
+                Grid::nested_around(corner(f64::min), corner(f64::max))
+            };
+            let expected = grid_of(near()).compare(a, b);
+            for far in [10.0, 1e3, 1e6] {
+                let grid = grid_of([number(far), number(far)].map(|v| f64::from(v as f32)));
+                assert_eq!(grid.compare(a, b), expected, "{a:?} {b:?} {grid:?}");
+                assert!([a, b].iter().all(|&v| {
+                    let [x, y, right, top] = grid.cell(grid.key(v), 0);
+                    x <= v[0] && y <= v[1] && v[0] < right && v[1] < top
+                }));
+            }
+        }
     }
 
     #[test]

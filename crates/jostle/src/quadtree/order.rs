@@ -103,7 +103,7 @@ impl<T: Scalar> Order<T> {
         open.clear();
         let centers = &shapes.centers;
         let extent = extent_of(centers);
-        let known = grid_around(self.extent.unwrap_or(extent));
+        let known = grid_around(self.extent.unwrap_or(extent), self.is_nested);
         let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
         let precision = match unsorted {
             0 => Precision::Full,
@@ -359,7 +359,7 @@ fn grid_of<T: Scalar>(items: &[Item<T>]) -> Option<Grid> {
             max[axis] = max[axis].max(item.center[axis]);
         }
     }
-    grid_around([min, max])
+    grid_around([min, max], false)
 }
 
 /// The first of the cells of a grid, of their cells and so on that separates some shapes; None if
@@ -377,7 +377,8 @@ fn cell_of<T: Scalar>(root: Grid, items: &[Item<T>]) -> Option<Grid> {
     None
 }
 
-/// The grid over a bounding box; None if it is a point.
-fn grid_around<T: Scalar>([min, max]: [[T; 2]; 2]) -> Option<Grid> {
-    (min != max).then(|| Grid::around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
+/// The grid over a bounding box, `nested` or not; None if it is a point.
+fn grid_around<T: Scalar>([min, max]: [[T; 2]; 2], nested: bool) -> Option<Grid> {
+    let around = if nested { Grid::nested_around } else { Grid::around };
+    (min != max).then(|| around(min.map(Scalar::to_f64), max.map(Scalar::to_f64)))
 }

@@ -58,6 +58,8 @@ const BLOCKS_OF_A_THREAD: usize = 64;
 pub struct Support<'a> {
     /// The particles.
     pub particles: &'a Particles,
+    /// Which of them may rest, of a world in which some may not; else empty.
+    pub lossy: &'a [bool],
     /// Positions and velocities at the beginning of the sub-step.
     pub motions: &'a Motions,
     /// Angular velocities at the beginning of the sub-step.
@@ -280,15 +282,21 @@ impl Surfaces {
 }
 
 impl Resting {
-    /// Begins a step with the impulses of the step before.
-    pub fn begin_step(&mut self, contacts: &Contacts, particles: &Particles, has_friction: bool) {
+    /// Begins a step with the impulses of the step before. See [`Support::lossy`].
+    pub fn begin_step(
+        &mut self,
+        contacts: &Contacts,
+        particles: &Particles,
+        lossy: &[bool],
+        has_friction: bool,
+    ) {
         let Self { blocks, limits, frictions, knows_pushed, .. } = self;
         *knows_pushed = false;
         let all = &contacts.blocks.list;
         blocks.clear();
         blocks.extend(all.iter().map(Block::new));
         limits.clear();
-        limits.extend(all.iter().map(Limits::new));
+        limits.extend(all.iter().map(|of| Limits::new(of, lossy)));
         frictions.clear();
         if has_friction {
             frictions.extend(all.iter().map(|of| friction::Block::new(of, &particles.radii)));
@@ -452,8 +460,10 @@ impl Resting {
         let mut list = |uneven| {
             // Those of ghosts are solved by their own ranks.
             let is_own = |index: usize| scene.halo.is_none_or(|halo| halo.is_own[index]);
+            let may_rest = |index: usize| scene.lossy.get(index).is_none_or(|&lossy| lossy);
             let is_listed = |&index: &usize| {
                 scene.particles.movable[index]
+                    && may_rest(index)
                     && is_own(index)
                     && contacts.is_uneven(index as u32) == uneven
             };

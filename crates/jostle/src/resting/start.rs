@@ -22,12 +22,16 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Those of some contacts.
-    pub fn new(of: &contacts::Block) -> Self {
+    /// Those of some contacts; if `lossy` is not empty, only of particles for which it is true.
+    pub fn new(of: &contacts::Block, lossy: &[bool]) -> Self {
         let zeros = [0.0; LANES];
         let mut limits = Self { rest_speeds: [zeros; 2], totals: zeros, pushed: 0 };
         let mut last = (f32::NAN, [0.0; 2]);
         of.each_lane(|lane| {
+            let mut both = [0, 1].map(|k| of.indices.of(k)[lane] as usize).into_iter();
+            if !lossy.is_empty() && !both.any(|index| lossy[index]) {
+                return;
+            }
             let restitution = of.restitutions[lane];
             // Most contacts have the same.
             if restitution != last.0 {

@@ -53,16 +53,23 @@ impl Walls {
         let h = scene.flow.duration as f32;
         let far = f64::from(FARTHEST * kick.speed * h);
         let mut contacts = [None; MAX_WALLS];
+        let is_near_walls =
+            !scene.walls.is_empty() && !scene.walls.is_far(index as u32, position, far as f32);
+        if is_near_walls {
+            let position_now = (exact, 0.0);
+            scene.walls.contacts(index as u32, position_now, f64::from(radius), far, found);
+        } else {
+            found.clear();
+        }
+        let is_between = !found.is_empty();
         if !scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
             let walls = scene.container.walls(exact, f64::from(radius));
             contacts = [0, 1, 2, 3].map(|k| {
-                WallContact::of(index, k as u32, walls[k]?, [pushes[k], frictions[k]], scene, kick)
+                let pushes = [pushes[k], frictions[k]];
+                WallContact::of(index, (k as u32, walls[k]?, pushes), is_between, scene, kick)
             });
         }
-        let may_rest = || !scene.walls.is_far(index as u32, position, far as f32);
-        if !scene.walls.is_empty() && may_rest() {
-            let position_now = (exact, 0.0);
-            scene.walls.contacts(index as u32, position_now, f64::from(radius), far, found);
+        if is_near_walls {
             let velocity = motions.velocity(index as u32);
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
             // As for two particles, the normal at an end is taken as constant.
@@ -71,7 +78,7 @@ impl Walls {
             let resting = found.iter().filter_map(|of| {
                 let wall = Wall { inward: of.normal.map(|v| v as f32), gap: of.gap as f32 };
                 let pushes = scene.pushes_before(row, of.wall);
-                WallContact::of(index, of.wall, wall, pushes, scene, kick)
+                WallContact::of(index, (of.wall, wall, pushes), is_between, scene, kick)
             });
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
@@ -166,12 +173,12 @@ impl Walls {
 }
 
 impl WallContact {
-    /// The contact, if it may rest in this sub-step.
+    /// The contact with the wall of a number, with the impulses of the sub-step before, if it may rest in this
+    /// sub-step. `is_between` tells whether walls beside those of the container are near.
     fn of(
         index: usize,
-        number: u32,
-        wall: Wall,
-        pushes: [f32; 2],
+        (number, wall, pushes): (u32, Wall, [f32; 2]),
+        is_between: bool,
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
@@ -196,7 +203,7 @@ impl WallContact {
         let mut start = surfaces.start(scene.flow.duration as f32)?;
         // Otherwise a disc between walls at an acute angle would be thrown out by its impact on
         // one.
-        if !scene.walls.is_empty() && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
+        if is_between && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
             start.bounce = -surfaces.restitution * surfaces.normal_speed;
         }
         let own = f64::from(scene.particles.spin(index).friction);

@@ -40,7 +40,7 @@ pub struct Around<'a> {
     pub near: &'a Near,
     /// The discs at the beginning of the step.
     pub particles: &'a Particles,
-    /// When the window begins.
+    /// When the flight begins.
     pub clock: Clock,
 }
 
@@ -145,8 +145,8 @@ impl Around<'_> {
         }
     }
 
-    /// The first impact of a disc on a wall before `until`, and the number of the wall. `limits`
-    /// gives those of each wall.
+    /// The first impact of a disc on a wall before `until`, or of some after it, and the number of the wall.
+    /// `limits` gives those of each wall.
     pub fn impact(
         &self,
         index: u32,
@@ -166,7 +166,7 @@ impl Around<'_> {
         // Not a number without displacement of a point.
         let parts = longest / (PART * radius);
         let is_long = parts > 1.0;
-        let mut search = Search { around: self, segment, until, radius, gravity, first: None };
+        let mut search = Search { around: self, segment, radius, gravity, first: None };
         if !is_long && self.stays_near(index, segment.position, longest) {
             self.near.each(index, |wall, offset| {
                 search.test(wall, offset, [start, until], &limits);
@@ -271,7 +271,6 @@ impl Around<'_> {
 struct Search<'a> {
     around: &'a Around<'a>,
     segment: &'a Segment,
-    until: f64,
     radius: f64,
     gravity: Vector,
     /// The first impact so far, and the number of the wall.
@@ -292,9 +291,7 @@ impl Search<'_> {
         if !around.walls.may_hit(wall, &seen, times, radius, gravity) {
             return;
         }
-        let until = first.map_or(self.until, |(impact, _)| impact.time);
-        let limits = Limits { until, ..limits(wall) };
-        let found = around.walls.impact(wall, &seen, radius, gravity, &limits);
+        let found = around.walls.impact(wall, &seen, radius, gravity, &limits(wall));
         let is_first = |impact: &Impact| {
             first.is_none_or(|(before, other)| {
                 impact.time.total_cmp(&before.time).then(wall.cmp(&other)).is_lt()

@@ -212,12 +212,12 @@ impl Asleep {
     }
 
     /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
-    /// ascending; only circles for whose rows `counts` returns true. All islands, if there are too
-    /// many pairs to list.
+    /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it returns any. All
+    /// islands, if there are too many pairs to list.
     pub(super) fn touched(
         &self,
         circles: &Quadtree<f32>,
-        counts: impl Fn(u32) -> bool,
+        radius: impl Fn(u32) -> Option<f32>,
         settings: &WorldSettings,
         (join, islands): (&mut JoinScratch, &mut Vec<u32>),
     ) -> Result<()> {
@@ -243,8 +243,17 @@ impl Asleep {
                     }
                     other => other?,
                 };
-                let new =
-                    found.pairs.iter().filter(|pair| counts(circles.rows()[pair[0] as usize]));
+                let overlaps = |pair: &&[u32; 2]| {
+                    let Some(radius) = radius(circles.rows()[pair[0] as usize]) else {
+                        return false;
+                    };
+                    let [own, other] = [(circles, pair[0]), (tree, pair[1])]
+                        .map(|(tree, index)| tree.columns().shape(index as usize));
+                    let [x, y] = [0, 1].map(|k| other.min[k] - own.min[k] + image[k]);
+                    let limit = radius + other.radius;
+                    x * x + y * y < limit * limit
+                };
+                let new = found.pairs.iter().filter(overlaps);
                 let new =
                     new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
                 islands.extend(new.filter(|&island| !self.is_awake[island as usize]));

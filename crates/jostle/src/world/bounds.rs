@@ -5,15 +5,16 @@
 //! circles along its trajectory.
 
 use std::cmp;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::force_step::force_displacement;
-use super::{MAX_CANDIDATES, OnTouch, World};
+use super::force_step::{ForceScratch, force_displacement};
+use super::search::{self, ListScratch, Lists};
+use super::{MAX_CANDIDATES, OnTouch, World, WorldSettings};
 use crate::container::Container;
 use crate::error::{Error, Result};
-use crate::events::{Bounds, NearPair, Outside};
+use crate::events::{Bounds, Candidates, NearPair, Outside, Start};
 use crate::geometry::{self, Shape};
 use crate::interrupt::Pulse;
 use crate::parallel;
@@ -53,6 +54,12 @@ const WORTH_A_SPLIT: f64 = 4.0;
 /// together are at most half as large as the torus.
 const ONE_CIRCLE: f64 = 1.6;
 
+/// Share of the radius within which surfaces may come to rest, whatever their speeds.
+const SLACK: f32 = 0.005;
+
+/// Share of the radius by which bounds are larger than needed for contacts, because of rounding.
+const RESERVE: f32 = 0.001;
+
 /// Bounds that are too small grow to this many times what is needed, so that they rarely have to
 /// grow twice.
 const GROWTH: f64 = 1.25;
@@ -62,12 +69,15 @@ impl World {
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
     pub(super) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
-        let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
+        let may_rest = self.may_rest();
+        let super::StepScratch { max_displacements, forces, usual_speed, shapes, horizon, .. } =
             &mut self.scratch;
         let (particles, settings) = (&self.particles, &self.settings);
+        let (step, dt) = (dt, if settings.on_touch == OnTouch::Bounce { *horizon } else { dt });
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
         let fall = distance_of_fall(settings.gravity, dt);
+        let free = FreeDisplacements::new(settings, forces, step);
         // Particles that merge are not searched again, so their bounds contain the estimated
         // displacements by springs.
         let is_merging = settings.on_touch == OnTouch::Merge;
@@ -92,7 +102,7 @@ impl World {
             max_displacements,
             radii,
             |first, max_displacements, radii| {
-                let bounds = max_displacements.iter_mut().zip(radii);
+                let bounds = max_displacements.iter_mut().zip(&mut *radii);
                 let columns =
                     particles.velocities[first..].iter().zip(&particles.positions[first..]);
                 let own = particles.radii[first..].iter().zip(&particles.movable[first..]);
@@ -121,6 +131,17 @@ impl World {
                 if any_cut {
                     is_cut.store(true, Ordering::Relaxed);
                 }
+                if !may_rest {
+                    return;
+                }
+                // In a loop of its own: bounds contain what contacts are made of.
+                let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
+                for ((max_displacement, radius), index) in bounds {
+                    let own_radius = particles.radii[index];
+                    let least = reach(free.of(particles, index), own_radius) + RESERVE * own_radius;
+                    *radius += (least - *max_displacement).max(0.0);
+                    *max_displacement = max_displacement.max(least);
+                }
             },
         );
         self.scratch.bounded = !is_cut.into_inner();
@@ -133,43 +154,40 @@ impl World {
         Ok(USUAL * mean as f32)
     }
 
-    /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
-    /// density n, a typical radius r and a typical displacement d, a particle has 2 π n (r + d)²
-    /// candidate pairs.
-    pub(super) fn parts_with_few_candidates(&self, dt: f32) -> Result<usize> {
-        let Particles { radii, .. } = &self.particles;
-        let count = self.count_of_all();
-        let [gx, gy] = self.settings.gravity.map(f64::from);
-        let (dt, fall) = (f64::from(dt), (gx * gx + gy * gy).sqrt());
-        let displacement = f64::from(self.scratch.usual_speed) * dt + 0.5 * fall * dt * dt;
-        let radius = self.mean(radii, |&radius| radius)?;
+    /// Finds out how crowded the particles are, and for how many of the `dt` seconds of a step bounds are made.
+    pub(super) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
+        self.scratch.usual_speed = self.usual_speed()?;
+        self.scratch.horizon = dt;
+        if self.settings.on_touch != OnTouch::Bounce {
+            return Ok(());
+        }
+        let count = self.count_of_all() as f64;
         let area = match self.settings.container.area() {
             Some(area) => area,
             None => self.area_of_extent()?,
         };
-        let density = count as f64 / area;
-        let least = TAU * density * radius * radius;
-        let most = 2.0 * least + CANDIDATES;
-        let clearance = (most / (TAU * density)).sqrt() - radius;
-        let parts = (displacement / clearance).ceil();
-        let most = (count as f64 / WORTH_A_SPLIT).floor().clamp(1.0, MAX_SPLITS);
-        // Not finite where there is no area.
-        let parts = if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 };
-        Ok(parts.max(self.parts_with_few_collisions(dt, radius)?) as usize)
+        let [gx, gy] = self.settings.gravity.map(f64::from);
+        let crowd = Crowd {
+            density: count / area,
+            radius: self.mean(&self.particles.radii, |&radius| radius)?,
+            most: (count / WORTH_A_SPLIT).floor().clamp(1.0, MAX_SPLITS),
+            acceleration: (gx * gx + gy * gy).sqrt(),
+            is_torus: self.settings.container.period().is_some(),
+        };
+        let parts = crowd.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
+        let parts = parts.max(self.parts_with_few_collisions(&crowd, f64::from(dt))?);
+        self.scratch.crowd = crowd;
+        self.scratch.horizon = dt / parts as f32;
+        Ok(())
     }
 
-    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions. A particle
-    /// of radius r meets 2 v (N r + Σ r) / A others in a second, with the area A.
-    fn parts_with_few_collisions(&self, dt: f64, mean_radius: f64) -> Result<f64> {
+    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions.
+    fn parts_with_few_collisions(&self, crowd: &Crowd, dt: f64) -> Result<f64> {
+        if !crowd.is_torus {
+            return Ok(1.0);
+        }
         let Particles { velocities, radii, .. } = &self.particles;
-        let Some(size) = self.settings.container.period() else { return Ok(1.0) };
-        let [width, height] = size.map(f64::from);
-        let share = 2.0 * dt * self.count_of_all() as f64 / (width * height);
-        let collisions = |(velocity, &radius): (&[f32; 2], &f32)| {
-            let velocity = velocity.map(f64::from);
-            dot(velocity, velocity).sqrt() * (f64::from(radius) + mean_radius) * share
-        };
-        let all = velocities.iter().zip(radii).map(collisions);
+        let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowd.collisions(v, radius));
         let most = match &self.domain {
             None => all.fold(0.0, f64::max),
             Some(domain) => {
@@ -177,7 +195,7 @@ impl World {
                 self.largest_of_all([most])?[0]
             }
         };
-        Ok((most / MAX_COLLISIONS).ceil().clamp(1.0, MAX_FOR_FEW))
+        Ok(Crowd::parts_of_the_fastest(most * dt))
     }
 
     /// The mean of a number of all particles, none negative; the same whatever their order and ranks.
@@ -213,6 +231,79 @@ impl World {
     }
 }
 
+/// How crowded the particles of a step are. It decides for how long bounds are made, so that there are few
+/// candidate pairs. The result of a step does not depend on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Crowd {
+    /// Particles in a unit of area.
+    density: f64,
+    /// Their mean radius.
+    radius: f64,
+    /// Parts into which a step is divided at most.
+    most: f64,
+    /// That of gravity.
+    acceleration: f64,
+    is_torus: bool,
+}
+
+impl Crowd {
+    /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
+    /// density n, a typical radius r and a typical displacement d, a particle has 2 π n (r + d)²
+    /// candidate pairs.
+    fn parts(&self, usual_speed: f64, dt: f64) -> f64 {
+        let Self { density, radius, most, acceleration, .. } = *self;
+        let displacement = usual_speed * dt + 0.5 * acceleration * dt * dt;
+        let least = TAU * density * radius * radius;
+        let clearance = ((2.0 * least + CANDIDATES) / (TAU * density)).sqrt() - radius;
+        let parts = (displacement / clearance).ceil();
+        // Not finite where there is no area.
+        if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 }
+    }
+
+    /// Collisions of a particle in a second, if it meets others at random places. A particle of radius r meets
+    /// 2 v n (r + r̄), with the number density n and the mean radius r̄.
+    fn collisions(&self, velocity: [f32; 2], radius: f32) -> f64 {
+        let velocity = velocity.map(f64::from);
+        let size = f64::from(radius) + self.radius;
+        2.0 * dot(velocity, velocity).sqrt() * size * self.density
+    }
+
+    /// Parts of a time in which the fastest particle of a torus has so many collisions.
+    fn parts_of_the_fastest(collisions: f64) -> f64 {
+        (collisions / MAX_COLLISIONS).ceil().clamp(1.0, MAX_FOR_FEW)
+    }
+
+    /// Of `left` seconds those for which bounds around particles with these velocities are made, and the speed
+    /// that they allow for.
+    fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
+        let speed = |of: &Start| dot(of.velocity.map(f64::from), of.velocity.map(f64::from)).sqrt();
+        let mean = now.iter().map(speed).sum::<f64>() / now.len() as f64;
+        let usual = f64::from(USUAL) * mean;
+        let mut parts = self.parts(usual, left);
+        if self.is_torus {
+            let all = now.iter().map(|of| self.collisions(of.velocity, of.radius));
+            parts = parts.max(Self::parts_of_the_fastest(all.fold(0.0, f64::max) * left));
+        }
+        (left / parts, usual as f32)
+    }
+}
+
+/// The bounds that replace those with which a step began, after the particles have moved far.
+#[derive(Debug, Default)]
+pub(super) struct Renewed {
+    /// Whether they do.
+    is_used: bool,
+    /// Centres, on the torus, and the copies of the torus in which they are.
+    centers: Vec<[f32; 2]>,
+    tiles: Vec<[i32; 2]>,
+    shapes: Shapes<f32>,
+    tree: Quadtree<f32>,
+    listing: ListScratch,
+    found: Lists,
+    /// The number of the list of each image.
+    numbers: HashMap<[i32; 2], usize>,
+}
+
 /// Numbers from this one on, 2⁵², are whole.
 const WHOLE: f64 = (1u64 << 52) as f64;
 const WHOLE_BITS: u64 = WHOLE.to_bits();
@@ -221,6 +312,31 @@ const WHOLE_BITS: u64 = WHOLE.to_bits();
 /// none.
 pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
     f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
+}
+
+/// How far particles get in a step by their velocities and by forces, if nothing hits them.
+pub(super) struct FreeDisplacements<'a> {
+    accelerations: &'a [[f32; 2]],
+    fall: f32,
+    longest: f32,
+    dt: f32,
+}
+
+impl<'a> FreeDisplacements<'a> {
+    /// Those of a step of `dt` seconds.
+    pub(super) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
+        let fall = distance_of_fall(settings.gravity, dt);
+        let longest = settings.container.max_displacement();
+        Self { accelerations: &forces.accelerations, fall, longest, dt }
+    }
+
+    /// That of a particle.
+    pub(super) fn of(&self, particles: &Particles, index: usize) -> f32 {
+        let pulled = || force_displacement(self.accelerations.get(index), None, self.dt);
+        let is_movable = particles.movable[index];
+        let by_forces = if is_movable { self.fall + pulled().unwrap_or(0.0) } else { 0.0 };
+        (distance_at(particles.velocities[index], self.dt) + by_forces).min(self.longest)
+    }
 }
 
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
@@ -232,6 +348,13 @@ pub(super) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
 /// The distance that a particle at rest falls in `dt` seconds.
 pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
     0.5 * dt * dt * (x * x + y * y).sqrt()
+}
+
+/// How far from its surface at the beginning of a step a particle may rest on another: its free displacement,
+/// but at most its radius, and a share of its radius for surfaces that nearly touch.
+#[inline(always)]
+pub(super) fn reach(free: f32, radius: f32) -> f32 {
+    free.min(radius) + SLACK * radius
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side, and of the
@@ -281,11 +404,28 @@ pub(super) struct Grown {
     stack: Vec<u32>,
 }
 
+impl Renewed {
+    /// Begins a step.
+    pub(super) fn clear(&mut self) {
+        self.is_used = false;
+    }
+}
+
 impl Grown {
     /// Begins a step.
     pub(super) fn clear(&mut self) {
         self.circles.clear();
     }
+}
+
+/// What the bounds of a step are made of.
+pub(super) struct BoundsScratch<'a> {
+    /// The tree of those with which it began.
+    pub(super) tree: &'a Quadtree<f32>,
+    pub(super) max_displacements: &'a mut [f32],
+    pub(super) grown: &'a mut Grown,
+    pub(super) renewed: &'a mut Renewed,
+    pub(super) crowd: Crowd,
 }
 
 /// The bounds of a step, and the tree of those that it began with.
@@ -294,22 +434,119 @@ pub(super) struct StepBounds<'a> {
     particles: &'a Particles,
     max_displacements: &'a mut [f32],
     grown: &'a mut Grown,
+    renewed: &'a mut Renewed,
+    settings: &'a WorldSettings,
     container: Container,
     /// Typical distance between neighbouring particles.
     spacing: f32,
+    crowd: Crowd,
+    /// Until when the bounds are made, in seconds since the beginning of the flight.
+    horizon: f64,
 }
 
 impl<'a> StepBounds<'a> {
+    /// The bounds of a step, for a sub-step of `duration` seconds of flight. Those with which the step began
+    /// last for a `share` of the first sub-step, if they are to be renewed in the step.
     pub(super) fn new(
-        tree: &'a Quadtree<f32>,
         particles: &'a Particles,
-        max_displacements: &'a mut [f32],
-        grown: &'a mut Grown,
-        container: Container,
+        settings: &'a WorldSettings,
+        scratch: BoundsScratch<'a>,
+        share: Option<f64>,
+        duration: f64,
     ) -> Self {
+        let BoundsScratch { tree, max_displacements, grown, renewed, crowd } = scratch;
+        let container = settings.container;
         let area = container.area().unwrap_or(f64::INFINITY);
         let spacing = (area / particles.len() as f64).sqrt() as f32;
-        Self { tree, particles, max_displacements, grown, container, spacing }
+        let horizon = share.map_or(f64::INFINITY, |share| share * duration);
+        Self {
+            tree,
+            particles,
+            max_displacements,
+            grown,
+            renewed,
+            settings,
+            container,
+            spacing,
+            crowd,
+            horizon,
+        }
+    }
+
+    /// The tree of the present bounds.
+    fn present(&self) -> &Quadtree<f32> {
+        if self.renewed.is_used { &self.renewed.tree } else { self.tree }
+    }
+
+    /// The particle at an index of that tree, and the copy of the torus in which it is.
+    fn at(&self, index: usize) -> (u32, [i32; 2]) {
+        if !self.renewed.is_used {
+            return (index as u32, [0; 2]);
+        }
+        let particle = self.renewed.tree.rows()[index];
+        (particle, self.renewed.tiles[particle as usize])
+    }
+
+    /// Makes bounds around the present places of all particles, for some seconds.
+    fn rebuild(&mut self, now: &[Start], seconds: f32, usual_speed: f32) -> Result<()> {
+        let Self { renewed, particles, container, max_displacements, settings, .. } = self;
+        let Renewed { is_used, centers, tiles, shapes, tree, .. } = &mut **renewed;
+        *is_used = true;
+        tiles.clear();
+        tiles.extend(now.iter().map(|of| container.tile(of.position.map(f64::from))));
+        centers.clear();
+        centers.extend(now.iter().zip(&*tiles).map(|(of, &tile)| {
+            let offset = container.offset(tile);
+            [0, 1].map(|k| (f64::from(of.position[k]) - offset[k]) as f32)
+        }));
+        let usual = usual_speed * seconds;
+        let fall = distance_of_fall(settings.gravity, seconds);
+        let longest = container.max_displacement();
+        for (to, of) in max_displacements.iter_mut().zip(now) {
+            let least = if of.is_movable { usual } else { 0.0 };
+            *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
+        }
+        shapes.centers.clone_from(centers);
+        let radii = shapes.radii.rows_mut();
+        radii.clear();
+        let all = now.iter().zip(max_displacements.iter());
+        radii.extend(
+            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
+        );
+        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
+        tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
+    }
+
+    /// Lists the pairs of the new bounds.
+    fn list_renewed(&mut self, to: &mut Candidates) -> Result<()> {
+        let Self { renewed, particles, container, settings, .. } = self;
+        let Renewed { tree, tiles, listing, found, numbers, .. } = &mut **renewed;
+        search::list(tree, settings, false, listing, found)?;
+        let sides = container.period().unwrap_or([1.0; 2]);
+        numbers.clear();
+        to.clear();
+        // Most pairs are in the same list as the pair before.
+        let mut last = None;
+        for (image, pairs) in &*found {
+            let image = [0, 1].map(|k| (image[k] / sides[k]).round() as i32);
+            for pair in pairs {
+                let [a, b] = pair.map(|index| tree.rows()[index as usize] as usize);
+                let tile = [0, 1].map(|k| image[k] + tiles[a][k] - tiles[b][k]);
+                let pair = [a as u32, b as u32];
+                if particles.is_sensor(a) || particles.is_sensor(b) {
+                    let offset = container.offset(tile);
+                    to.sensed.push(NearPair { pair, offset, lasts: true });
+                    continue;
+                }
+                let number = match last {
+                    Some((last, number)) if last == tile => number,
+                    _ => *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile))),
+                };
+                last = Some((tile, number));
+                to.pairs[number].1.push(pair);
+            }
+        }
+        Ok(())
     }
 
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
@@ -322,12 +559,17 @@ impl<'a> StepBounds<'a> {
         // Another of its segments may have made them large enough.
         if distance > f64::from(*max_displacement) {
             *max_displacement = (distance * GROWTH) as f32;
-            let center = self.particles.positions[index as usize];
-            let radius = self.particles.radii[index as usize]
+            let at = index as usize;
+            let (center, tile) = if self.renewed.is_used {
+                (self.renewed.centers[at], self.renewed.tiles[at])
+            } else {
+                (self.particles.positions[at], [0; 2])
+            };
+            let radius = self.particles.radii[at]
                 + *max_displacement
-                + rounding(center, self.particles.radii[index as usize], &self.container);
+                + rounding(center, self.particles.radii[at], &self.container);
             let times = [0.0, f64::INFINITY];
-            self.grown.circles.push(Circle { index, center, radius, tile: [0; 2], times });
+            self.grown.circles.push(Circle { index, center, radius, tile, times });
         }
         Ok(())
     }
@@ -386,6 +628,18 @@ impl Bounds for StepBounds<'_> {
         self.max_displacements
     }
 
+    fn horizon(&self) -> f64 {
+        self.horizon
+    }
+
+    fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
+        let (seconds, usual_speed) = self.crowd.horizon(now, left);
+        self.grown.clear();
+        self.rebuild(now, seconds as f32, usual_speed)?;
+        self.list_renewed(to)?;
+        Ok(seconds)
+    }
+
     fn begin_window(&mut self) {
         self.grown.circles.retain(Circle::is_whole);
         self.grown.chained.clear();
@@ -431,7 +685,7 @@ impl StepBounds<'_> {
         pairs: &mut Vec<NearPair>,
     ) -> Result<()> {
         let Grown { circles, tree, .. } = &*self.grown;
-        let trees = [self.tree, tree];
+        let trees = [self.present(), tree];
         let largest = trees.map(|tree| tree.bounds().first().map_or(0.0, |root| root.radius));
         let largest = largest[0].max(largest[1]);
         let mut pulse = Pulse::current();
@@ -457,8 +711,9 @@ impl StepBounds<'_> {
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }
                 };
-                let work = each_overlap(self.tree, &of, 0.0, stack, |index| {
-                    add(index as u32, [0; 2], true);
+                let work = each_overlap(self.present(), &of, 0.0, stack, |index| {
+                    let (other, tile) = self.at(index);
+                    add(other, tile, true);
                 });
                 pulse.check(work)?;
                 let work = each_overlap(tree, &of, 0.0, stack, |index| {

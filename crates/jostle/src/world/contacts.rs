@@ -1,6 +1,9 @@
 //! Makes contacts of candidate pairs: the lists of neighbours for the events, and the contacts that are coloured
 //! and solved in the sub-steps.
 
+use std::cell::Cell;
+
+use super::bounds::{FreeDisplacements, reach};
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
@@ -22,24 +25,40 @@ const FILTERED: usize = 1 << 14;
 
 impl World {
     /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose positions
-    /// may have to be corrected or that may rest.
-    pub(super) fn make_contacts(&mut self) -> Result<()> {
-        let (threads, may_rest) = (self.threads(), self.may_rest());
+    /// may have to be corrected or that may rest: of a world in which something may rest, the pairs that may
+    /// come near each other by themselves, and else those that overlap. Which pairs these are depends on the
+    /// state of the two alone, not on the candidates, which are more.
+    pub(super) fn make_contacts(&mut self, dt: f32) -> Result<()> {
+        let (threads, may_rest, is_lossless) =
+            (self.threads(), self.may_rest(), self.is_lossless());
         self.take_pairs_that_pass();
-        let Self { particles, scratch, contacts, .. } = self;
+        let is_mixed = self.find_lossy(is_lossless);
+        let Self { particles, settings, scratch, .. } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
-        if !may_rest {
-            let StepScratch { overlaps, overlap_parts, .. } = scratch;
-            find_overlapping(particles, pairs, (overlaps, overlap_parts), threads);
+        let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
+        let to = (&mut *overlaps, overlap_parts);
+        if may_rest {
+            let free = FreeDisplacements::new(settings, forces, dt);
+            reaches.clear();
+            let all = particles.radii.iter().enumerate();
+            reaches.extend(all.map(|(index, &radius)| reach(free.of(particles, index), radius)));
+            let reaches = &reaches[..];
+            let is_near = |pair, image| is_near(particles, reaches, pair, image);
+            find_pairs(pairs, to, threads, is_near);
+            if is_mixed {
+                self.leave_out_elastic()?;
+            }
+        } else {
+            find_pairs(pairs, to, threads, |pair, image| overlap(particles, pair, image));
         }
         interrupt::check()?;
-        let lists = if may_rest { pairs } else { &scratch.overlaps };
-        contacts.colour(lists, particles, threads);
+        let Self { particles, scratch, contacts, .. } = self;
+        contacts.colour(&scratch.overlaps, particles, threads);
         interrupt::check()?;
         let (mut shape, mut refinement) = (self.contacts.shape(), self.own_refinement());
         let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
-        let lists = if may_rest { &scratch.pairs } else { &scratch.overlaps };
+        let lists = &scratch.overlaps;
         if let Some(domain) = domain {
             let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
             (shape, refinement) = domain.shape_of_all(shape, refinement)?;
@@ -51,6 +70,51 @@ impl World {
         let before = scratch.tree.rows();
         contacts.collect(lists, particles, settings.restitution, before, shape.rounds, threads);
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
+        Ok(())
+    }
+
+    /// Finds the particles that lose energy, if some do and others do not; returns whether this is so.
+    fn find_lossy(&mut self, is_lossless: bool) -> bool {
+        let Self { particles, scratch, settings, walls, domain, .. } = self;
+        scratch.lossy.clear();
+        // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
+        let all = settings.restitution < 1.0 || !walls.are_elastic();
+        if is_lossless || all || scratch.forces.are_springs_stiff {
+            return false;
+        }
+        scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
+        if domain.is_none() && scratch.lossy.iter().all(|&lossy| lossy) {
+            scratch.lossy.clear();
+            return false;
+        }
+        true
+    }
+
+    /// Of a world in which some particles lose energy and others do not: adds those that may touch one that does,
+    /// and leaves out the pairs of others, unless they overlap. They cannot come to rest, and are those of a
+    /// world in which nothing loses energy.
+    fn leave_out_elastic(&mut self) -> Result<()> {
+        let Self { particles, scratch, domain, .. } = self;
+        let StepScratch { lossy, overlaps, .. } = scratch;
+        let own = |index: usize| loses_energy(particles, index);
+        for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
+            let [a, b] = pair.map(|index| index as usize);
+            lossy[a] |= own(b);
+            lossy[b] |= own(a);
+        }
+        if let Some(domain) = domain {
+            // Only its own rank has all that a particle may touch.
+            let lossy = Cell::from_mut(&mut lossy[..]).as_slice_of_cells();
+            domain.halo().any(false)?;
+            domain.halo().refresh(
+                |index| [f32::from(u8::from(lossy[index as usize].get()))],
+                |index, [is_lossy]| lossy[index as usize].set(is_lossy > 0.0),
+            )?;
+        }
+        for (image, pairs) in overlaps.iter_mut() {
+            let is_any = |pair: [u32; 2]| pair.iter().any(|&index| lossy[index as usize]);
+            pairs.retain(|&pair| is_any(pair) || overlap(particles, pair, *image));
+        }
         Ok(())
     }
 
@@ -72,12 +136,17 @@ impl World {
     }
 }
 
-/// Lists the pairs that overlap by more than [`OVERLAP`], sorted; the scratch keeps the lists of threads.
-fn find_overlapping(
-    particles: &Particles,
+/// Whether the collisions of a particle lose energy by its own coefficients.
+fn loses_energy(particles: &Particles, index: usize) -> bool {
+    particles.restitutions[index] < 1.0 || particles.spin(index).friction > 0.0
+}
+
+/// Lists the pairs for which `is_listed` is true, sorted; the scratch keeps the lists of threads.
+fn find_pairs(
     pairs: &Lists,
     (overlaps, scratch): (&mut Lists, &mut Vec<Vec<[u32; 2]>>),
     threads: Option<usize>,
+    is_listed: impl Fn([u32; 2], [f32; 2]) -> bool + Sync + Send,
 ) {
     overlaps.resize_with(pairs.len(), Default::default);
     for ((image, pairs), (image_of_list, list)) in pairs.iter().zip(overlaps.iter_mut()) {
@@ -87,12 +156,24 @@ fn find_overlapping(
         let parts = scratch.iter_mut().zip(pairs.chunks(FILTERED));
         parallel::for_each(threads, parts, |(part, pairs)| {
             part.clear();
-            part.extend(pairs.iter().filter(|&&pair| overlap(particles, pair, *image)));
+            part.extend(pairs.iter().filter(|&&pair| is_listed(pair, *image)));
         });
         list.clear();
         list.extend(scratch[..count].iter().flatten());
-        list.sort_unstable();
+        if !list.is_sorted() {
+            list.sort_unstable();
+        }
     }
+}
+
+/// Whether two particles may come near each other by themselves, the second moved by `image`.
+#[inline(always)]
+fn is_near(particles: &Particles, reaches: &[f32], [a, b]: [u32; 2], image: [f32; 2]) -> bool {
+    let [a, b] = [a, b].map(|index| index as usize);
+    let (p, q) = (particles.positions[a], particles.positions[b]);
+    let [x, y] = [0, 1].map(|k| q[k] - p[k] + image[k]);
+    let limit = (particles.radii[a] + particles.radii[b]) + (reaches[a] + reaches[b]);
+    x * x + y * y < limit * limit
 }
 
 /// Whether two particles overlap by more than [`OVERLAP`], the second moved by `image`.

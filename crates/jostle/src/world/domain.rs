@@ -8,13 +8,13 @@ use std::collections::HashMap;
 use std::iter::repeat_n;
 use std::sync::Mutex;
 
-use super::StepScratch;
 use super::asleep::Asleep;
+use super::bounds::FreeDisplacements;
 use super::carried::Resting;
 use super::islands::SleepingContact;
 use super::search::Lists;
+use super::{StepScratch, WorldSettings};
 use crate::contacts::{ContactShape, Contacts, Sequential};
-use crate::container::Container;
 use crate::decomposition::{Group, Halo, Link, Scale, digest};
 use crate::error::Result;
 use crate::parallel::locked;
@@ -377,20 +377,23 @@ impl Domain {
         &mut self,
         particles: &Particles,
         rows: &[u32],
-        container: &Container,
+        settings: &WorldSettings,
+        dt: f32,
         scratch: &mut StepScratch,
     ) {
-        let StepScratch { limits, max_displacements, .. } = scratch;
+        let StepScratch { limits, max_displacements, forces, .. } = scratch;
+        let free = FreeDisplacements::new(settings, forces, dt);
+        let container = &settings.container;
         let has_sleepers = self.asleep > 0;
         limits.clear();
         self.left.clear();
         if self.sent.len() < 2 {
-            limits.extend(max_displacements.iter().filter(|_| has_sleepers));
+            let all = max_displacements.iter().enumerate().filter(|_| has_sleepers);
+            limits.extend(all.map(|(index, &most)| free.of(particles, index).min(most)));
             return;
         }
-        for ((&row, position), &max_displacement) in
-            rows.iter().zip(&particles.positions).zip(&*max_displacements)
-        {
+        let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).enumerate();
+        for (index, ((&row, position), &max_displacement)) in all {
             let Some(of) = self.announced.get(row as usize) else {
                 limits.push(f32::INFINITY);
                 self.left.push(f32::INFINITY);
@@ -408,7 +411,8 @@ impl Domain {
                 self.far.push((row, moved + max_displacement));
             }
             self.left.push(left);
-            limits.push(if has_sleepers { left.min(max_displacement) } else { left });
+            let free = || free.of(particles, index).min(max_displacement);
+            limits.push(if has_sleepers { left.min(free()) } else { left });
         }
     }
 }

@@ -213,10 +213,6 @@ struct StepScratch {
     collisions: Collisions,
     touching: touching::Scratch,
     events: Events,
-    /// Pairs that touched in earlier parts of the step, and their impulses.
-    touched_before: Vec<([u32; 2], [f32; 2])>,
-    /// The new index of each particle, while the columns are reordered.
-    indices: Vec<u32>,
     /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
     wall_impulses: Vec<(u32, u32, [f32; 2])>,
     /// The pushes of walls in the last sub-step, sorted by row and wall.
@@ -239,9 +235,18 @@ struct StepScratch {
     pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.
     sensed: search::Lists,
-    /// Those that overlap at the beginning of a step in which nothing can rest.
+    /// Those of which contacts are made.
     overlaps: search::Lists,
     overlap_parts: Vec<Vec<[u32; 2]>>,
+    /// How far from its surface each particle may rest in the step.
+    reaches: Vec<f32>,
+    /// Which particles lose energy, or may touch one that does, of a world in which some do and others do not;
+    /// else empty.
+    lossy: Vec<bool>,
+    /// Seconds for which the bounds of the step are made.
+    horizon: f32,
+    crowd: bounds::Crowd,
+    renewed: bounds::Renewed,
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
     /// Of a distributed one: the particles at the beginning of a part of the step, by indices.

@@ -27,24 +27,14 @@ impl World {
         self.reorder_forces(threads);
     }
 
-    /// Keeps the contacts of the previous step for [`World::undo`], or lists those of the previous part of
-    /// the step, with their new indices.
+    /// Keeps the contacts of the previous step for [`World::undo`]. A step has several parts only if particles
+    /// merge, which have no contacts.
     fn set_contacts_aside(&mut self) {
-        let scratch = &mut self.scratch;
-        scratch.touched_before.clear();
-        if !scratch.before.is_reordered {
-            self.contacts.exchange(&mut scratch.before.contacts);
-            scratch.before.is_reordered = true;
-            return;
+        let before = &mut self.scratch.before;
+        if !before.is_reordered {
+            self.contacts.exchange(&mut before.contacts);
+            before.is_reordered = true;
         }
-        let (order, indices) = (scratch.tree.rows(), &mut scratch.indices);
-        indices.resize(order.len(), 0);
-        (0..).zip(order).for_each(|(index, &before)| indices[before as usize] = index);
-        let moved = self
-            .contacts
-            .touching()
-            .map(|contact| (contact.indices.map(|index| indices[index as usize]), contact.totals));
-        scratch.touched_before.extend(moved);
     }
 
     /// Reorders the accelerations, and prepares the springs for the new indices.

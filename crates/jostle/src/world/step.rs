@@ -143,28 +143,18 @@ impl World {
         self.scratch.meets_sleepers = false;
         self.scratch.agreement = None;
         self.stats = Stats::default();
-        // On a torus, fast particles may make others fast, so each part is chosen anew.
-        let is_torus = self.settings.container.period().is_some();
-        let mut left = dt;
-        loop {
-            self.scratch.usual_speed = self.usual_speed()?;
-            let parts = self.parts(left)?;
-            let substeps = (self.substeps() as f32 * (left / dt)).ceil() as usize;
-            let substeps = substeps.max(1).div_ceil(parts);
-            let part = left / parts as f32;
-            for _ in 0..if is_torus { 1 } else { parts } {
-                self.renew_ghosts(part)?;
-                let done = self.step_once(part, substeps, watch);
-                self.check_collisions(done, part < dt)?;
-                if self.scratch.meets_sleepers || self.must_repeat() {
-                    return Ok(());
-                }
+        self.choose_horizon(dt)?;
+        let parts = self.parts(dt)?;
+        let (substeps, part) = (self.substeps().div_ceil(parts), dt / parts as f32);
+        for _ in 0..parts {
+            self.renew_ghosts(part)?;
+            let done = self.step_once(part, substeps, watch);
+            self.check_collisions(done, part < dt)?;
+            if self.scratch.meets_sleepers || self.must_repeat() {
+                break;
             }
-            if !is_torus || parts == 1 {
-                return Ok(());
-            }
-            left -= part;
         }
+        Ok(())
     }
 
     /// The smallest id of a particle with this `number`, for an error.
@@ -231,18 +221,15 @@ impl World {
         }
     }
 
-    /// The number of parts of a step of `dt` seconds.
+    /// The number of parts of a step of `dt` seconds: one, unless particles merge on a torus. These touch only
+    /// their nearest images.
     fn parts(&self, dt: f32) -> Result<usize> {
-        match self.settings.on_touch {
-            OnTouch::Ignore => Ok(1),
-            OnTouch::Bounce => self.parts_with_few_candidates(dt),
-            // Merging particles touch only their nearest images.
-            OnTouch::Merge => {
-                let [longest] = self.largest_of_all([f64::from(self.longest_displacement(dt))])?;
-                Ok((longest as f32 / self.settings.container.max_displacement()).ceil().max(1.0)
-                    as usize)
-            }
+        if self.settings.on_touch != OnTouch::Merge {
+            return Ok(1);
         }
+        let [longest] = self.largest_of_all([f64::from(self.longest_displacement(dt))])?;
+        let parts = longest as f32 / self.settings.container.max_displacement();
+        Ok(parts.ceil().max(1.0) as usize)
     }
 
     /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
@@ -265,7 +252,7 @@ impl World {
         self.build_tree()?;
         watch(Stage::Build);
         interrupt::check()?;
-        if self.is_near_sleepers()? {
+        if self.is_near_sleepers(dt)? {
             return Ok(());
         }
         self.find_candidates()?;
@@ -274,7 +261,7 @@ impl World {
         self.reorder();
         self.keep_starts();
         self.find_shared();
-        self.make_contacts()?;
+        self.make_contacts(dt)?;
         self.scratch.substeps *= self.scratch.refinement;
         self.find_near_walls(dt)?;
         watch(Stage::Contacts);
@@ -300,9 +287,9 @@ impl World {
     /// Finds the walls that may come near each particle in `dt` seconds.
     fn find_near_walls(&mut self, dt: f32) -> Result<()> {
         self.walls.begin_step(self.settings.tree, f64::from(dt))?;
-        let StepScratch { near_walls, tree, max_displacements, usual_speed, .. } =
+        let StepScratch { near_walls, tree, max_displacements, usual_speed, horizon, .. } =
             &mut self.scratch;
-        let bounds = (&max_displacements[..], SPARE * *usual_speed * dt);
+        let bounds = (&max_displacements[..], SPARE * *usual_speed * *horizon);
         near_walls.fill(&self.walls, tree, bounds, self.settings.method, MAX_CANDIDATES)
     }
 

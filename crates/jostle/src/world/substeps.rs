@@ -1,7 +1,7 @@
 //! The sub-steps of a step. In each, forces and resting contacts give kicks, then all particles fly and
 //! collide in the order of time, then overlaps are corrected.
 
-use super::bounds::StepBounds;
+use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::discs::WarmStart;
 use super::force_step::springs;
 use super::merge;
@@ -35,6 +35,8 @@ pub(super) struct Substeps {
     has_kicks: bool,
     /// Whether all particles without events stay in their bounds in the first sub-step.
     is_bounded: bool,
+    /// The share of the first sub-step for which the bounds of the step are made, if these are renewed.
+    horizon: Option<f64>,
     /// Whether there are more sub-steps than [`World::apply_forces`] knew of.
     is_refined: bool,
     threads: Option<usize>,
@@ -127,12 +129,15 @@ impl World {
         };
         scratch.limits.clear();
         if !self.asleep.is_empty() {
-            scratch.limits.extend_from_slice(&scratch.max_displacements);
+            let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+            let all = scratch.max_displacements.iter().enumerate();
+            scratch.limits.extend(all.map(|(index, &most)| free.of(particles, index).min(most)));
         }
         if let Some(domain) = domain {
-            domain.fill_limits(particles, rows, &settings.container, scratch);
+            domain.fill_limits(particles, rows, settings, dt, scratch);
         }
         scratch.grown.clear();
+        scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
@@ -141,7 +146,7 @@ impl World {
         persistent.warm_start.normal.resize(on_walls, Default::default());
         persistent.warm_start.friction.resize(with_friction, Default::default());
         if may_rest {
-            scratch.resting.begin_step(contacts, particles, has_friction);
+            scratch.resting.begin_step(contacts, particles, &scratch.lossy, has_friction);
         } else {
             scratch.wall_pushes.clear();
         }
@@ -158,6 +163,7 @@ impl World {
             smallest_radius: smallest(&particles.radii),
             has_kicks: may_rest || is_pulled,
             is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
+            horizon: (scratch.horizon < dt).then(|| f64::from(scratch.horizon) / seconds),
             is_refined: scratch.refinement > 1,
             threads,
         }
@@ -208,6 +214,7 @@ impl World {
         let clock = of.clock(substep);
         let scene = Support {
             particles,
+            lossy: &scratch.lossy,
             motions: &scratch.motions,
             spins: &scratch.spins,
             has_friction: of.has_friction,
@@ -233,9 +240,10 @@ impl World {
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, domain, .. } = self;
-        let StepScratch { tree, max_displacements, grown, .. } = scratch;
-        let mut bounds =
-            StepBounds::new(tree, particles, max_displacements, grown, settings.container);
+        let StepScratch { tree, max_displacements, grown, renewed, crowd, .. } = scratch;
+        let of_bounds = BoundsScratch { tree, max_displacements, grown, renewed, crowd: *crowd };
+        let share = of.horizon.map(|share| if substep == 0 { share } else { 0.0 });
+        let mut bounds = StepBounds::new(particles, settings, of_bounds, share, of.flow.duration);
         let flight = Flight {
             particles,
             motions: &scratch.motions,
@@ -245,7 +253,6 @@ impl World {
             end: of.flow.duration,
             flow: of.flow,
             kicks: &scratch.kicks,
-            is_first: true,
             begins_step: substep == 0,
             halo: domain.as_ref().map(|domain| domain.halo()),
             bounded: substep == 0 && of.is_bounded,
@@ -253,6 +260,7 @@ impl World {
             walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
             restitution: settings.restitution,
             is_lossless: of.is_lossless,
+            lossy: &scratch.lossy,
             thermostat: forces::thermostat(&self.forces),
             hot: &scratch.hot_walls,
             pairs: settings.on_touch == OnTouch::Bounce,

@@ -145,8 +145,8 @@ impl World {
         }));
     }
 
-    /// Keeps the contacts that last, adds the pairs that bounced in this part of the step, those that touched
-    /// in earlier parts and those that passed through each other (`sensed`), and measures all.
+    /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed through each
+    /// other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
         let threads = self.threads();
         let Self { settings, scratch, particles, contacts, .. } = self;
@@ -154,8 +154,7 @@ impl World {
         let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
         let bounced = bounced.map(|of| (of.pair, of.impulses));
         let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
-        let touched = bounced.chain(sensed).chain(scratch.touched_before.iter().copied());
-        let touched = touched.map(|([a, b], impulses)| {
+        let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
             let image = settings.container.nearest_image(|| {
                 let [p, q] = pair.map(|index| motions.position(index).map(f64::from));

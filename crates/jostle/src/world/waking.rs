@@ -8,7 +8,7 @@
 
 use std::cmp::Ordering;
 
-use super::bounds::rounding;
+use super::bounds::{FreeDisplacements, rounding};
 use super::discs::Discs;
 use super::domain::{self, Domain};
 use super::{World, WorldSettings};
@@ -47,18 +47,26 @@ impl World {
         !self.asleep.is_empty() || self.domain.as_ref().is_some_and(|domain| domain.asleep > 0)
     }
 
-    /// Whether the bounds of moving particles overlap sleeping ones on any rank; lists the islands of these.
-    pub(super) fn is_near_sleepers(&mut self) -> Result<bool> {
+    /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any rank; lists the islands
+    /// of these. The bounds are larger, and depend on other particles.
+    pub(super) fn is_near_sleepers(&mut self, dt: f32) -> Result<bool> {
         if !self.any_sleeps() {
             return Ok(false);
         }
         let Self { asleep, domain, particles, rows, scratch, settings, .. } = self;
-        let moves = |index: u32| {
-            !particles.is_static(index as usize) && domain::owns(domain, rows[index as usize])
+        let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+        let radius = |index: u32| {
+            let at = index as usize;
+            let moves = !particles.is_static(at) && domain::owns(domain, rows[at]);
+            let most = scratch.max_displacements[at];
+            let rounding =
+                rounding(particles.positions[at], particles.radii[at], &settings.container);
+            moves.then(|| particles.radii[at] + free.of(particles, at).min(most) + rounding)
         };
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
-        asleep.touched(&scratch.tree, moves, settings, shared)?;
-        let found = islands_of_others(domain, &scratch.tree, moves, settings, &mut scratch.waking)?;
+        asleep.touched(&scratch.tree, radius, settings, shared)?;
+        let found =
+            islands_of_others(domain, &scratch.tree, radius, settings, &mut scratch.waking)?;
         self.note_touched(found)
     }
 
@@ -74,9 +82,9 @@ impl World {
         let Self { asleep, domain, scratch, settings, .. } = self;
         let mut tree = std::mem::take(&mut scratch.waking.tree);
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
-        let done = asleep.touched(&tree, |_| true, settings, shared);
+        let done = asleep.touched(&tree, |_| Some(f32::INFINITY), settings, shared);
         let found = done.and_then(|()| {
-            islands_of_others(domain, &tree, |_| true, settings, &mut scratch.waking)
+            islands_of_others(domain, &tree, |_| Some(f32::INFINITY), settings, &mut scratch.waking)
         });
         std::mem::swap(&mut scratch.waking.tree, &mut tree);
         self.note_touched(found?)
@@ -231,12 +239,12 @@ impl World {
 fn islands_of_others(
     domain: &Option<Box<Domain>>,
     circles: &Quadtree<f32>,
-    counts: impl Fn(u32) -> bool,
+    radius: impl Fn(u32) -> Option<f32>,
     settings: &WorldSettings,
     scratch: &mut Scratch,
 ) -> Result<Vec<Id>> {
     let Some(domain) = domain else { return Ok(Vec::new()) };
     let mut touched = Vec::new();
-    domain.foreign.touched(circles, counts, settings, (&mut scratch.join, &mut touched))?;
+    domain.foreign.touched(circles, radius, settings, (&mut scratch.join, &mut touched))?;
     Ok(domain.foreign.names(&touched).collect())
 }
