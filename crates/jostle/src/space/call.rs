@@ -105,7 +105,10 @@ impl<T: Scalar> Call<'_, T> {
         near: &mut Vec<Obstacle<T>>,
     ) {
         let is_any_moved = !self.moved.is_empty();
-        let is_moved = |slot: u32| is_any_moved && self.traces.before(slot, viewer.since).is_some();
+        let is_moved = |slot: u32| {
+            let before = self.traces.before(slot, viewer.since).filter(|_| is_any_moved);
+            before.is_some_and(|before| before != self.slots.center(slot))
+        };
         for number in self.layers.indices() {
             let (tree, slot) = self.layers.layer(number);
             each_overlap(tree, bounds, -T::INFINITY, stack, |index| {

@@ -162,7 +162,10 @@ impl<T: Scalar> Space<T> {
         }
         check_finite("centers", centers)?;
         let period = self.period;
-        self.relocate(ids, |slots, slot, row| slots.set_center(slot, period.wrap(centers[row])))
+        let set = |slots: &mut Slots<T>, slot, row: usize| {
+            slots.set_center(slot, period.wrap(centers[row]))
+        };
+        self.change(ids, true, set)
     }
 
     /// Sets the cores of shapes to boxes `[min_x, min_y, max_x, max_y]`; radii stay the same.
@@ -174,29 +177,10 @@ impl<T: Scalar> Space<T> {
         }
         check_boxes("boxes", boxes)?;
         let period = self.period;
-        self.relocate(ids, |slots, slot, row| {
+        self.change(ids, true, |slots, slot, row| {
             let moved = period.wrap_corners(corners(&boxes[row]));
             slots.set_box(slot, moved)
         })
-    }
-
-    /// As [`change`](Self::change), for motions.
-    fn relocate(
-        &mut self,
-        ids: &[Id],
-        set: impl Fn(&mut Slots<T>, u32, usize) -> bool,
-    ) -> Result<()> {
-        let slots = self.slots.find(ids)?;
-        self.reserve_changes(slots.len())?;
-        self.traces.reserve(slots.len(), self.slots.count())?;
-        for (row, slot) in slots.into_iter().enumerate() {
-            let before = self.traces.is_new(slot).then(|| self.slots.center(slot));
-            if set(&mut self.slots, slot, row) {
-                self.note(slot);
-                before.into_iter().for_each(|before| self.traces.note(slot, before));
-            }
-        }
-        Ok(())
     }
 
     /// Sets radii, half sizes or both. Refuses invalid values.
@@ -215,7 +199,7 @@ impl<T: Scalar> Space<T> {
             check_each_half_size("half_sizes", half_sizes)?;
         }
         self.slots.reserve_columns(0, [half_sizes.is_some(), false])?;
-        self.change(ids, |slots, slot, row| {
+        self.change(ids, false, |slots, slot, row| {
             let radius = radii.is_some_and(|radii| slots.set_radius(slot, radii.at(row)));
             let half = half_sizes.is_some_and(|sizes| slots.resize(slot, sizes.at(row)));
             radius || half
@@ -233,7 +217,7 @@ impl<T: Scalar> Space<T> {
             bits.map_or(Ok(()), |bits| bits.check_len(argument, ids.len()))?;
         }
         self.slots.reserve_columns(0, [false, true])?;
-        self.change(ids, |slots, slot, row| {
+        self.change(ids, false, |slots, slot, row| {
             let old = slots.shape(slot);
             let category = categories.map_or(old.category, |bits| bits.at(row));
             slots.set_filter(slot, [category, masks.map_or(old.mask, |bits| bits.at(row))])
@@ -260,14 +244,20 @@ impl<T: Scalar> Space<T> {
         Ok(())
     }
 
-    /// Changes shapes; `set` returns whether it has changed one.
+    /// Changes shapes; `set` returns whether it has changed one. Motions are recorded.
     fn change(
         &mut self,
         ids: &[Id],
+        is_motion: bool,
         set: impl Fn(&mut Slots<T>, u32, usize) -> bool,
     ) -> Result<()> {
         let slots = self.slots.find(ids)?;
         self.reserve_changes(slots.len())?;
+        if is_motion {
+            self.traces.reserve(slots.len(), self.slots.count())?;
+            // A loop of its own is faster than a test in the next one.
+            slots.iter().for_each(|&slot| self.traces.note(slot, || self.slots.center(slot)));
+        }
         for (row, slot) in slots.into_iter().enumerate() {
             if set(&mut self.slots, slot, row) {
                 self.note(slot);

@@ -54,18 +54,13 @@ impl<T: Scalar> Traces<T> {
         memory::reserve(&mut self.log, more)
     }
 
-    /// Whether a shape has not moved since the last call.
+    /// Records that a shape moves, if it has not moved since the last call; `before` is its centre.
     #[inline(always)]
-    pub fn is_new(&self, slot: u32) -> bool {
-        self.moved[slot as usize] != self.next
-    }
-
-    /// Records that a shape, whose centre was `before`, has moved.
-    #[inline(always)]
-    pub fn note(&mut self, slot: u32, before: [T; 2]) {
-        if self.is_new(slot) {
-            self.moved[slot as usize] = self.next;
-            self.before[slot as usize] = before;
+    pub fn note(&mut self, slot: u32, before: impl FnOnce() -> [T; 2]) {
+        let moved = &mut self.moved[slot as usize];
+        if *moved != self.next {
+            *moved = self.next;
+            self.before[slot as usize] = before();
             self.log.push((self.next, slot));
         }
     }

@@ -132,6 +132,7 @@ impl<T: Scalar> Space<T> {
         };
         let moved = self.traces.moved_since(since).filter(is_obstacle);
         let moved = moved.filter_map(|slot| Some((slot, self.traces.before(slot, since)?)));
+        let moved = moved.filter(|&(slot, before)| before != self.slots.center(slot));
         Moved::new(moved, &self.slots, &self.period, (walkers.len(), self.settings))
     }
 
@@ -160,7 +161,7 @@ impl<T: Scalar> Space<T> {
             let before = self.slots.center(slot);
             if self.slots.set_center(slot, self.period.wrap(walk.center)) {
                 self.note(slot);
-                self.traces.note(slot, before);
+                self.traces.note(slot, || before);
             }
             all.displacements.push(walk.moved);
             all.remaining.push(walk.remaining);
