@@ -187,7 +187,7 @@ def check_shared(columns: dict[str, np.ndarray], settings: dict[str, Any], steps
 
 
 def test_fast_discs() -> None:
-    """Discs over a quarter of the area, with speeds of 12 radii a step, some up to 1,000 and more."""
+    """Discs over a quarter of the area that move by 12 radii a step, and some by 1,000."""
     rng = np.random.default_rng(3)
     n = 5000
     side = int(np.ceil(np.sqrt(n)))
