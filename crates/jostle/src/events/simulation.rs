@@ -269,13 +269,17 @@ impl Simulation<'_> {
 
     /// Whether all that touches the disc of a course now is solved together.
     pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
+        let is_lossy = || self.window.flight.lose_energy([course.index]);
+        course.is_exhausted || self.has_many_at_once(course, time) && is_lossy()
+    }
+
+    /// Whether the disc of a course has had more than [`MAX_AT_ONCE`] events at this moment.
+    fn has_many_at_once(&self, course: &Course, time: f64) -> bool {
         let has_many = || {
             let segments = Trajectory::of(self.history, course, time);
             segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
         };
-        let is_at_once = course.count as usize >= MAX_AT_ONCE && course.segment.time == time;
-        let is_lossy = || self.window.flight.lose_energy([course.index]);
-        course.is_exhausted || is_at_once && is_lossy() && has_many()
+        course.count as usize >= MAX_AT_ONCE && course.segment.time == time && has_many()
     }
 
     /// Ends the group.
@@ -382,8 +386,18 @@ impl Simulation<'_> {
     }
 
     fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
-        let (position, _, course) = self.in_group(index).expect("it is in the group");
+        let (position, own, course) = self.in_group(index).expect("it is in the group");
+        let (number, is_lossy) = (own.number, self.window.flight.lose_energy([index]));
+        // Without room between walls a disc that loses no energy would bounce without end, and faster.
+        let is_without_room =
+            wall >= FIRST && !is_lossy && self.has_many_at_once(course, own.now.time);
         self.add(self.wall_touch(index, position, course, wall, normal));
+        if is_without_room {
+            // It is exhausted from its next event on, which is this one.
+            let recent = self.max_events(index) - 1;
+            let course = &mut self.history.courses[number as usize];
+            course.recent = course.recent.max(recent);
+        }
     }
 
     /// The contact of the disc of a course, the body `position`, and a wall.
@@ -544,15 +558,18 @@ impl Simulation<'_> {
         let window = self.window;
         let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
         let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
-        if fixed.clone().next().is_none() {
-            return;
+        let has_fixed = fixed.clone().next().is_some();
+        if has_fixed {
+            impulses::project(touches.iter(), velocities, sums);
         }
-        impulses::project(touches.iter(), velocities, sums);
         for (own, velocity) in group.iter().zip(&mut *velocities) {
             let course = &self.history.courses[own.number as usize];
             if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
                 *velocity = [0.0; 2];
             }
+        }
+        if !has_fixed {
+            return;
         }
         impulses::project(fixed.clone(), velocities, sums);
         before.clone_from(velocities);
@@ -648,6 +665,10 @@ impl Simulation<'_> {
                 course.segment.velocity = [0.0; 2];
                 course.segment.falls = false;
             }
+        }
+        if window.has_ended(course) {
+            // Nothing would stop its fall.
+            course.segment.falls = false;
         }
         let square = window.longest_square(window.anchor(course.index), &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
