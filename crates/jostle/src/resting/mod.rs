@@ -26,10 +26,11 @@ use crate::container::{Container, MAX_WALLS};
 use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
-use crate::forces::springs::SpringSolver;
+use crate::forces::springs::{Place, SpringSolver};
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
+use crate::simd::LANES;
 use crate::trajectory::{MAX_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
 use pairs::Block;
@@ -336,12 +337,16 @@ impl Resting {
         self.begin_held(scene, springs, kicks);
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
+        if springs.holds_any() {
+            springs.add_pushes(self.pushes(scene));
+        }
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
         let Self { blocks, frictions, walls, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         let springs = springs.holds_any().then_some(springs);
-        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }.run()?;
+        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }
+            .run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.index as usize];
@@ -402,16 +407,32 @@ impl Resting {
         if !springs.holds_any() {
             return;
         }
-        let Self { velocities, changes, speeds, .. } = self;
-        springs.begin_held(scene.flow, scene.motions, scene.moving, velocities, |index, by| {
-            if scene.moving[index as usize] {
-                let [x, y] = [0, 1].map(|k| f64::from(changes.get(index)[k]) + by[k]);
-                let kick = &mut kicks[index as usize];
-                kick.speed = kick.speed.max((x * x + y * y).sqrt() as f32);
-                speeds.set(index, [kick.speed, 0.0]);
-            }
+        let speeds = &self.speeds;
+        springs.begin_held(scene.flow, scene.motions, scene.moving, |index, by| {
+            let kick = &mut kicks[index as usize];
+            kick.speed += (by[0] * by[0] + by[1] * by[1]).sqrt() as f32;
+            speeds.set(index, [kick.speed, 0.0]);
         });
         self.speed_of_all = None;
+    }
+
+    /// All resting contacts, for springs that are solved together with them.
+    fn pushes(&self, scene: &Support<'_>) -> impl Iterator<Item = (Place, [u32; 2], [f32; 2])> {
+        let pairs = (0..).zip(&self.blocks).flat_map(|(block, of)| {
+            let lanes = (0..LANES).filter(move |lane| of.resting >> lane & 1 == 1);
+            lanes.map(move |lane| {
+                let pair = [0, 1].map(|k| of.indices.of(k)[lane]);
+                let masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
+                (Place::Pair { block, lane: lane as u32 }, pair, masses)
+            })
+        });
+        let walls = (0..).zip(&self.walls).flat_map(|(particle, of)| {
+            let mass = 1.0 / scene.particles.masses[of.index as usize];
+            let contact =
+                move |contact| (Place::Wall { particle, contact }, [of.index; 2], [mass; 2]);
+            of.numbers().map(contact)
+        });
+        pairs.chain(walls)
     }
 
     /// Finds the contacts of two particles that rest.

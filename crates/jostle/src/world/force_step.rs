@@ -173,9 +173,8 @@ pub(super) fn awake_springs<'a>(
     forces: &'a [Force],
     indices: &'a [u32],
 ) -> impl Iterator<Item = &'a forces::Spring> + Clone {
-    let is_awake = |spring: &&forces::Spring| {
-        spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP)
-    };
+    let is_awake =
+        |spring: &&forces::Spring| spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP);
     springs(forces).flat_map(|springs| &springs.0).filter(is_awake)
 }
 
@@ -183,12 +182,7 @@ pub(super) fn awake_springs<'a>(
 pub(super) const ASLEEP: u32 = u32::MAX;
 
 /// Writes the index of each row, if any force names particles, of which some are asleep.
-pub(super) fn find_indices(
-    forces: &[Force],
-    rows: &[u32],
-    asleep: usize,
-    indices: &mut Vec<u32>,
-) {
+pub(super) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {
     indices.clear();
     if forces::name_any(forces) {
         indices.resize(rows.len() + asleep, ASLEEP);

@@ -183,14 +183,16 @@ impl World {
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &of.flow);
         if !forces.sprung.is_empty() && !self.forces.is_empty() {
-            forces.sprung.find_held(&Surroundings {
-                particles,
-                motions,
-                contacts,
-                walls: around(walls, near_walls, particles, of.clock(substep)),
-                kicks,
-                flow: &of.flow,
-            });
+            if forces.are_springs_stiff {
+                forces.sprung.find_held(&Surroundings {
+                    particles,
+                    motions,
+                    contacts,
+                    walls: around(walls, near_walls, particles, of.clock(substep)),
+                    kicks,
+                    flow: &of.flow,
+                });
+            }
             forces.sprung.act(motions, kicks, of.seconds);
             watch(Stage::Forces);
         }
