@@ -339,6 +339,7 @@ impl Resting {
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
         if springs.holds_any() {
             springs.add_pushes(self.pushes(scene));
+            self.forgo_impacts(springs);
         }
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
@@ -414,6 +415,21 @@ impl Resting {
             speeds.set(index, [kick.speed, 0.0]);
         });
         self.speed_of_all = None;
+    }
+
+    /// Leaves out the impacts of contacts that are solved together with springs: springs press their surfaces
+    /// together anew in each sub-step, and a bounce would add energy to them.
+    fn forgo_impacts(&mut self, springs: &SpringSolver) {
+        for place in springs.places() {
+            match place {
+                Place::Pair { block, lane } => {
+                    self.blocks[block as usize].forgo_impact(lane as usize);
+                }
+                Place::Wall { particle, contact } => {
+                    self.walls[particle as usize].forgo_impact(contact as usize);
+                }
+            }
+        }
     }
 
     /// All resting contacts, for springs that are solved together with them.

@@ -66,6 +66,11 @@ impl Block {
         }
     }
 
+    /// Leaves out the impact of a lane.
+    pub fn forgo_impact(&mut self, lane: usize) {
+        self.least_speeds[Phase::Impact as usize][lane] = f32::MIN;
+    }
+
     /// The contacts, with the impulses of the step before.
     pub fn new(of: &contacts::Block) -> Self {
         let mut block = Self {

@@ -99,6 +99,13 @@ impl Walls {
         })
     }
 
+    /// Leaves out the impact of a contact.
+    pub fn forgo_impact(&mut self, number: usize) {
+        if let Some(contact) = &mut self.contacts[number] {
+            contact.start.bounce = f32::MIN;
+        }
+    }
+
     /// Replaces the impulse over mass of a contact.
     pub fn set_push(&mut self, number: usize, push: f32) {
         if let Some(contact) = &mut self.contacts[number] {

@@ -328,6 +328,11 @@ impl SpringSolver {
         }
     }
 
+    /// The places of the contacts that are solved together with springs.
+    pub fn places(&self) -> impl Iterator<Item = Place> {
+        self.held.ties.iter().filter_map(|tie| tie.place)
+    }
+
     /// A turn of the springs of held bodies: changes their tensions, the impulses of the contacts that
     /// push, and the velocities. In the first turn springs begin with a share of the tensions that they
     /// have at rest.
