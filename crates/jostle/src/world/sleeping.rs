@@ -349,8 +349,8 @@ impl World {
     }
 
     /// Finds which particles belong together, because they touched in the step, their bounds
-    /// overlapped or a spring connects them, and what each rests on. Static particles belong to no island; kinematic ones keep
-    /// theirs awake.
+    /// overlapped or a spring connects them, and what each rests on. Static particles belong to no
+    /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
         let Self {
             particles,

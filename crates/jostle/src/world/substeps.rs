@@ -184,13 +184,21 @@ impl World {
         forces.kick(kicks, &of.flow);
         if !forces.sprung.is_empty() && !self.forces.is_empty() {
             if forces.are_springs_stiff {
-                forces.sprung.find_held(&Surroundings {
+                let surroundings = Surroundings {
                     particles,
                     motions,
-                    contacts,
                     walls: around(walls, near_walls, particles, of.clock(substep)),
                     kicks,
                     flow: &of.flow,
+                };
+                forces.sprung.find_held(&surroundings, |each| {
+                    for block in &contacts.blocks.list {
+                        block.each_lane(|lane| {
+                            let pair = [0, 1].map(|k| block.indices.of(k)[lane]);
+                            let image = [0, 1].map(|k| block.images[k][lane]);
+                            each(pair, image, block.contact_distances[lane]);
+                        });
+                    }
                 });
             }
             forces.sprung.act(motions, kicks, of.seconds);

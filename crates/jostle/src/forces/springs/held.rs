@@ -17,7 +17,6 @@
 use std::ops::Range;
 
 use super::{SpringSolver, bounded, rate};
-use crate::contacts::Contacts;
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::flow::{Flow, Kick};
@@ -29,7 +28,7 @@ use crate::walls::{self, Around};
 const ITERATIONS: usize = 24;
 
 /// Square of the relative error of the tensions with which a turn ends.
-const ERROR: f64 = 1e-14;
+const ERROR: f64 = 1e-8;
 
 /// Particles are near each other if they could meet within this many sub-steps.
 const SUBSTEPS: f32 = 2.0;
@@ -50,6 +49,7 @@ pub struct Scratch {
     /// The stiff body of each particle.
     body_of: Vec<u32>,
     found: Vec<walls::Contact>,
+    /// Whether any body is held.
     pub any: bool,
     /// The particles of held bodies, and those that they touch.
     ends: Vec<End>,
@@ -67,8 +67,6 @@ pub struct Surroundings<'a> {
     pub particles: &'a Particles,
     /// Positions and velocities at the beginning of the sub-step.
     pub motions: &'a Motions,
-    /// The contacts that the step may have.
-    pub contacts: &'a Contacts,
     /// The walls.
     pub walls: Around<'a>,
     /// What other forces do in the sub-step.
@@ -207,8 +205,14 @@ impl SpringSolver {
         self.held.any
     }
 
-    /// Finds out which bodies are held in a sub-step: those that are stiff and near anything.
-    pub fn find_held(&mut self, of: &Surroundings<'_>) {
+    /// Finds out which bodies are held in a sub-step: those that are stiff and near anything. `each_pair`
+    /// calls a function with the particles of each contact that the step may have, the image of the second
+    /// particle, and the distance at which they touch.
+    pub fn find_held(
+        &mut self,
+        of: &Surroundings<'_>,
+        each_pair: impl FnOnce(&mut dyn FnMut([u32; 2], [f32; 2], f32)),
+    ) {
         let h = of.flow.seconds;
         let Self { bodies, nodes, container, held, .. } = self;
         bodies.iter_mut().for_each(|body| body.is_held = false);
@@ -225,21 +229,17 @@ impl SpringSolver {
                 body.is_held |= of.is_near_wall(node.index, container, &mut held.found);
             }
         }
-        for block in &of.contacts.blocks.list {
-            block.each_lane(|lane| {
-                let pair = [0, 1].map(|k| block.indices.of(k)[lane]);
-                let names = pair.map(|index| held.body_of[index as usize]);
-                if names.iter().all(|&name| name == NONE || bodies[name as usize].is_held) {
-                    return;
-                }
-                let image = [0, 1].map(|k| block.images[k][lane]);
-                if of.are_near(pair, image, block.contact_distances[lane]) {
-                    names.into_iter().filter(|&name| name != NONE).for_each(|name| {
-                        bodies[name as usize].is_held = true;
-                    });
-                }
-            });
-        }
+        each_pair(&mut |pair, image, contact_distance| {
+            let names = pair.map(|index| held.body_of[index as usize]);
+            if names.iter().all(|&name| name == NONE || bodies[name as usize].is_held) {
+                return;
+            }
+            if of.are_near(pair, image, contact_distance) {
+                names.into_iter().filter(|&name| name != NONE).for_each(|name| {
+                    bodies[name as usize].is_held = true;
+                });
+            }
+        });
         held.any = bodies.iter().any(|body| body.is_held);
     }
 

@@ -38,9 +38,10 @@ const MAX_PHASE: f64 = 1.0;
 const MAX_DAMPING: f64 = 0.25;
 
 /// A body is stiff if the sum of the stiffness of the springs of one of its particles, over the mass
-/// and times the square of the sub-step, is more than this. Up to 1.48 the parts are stable with contacts: a particle
-/// that contacts support moves with the velocity of the last part, which is stable while the phase x of
-/// the fastest oscillation in a sub-step has x tan(x/2) < 2, and x² is at most twice that sum.
+/// and times the square of the sub-step, is more than this. Up to 1.48 the parts are stable with
+/// contacts: a particle that contacts support moves with the velocity of the last part, which is stable
+/// while the phase x of the fastest oscillation in a sub-step has x tan(x/2) < 2, and x² is at most twice
+/// that sum.
 const STIFF: f64 = 1.45;
 
 /// The same of damping over mass, times the sub-step.
