@@ -91,23 +91,27 @@ def make(floor: str, places: Places, restitution: float, mass: float = 1) -> jos
 
 @pytest.mark.parametrize("name", bodies())
 @pytest.mark.parametrize("floor", ["side", "wall", "discs"])
-@pytest.mark.parametrize("restitution", [0, 0.5, 0.9])
+@pytest.mark.parametrize("restitution", [0, 0.5, 0.9, 1])
 def test_a_body_at_rest_gains_no_energy(name: str, floor: str, restitution: float) -> None:
     """At any stiffness: k h²/m from 0.1 to 2,000, with the default sub-steps.
 
     Positions are float32, so the energy of stiffer springs is not known to 0.1 %.
     """
+    if name == "leaning" and restitution == 1:
+        pytest.skip("it falls and bounces for ever")
     places, pairs = bodies()[name]
     for stiffness in (0.1, 1, 2, 9, 100, 2000):
         if (name, floor, stiffness) == ("leaning", "discs", 2000):
             continue  # the upper disc falls past the immovable one
+        if restitution == 1 and stiffness < 2:
+            continue  # soft bodies bounce
         world = make(floor, places, restitution)
         world.forces = [springs(places, pairs, stiffness * 240**2)]
         assert growth(world, 40) < 1e-3, stiffness
 
 
-@pytest.mark.parametrize("stiffness", [1e4, 1e5, 1e6, 1e7])
-def test_six_crates_stand(stiffness: float) -> None:
+@pytest.mark.parametrize("stiffness", [1e4, 1e5, 1e6, 1e7, 1e8])
+def test_six_crates_stand_and_fall_asleep(stiffness: float) -> None:
     """Each disc of a lowest row lies between two of the crate below."""
     rise = math.sqrt(4 - 1.5**2)
     crates = [
@@ -116,9 +120,20 @@ def test_six_crates_stand(stiffness: float) -> None:
     places = np.concatenate([own for own, _ in crates])
     pairs = np.concatenate([own + 16 * number for number, (_, own) in enumerate(crates)])
     world = make("side", places, 0.2)
-    world.forces = [springs(places, pairs, stiffness, 0.2 * math.sqrt(stiffness))]
+    world.forces = [springs(places, pairs, stiffness, 0.5 * math.sqrt(stiffness))]
     assert growth(world, 600) < 1e-3
     assert np.linalg.norm(world.positions - places, axis=1).max() < 1.5
+    # Soft crates sway for a while.
+    for _ in range(60):
+        if world.asleep.all():
+            break
+        world.step(STEP, steps=60)
+    assert world.asleep.all()
+    # The energy of sleeping springs counts, and a blow wakes all.
+    before = energy(world)
+    world.set(0, velocities=(0, 1e-6))
+    assert not world.asleep.any()
+    assert energy(world) == pytest.approx(before)
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6])
@@ -174,3 +189,24 @@ def test_threads_do_not_change_stiff_bodies() -> None:
         world.step(STEP, steps=10)
         hashes.add(world.state_hash())
     assert len(hashes) == 1
+
+
+def test_a_moving_anchor_wakes_what_hangs_from_it() -> None:
+    """A disc that hangs from a static one falls asleep, and wakes when that one moves."""
+    world = jostle.World(
+        [(0, 0), (0, 3)],
+        [(0, 0), (0, 0)],
+        radii=0.5,
+        masses=1,
+        movable=[False, True],
+        gravity=(0, GRAVITY),
+        restitution=0.5,
+        forces=[jostle.Springs([(0, 1)], 3, stiffness=1000, damping=20)],
+    )
+    world.step(STEP, steps=240)
+    assert world.asleep[1]
+    world.set(0, velocities=(5, 0))
+    world.step(STEP)
+    assert not world.asleep[1]
+    world.step(STEP, steps=60)
+    assert world.positions[1, 0] > 1

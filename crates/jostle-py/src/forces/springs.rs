@@ -16,7 +16,7 @@ use crate::error::refused;
 /// the stiffness is reduced if more would be necessary. Where discs with stiff springs touch
 /// anything, the springs are solved together with the contacts: then bodies rest at any stiffness,
 /// but their oscillations lose energy. Springs are stiff for a disc if their stiffness in all,
-/// divided by its mass and times the square of the sub-step, is more than 1.4. If one of its ends is
+/// divided by its mass and times the square of the sub-step, is more than 1.45. If one of its ends is
 /// removed, a spring is removed too.
 ///
 /// Parameters

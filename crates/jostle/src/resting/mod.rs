@@ -26,10 +26,11 @@ use crate::container::{Container, MAX_WALLS};
 use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
-use crate::forces::springs::SpringSolver;
+use crate::forces::springs::{Place, SpringSolver};
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
+use crate::simd::LANES;
 use crate::trajectory::{MAX_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
 use pairs::Block;
@@ -330,6 +331,10 @@ impl Resting {
         self.begin_held(scene, springs, kicks);
         self.find_starts(scene, contacts);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
+        if springs.holds_any() {
+            springs.add_pushes(self.pushes(scene));
+            self.forgo_impacts(springs);
+        }
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
         let Self { blocks, frictions, walls, .. } = self;
@@ -397,17 +402,47 @@ impl Resting {
         if !springs.holds_any() {
             return;
         }
-        let Self { velocities, changes, speeds, .. } = self;
-        let movable = &scene.particles.movable;
-        springs.begin_held(scene.flow, scene.motions, movable, velocities, |index, by| {
-            if movable[index as usize] {
-                let [x, y] = [0, 1].map(|k| f64::from(changes.get(index)[k]) + by[k]);
-                let kick = &mut kicks[index as usize];
-                kick.speed = kick.speed.max((x * x + y * y).sqrt() as f32);
-                speeds.set(index, [kick.speed, 0.0]);
-            }
+        let speeds = &self.speeds;
+        springs.begin_held(scene.flow, scene.motions, &scene.particles.movable, |index, by| {
+            let kick = &mut kicks[index as usize];
+            kick.speed += (by[0] * by[0] + by[1] * by[1]).sqrt() as f32;
+            speeds.set(index, [kick.speed, 0.0]);
         });
         self.speed_of_all = None;
+    }
+
+    /// Leaves out the impacts of contacts that are solved together with springs: springs press their surfaces
+    /// together anew in each sub-step, and a bounce would add energy to them.
+    fn forgo_impacts(&mut self, springs: &SpringSolver) {
+        for place in springs.places() {
+            match place {
+                Place::Pair { block, lane } => {
+                    self.blocks[block as usize].forgo_impact(lane as usize);
+                }
+                Place::Wall { particle, contact } => {
+                    self.walls[particle as usize].forgo_impact(contact as usize);
+                }
+            }
+        }
+    }
+
+    /// All resting contacts, for springs that are solved together with them.
+    fn pushes(&self, scene: &Support<'_>) -> impl Iterator<Item = (Place, [u32; 2], [f32; 2])> {
+        let pairs = (0..).zip(&self.blocks).flat_map(|(block, of)| {
+            let lanes = (0..LANES).filter(move |lane| of.resting >> lane & 1 == 1);
+            lanes.map(move |lane| {
+                let pair = [0, 1].map(|k| of.indices.of(k)[lane]);
+                let masses = [0, 1].map(|k| of.inverse_masses[k][lane]);
+                (Place::Pair { block, lane: lane as u32 }, pair, masses)
+            })
+        });
+        let walls = (0..).zip(&self.walls).flat_map(|(particle, of)| {
+            let mass = 1.0 / scene.particles.masses[of.index as usize];
+            let contact =
+                move |contact| (Place::Wall { particle, contact }, [of.index; 2], [mass; 2]);
+            of.numbers().map(contact)
+        });
+        pairs.chain(walls)
     }
 
     /// Finds the contacts of two particles that rest.

@@ -3,6 +3,7 @@
 
 use super::{friction, relaxation};
 use crate::contacts;
+use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
 use crate::simd::{LANES, Number, PairIndices, Simd, Work};
 
@@ -56,6 +57,20 @@ impl Pass {
 }
 
 impl Block {
+    /// The contact of a lane, as springs see it.
+    pub fn push(&self, lane: usize) -> Push {
+        Push {
+            normal: self.normal.map(|of| of[lane]),
+            least_speed: self.least_speeds[Phase::Rest as usize][lane],
+            impulse: self.impulses[Phase::Rest as usize][lane],
+        }
+    }
+
+    /// Leaves out the impact of a lane.
+    pub fn forgo_impact(&mut self, lane: usize) {
+        self.least_speeds[Phase::Impact as usize][lane] = f32::MIN;
+    }
+
     /// The contacts, with the impulses of the step before.
     pub fn new(of: &contacts::Block) -> Self {
         let mut block = Self {

@@ -4,12 +4,12 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
-use super::pairs::{Block, Pass, Sweep};
+use super::pairs::{Block, Pass, Phase, Sweep};
 use super::walls::Walls;
 use super::{Support, friction, sum};
 use crate::contacts::{self, Contacts};
 use crate::error::Result;
-use crate::forces::springs::SpringSolver;
+use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
 use crate::interrupt::Stop;
 use crate::motion::{Scalars, Vectors};
 use crate::parallel::{self, Member, locked};
@@ -169,7 +169,8 @@ impl Sweeps<'_> {
                 }
                 Task::Springs(pass) => {
                     if let Some(springs) = &mut springs {
-                        springs.take_turn(all.velocities, pass == Pass::Start);
+                        let pushes = &mut Alone { blocks: &mut *blocks, walls: &mut *walls };
+                        springs.take_turn(all.velocities, pushes, pass == Pass::Start);
                     }
                     Ok(())
                 }
@@ -194,6 +195,7 @@ impl Sweeps<'_> {
         let traits = [has_fast, scene.shape.has_uneven, springs.is_some()];
         let springs = Mutex::new(springs);
         let (mut parts, mut colours) = (Vec::new(), Vec::new());
+        let mut of_block = Vec::new();
         let mut rest = blocks;
         for colour in &contacts.blocks.colours {
             let first = parts.len();
@@ -201,6 +203,9 @@ impl Sweeps<'_> {
             let mut cut = |blocks: usize| {
                 let own = rest.split_off_mut(..blocks).unwrap_or_default();
                 for blocks in own.chunks_mut(BLOCKS) {
+                    if traits[2] {
+                        of_block.extend((0..blocks.len()).map(|at| [parts.len(), at]));
+                    }
                     let count = blocks.len().min(frictions.len());
                     let frictions = frictions.split_off_mut(..count).unwrap_or_default();
                     parts.push(Mutex::new((blocks, frictions)));
@@ -237,7 +242,9 @@ impl Sweeps<'_> {
                 if member.is_first()
                     && let Some(springs) = &mut *locked(&springs)
                 {
-                    springs.take_turn(all.velocities, pass == Pass::Start);
+                    let pushes =
+                        &mut Together { parts: &parts, of_block: &of_block, walls: &walls };
+                    springs.take_turn(all.velocities, pushes, pass == Pass::Start);
                 }
                 member.wait();
             }
@@ -255,6 +262,76 @@ impl Sweeps<'_> {
             let _ = Self::each_task(traits, act);
         });
         stop.check()
+    }
+}
+
+/// Blocks, and particles at walls, of one thread, as springs see them.
+struct Alone<'a> {
+    blocks: &'a mut [Block],
+    walls: &'a mut [Walls],
+}
+
+impl Pushes for Alone<'_> {
+    fn get(&self, place: Place) -> Push {
+        match place {
+            Place::Pair { block, lane } => self.blocks[block as usize].push(lane as usize),
+            Place::Wall { particle, contact } => {
+                self.walls[particle as usize].push(contact as usize).unwrap_or_default()
+            }
+        }
+    }
+
+    fn set(&mut self, place: Place, impulse: f32) {
+        match place {
+            Place::Pair { block, lane } => {
+                self.blocks[block as usize].impulses[Phase::Rest as usize][lane as usize] = impulse;
+            }
+            Place::Wall { particle, contact } => {
+                self.walls[particle as usize].set_push(contact as usize, impulse);
+            }
+        }
+    }
+}
+
+/// Blocks with their friction.
+type Part<'a> = Mutex<(&'a mut [Block], &'a mut [friction::Block])>;
+
+/// The same of several threads, which wait.
+struct Together<'a, 'b, 'w> {
+    parts: &'a [Part<'b>],
+    /// The part of each block, and its number there.
+    of_block: &'a [[usize; 2]],
+    walls: &'a [Mutex<&'w mut [Walls]>],
+}
+
+impl Pushes for Together<'_, '_, '_> {
+    fn get(&self, place: Place) -> Push {
+        match place {
+            Place::Pair { block, lane } => {
+                let [part, at] = self.of_block[block as usize];
+                locked(&self.parts[part]).0[at].push(lane as usize)
+            }
+            Place::Wall { particle, contact } => {
+                let particle = particle as usize;
+                let part = &*locked(&self.walls[particle / WALLS]);
+                part[particle % WALLS].push(contact as usize).unwrap_or_default()
+            }
+        }
+    }
+
+    fn set(&mut self, place: Place, impulse: f32) {
+        match place {
+            Place::Pair { block, lane } => {
+                let [part, at] = self.of_block[block as usize];
+                let impulses = &mut locked(&self.parts[part]).0[at].impulses;
+                impulses[Phase::Rest as usize][lane as usize] = impulse;
+            }
+            Place::Wall { particle, contact } => {
+                let particle = particle as usize;
+                let part = &mut *locked(&self.walls[particle / WALLS]);
+                part[particle % WALLS].set_push(contact as usize, impulse);
+            }
+        }
     }
 }
 

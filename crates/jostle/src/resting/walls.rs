@@ -4,6 +4,7 @@ use super::pairs::{Pass, Phase};
 use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
+use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
 use crate::walls::{self, FIRST};
 
@@ -87,6 +88,36 @@ impl Walls {
         let rests = contacts.iter().any(Option::is_some);
         let softness = if radius == 0.0 { 0.0 } else { 2.0 };
         rests.then_some(Self { index: index as u32, softness, contacts })
+    }
+
+    /// The numbers of its contacts.
+    pub fn numbers(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.contacts).filter(|(_, contact)| contact.is_some()).map(|(number, _)| number)
+    }
+
+    /// A contact, as springs see it; the speed is that of the particle.
+    pub fn push(&self, number: usize) -> Option<Push> {
+        let contact = self.contacts[number]?;
+        let [x, y] = [0, 1].map(|k| contact.inward[k] * contact.velocity[k]);
+        Some(Push {
+            normal: contact.inward,
+            least_speed: x + y - contact.start.closing_speed,
+            impulse: contact.pushes[Phase::Rest as usize][0],
+        })
+    }
+
+    /// Leaves out the impact of a contact.
+    pub fn forgo_impact(&mut self, number: usize) {
+        if let Some(contact) = &mut self.contacts[number] {
+            contact.start.bounce = f32::MIN;
+        }
+    }
+
+    /// Replaces the impulse over mass of a contact.
+    pub fn set_push(&mut self, number: usize, push: f32) {
+        if let Some(contact) = &mut self.contacts[number] {
+            contact.pushes[Phase::Rest as usize][0] = push;
+        }
     }
 
     /// Whether the particle touches a wall and approaches it too fast to rest.

@@ -11,6 +11,7 @@
 //! for a while, but its velocity changes steadily.
 
 use super::asleep::{Island, Sleepers, run};
+use super::force_step::awake_springs;
 use super::islands::SleepingContact;
 use super::{OnTouch, World, domain};
 use crate::bytes::Plain;
@@ -163,7 +164,9 @@ impl World {
     /// Whether anything may fall asleep with the present settings and forces.
     pub(super) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
-        let pulls_none = |force: &Force| matches!(force, Force::Thermostat(_) | Force::Motor(_));
+        let pulls_none = |force: &Force| {
+            matches!(force, Force::Thermostat(_) | Force::Motor(_) | Force::Springs(_))
+        };
         settings.sleeping
             && settings.on_touch == OnTouch::Bounce
             && settings.gravity != [0.0; 2]
@@ -345,19 +348,31 @@ impl World {
         }
     }
 
-    /// Finds which particles belong together, because they touched in the step or their bounds
-    /// overlapped, and what each rests on. Static particles belong to no island; kinematic ones keep
-    /// theirs awake.
+    /// Finds which particles belong together, because they touched in the step, their bounds
+    /// overlapped or a spring connects them, and what each rests on. Static particles belong to no
+    /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, persistent, wall_impulses, rows, scratch, domain, .. } =
-            self;
-        let super::StepScratch { pairs, sensed, sleeping: Scratch { groups, rests, .. }, .. } =
-            scratch;
+        let Self {
+            particles,
+            contacts,
+            persistent,
+            wall_impulses,
+            rows,
+            scratch,
+            domain,
+            forces,
+            ..
+        } = self;
+        let super::StepScratch { pairs, sensed, sleeping, forces: scratch, .. } = scratch;
+        let Scratch { groups, rests, .. } = sleeping;
         let movable = &particles.movable;
+        let indices = &scratch.indices;
+        let tied = awake_springs(forces, indices)
+            .map(|spring| spring.pair.map(|row| indices[row as usize]));
         groups.reset(movable.len());
         let touching = contacts.touching().map(|contact| contact.indices);
         let near = pairs.iter().chain(&*sensed).flat_map(|(_, pairs)| pairs);
-        for pair in near.copied().chain(touching) {
+        for pair in near.copied().chain(touching).chain(tied.clone()) {
             // Pairs of two ghosts are known to their own ranks.
             let is_known = pair.iter().any(|&index| domain::owns(domain, rows[index as usize]));
             if is_known && pair.iter().all(|&index| is_member(particles, index)) {
@@ -375,8 +390,9 @@ impl World {
             let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
             if is_supported { Rest::Supported } else { Rest::Free }
         }));
-        for contact in contacts.lasting().filter(|contact| contact.impulse > 0.0) {
-            let [a, b] = contact.indices.map(|index| index as usize);
+        let pressed = contacts.lasting().filter(|contact| contact.impulse > 0.0);
+        for pair in pressed.map(|contact| contact.indices).chain(tied) {
+            let [a, b] = pair.map(|index| index as usize);
             let rest = if movable[a] && movable[b] { Rest::OnOther } else { Rest::Supported };
             [a, b].into_iter().for_each(|index| rests[index] = rests[index].max(rest));
         }

@@ -192,14 +192,24 @@ impl World {
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &of.flow);
         if !forces.sprung.is_empty() && !self.forces.is_empty() {
-            forces.sprung.find_held(&Surroundings {
-                particles,
-                motions,
-                contacts,
-                walls: around(walls, near_walls, particles, of.clock(substep)),
-                kicks,
-                flow: &of.flow,
-            });
+            if forces.are_springs_stiff {
+                let surroundings = Surroundings {
+                    particles,
+                    motions,
+                    walls: around(walls, near_walls, particles, of.clock(substep)),
+                    kicks,
+                    flow: &of.flow,
+                };
+                forces.sprung.find_held(&surroundings, |each| {
+                    for block in &contacts.blocks.list {
+                        block.each_lane(|lane| {
+                            let pair = [0, 1].map(|k| block.indices.of(k)[lane]);
+                            let image = [0, 1].map(|k| block.images[k][lane]);
+                            each(pair, image, block.contact_distances[lane]);
+                        });
+                    }
+                });
+            }
             forces.sprung.act(motions, kicks, of.seconds);
             watch(Stage::Forces);
         }

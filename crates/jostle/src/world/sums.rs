@@ -6,7 +6,7 @@ use super::World;
 use super::force_step::{bodies, find_indices};
 use crate::bytes::Plain;
 use crate::error::Result;
-use crate::forces::{self, Attractor, Bodies, Force, Pole};
+use crate::forces::{self, Attractor, Bodies, Force, Pole, Springs};
 use crate::particles::Particles;
 use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 
@@ -77,11 +77,25 @@ impl World {
         let energy = |force: &Force| match force {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
             Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
-            Force::Springs(springs) => springs.energy(&bodies),
+            Force::Springs(springs) => self.energy_of_springs(springs),
             _ => 0.0,
         };
         let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.own_and_all().0);
         self.forces.iter().map(energy).sum::<f64>() + pairs
+    }
+
+    /// Energy of springs, also between sleeping particles.
+    fn energy_of_springs(&self, springs: &Springs) -> f64 {
+        let container = self.settings.container;
+        let asleep = &self.asleep.sleepers().discs;
+        let asleep =
+            self.asleep.indices().map(|at| (asleep.rows[at], asleep.particles.positions[at]));
+        let awake = self.rows.iter().copied().zip(self.particles.positions.iter().copied());
+        let mut positions = vec![[0.0; 2]; self.rows.len() + self.asleep.len()];
+        for (row, position) in awake.chain(asleep) {
+            positions[row as usize] = container.wrap(position);
+        }
+        springs.energy(&positions, &container)
     }
 
     /// Energy of all movable particles in the field of an attractor, which does not act on its

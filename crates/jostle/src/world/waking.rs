@@ -11,6 +11,7 @@ use std::cmp::Ordering;
 use super::bounds::{FreeDisplacements, rounding};
 use super::discs::Discs;
 use super::domain::{self, Domain};
+use super::force_step::springs;
 use super::{World, WorldSettings};
 use crate::contacts::Contact;
 use crate::error::Result;
@@ -175,14 +176,24 @@ impl World {
         self.wake_to_stay(&all);
     }
 
-    /// Wakes the islands that touch one of some rows: immovable particles of which only the velocities have
-    /// changed.
+    /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of which
+    /// only the velocities have changed.
     pub(super) fn wake_driven(&mut self, rows: &mut [u32]) {
         if self.asleep.is_empty() || rows.is_empty() {
             return;
         }
         rows.sort_unstable();
-        let islands = self.asleep.islands_touching(rows);
+        let mut islands = self.asleep.islands_touching(rows);
+        let is_driven = |row: &Id| rows.binary_search(&(*row as u32)).is_ok();
+        let all = springs(&self.forces).flat_map(|springs| &springs.0);
+        let tied = all.map(|spring| spring.pair).filter(|pair| pair.iter().any(is_driven));
+        let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
+        let awake = self.rows.len();
+        let sleeping = self.indices_of(&tied);
+        let sleeping = sleeping.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+        islands.extend(self.asleep.islands_of(sleeping));
+        islands.sort_unstable();
+        islands.dedup();
         self.wake_to_stay(&islands);
     }
 
