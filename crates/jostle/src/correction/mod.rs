@@ -22,7 +22,7 @@ use pairs::{Block, Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
-const SLOP: f32 = 0.0016;
+const SLOP: f32 = 0.002;
 
 /// Share of the overlap beyond [`SLOP`] that one iteration removes.
 const SOFTNESS: f32 = 0.35;
@@ -40,7 +40,7 @@ const ITERATIONS: usize = 6;
 
 /// Two particles are moved apart if they overlap by more than this share of the smaller diameter
 /// beyond [`SLOP`].
-const TOLERANCE: f32 = 0.0008;
+const TOLERANCE: f32 = 0.0004;
 
 /// Displacements in an iteration, one for so many particles, from which on it is worth to find those
 /// that are far from all walls first.

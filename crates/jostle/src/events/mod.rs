@@ -171,6 +171,10 @@ impl Events {
             begin = self.simulate_window(window, bounds, shortest)?;
             self.carry_over(&mut carried);
         }
+        // Other ranks learn it before their next window.
+        if flight.halo.is_none() && *self.has_too_many.get_mut() {
+            return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
+        }
         for (index, velocity) in kept {
             flight.motions.set(index, Motion { velocity, ..flight.motions.get(index) });
         }

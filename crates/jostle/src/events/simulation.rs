@@ -6,13 +6,13 @@
 
 use std::ops::Range;
 
-use super::Outside;
 use super::flight::Window;
 use super::friction::Rubbing;
 use super::history::{Bounce, Course, History, NONE, Trajectory};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
+use super::{MAX_COLLISIONS, Outside};
 use crate::decomposition::{digest, digest_all};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
@@ -145,7 +145,12 @@ impl Simulation<'_> {
                 let is_simple = self.collide_two(&event) || self.collide_alone(&event);
                 work += if is_simple { 1 } else { self.happen(&event) };
             }
-            if work >= POLL_EVERY && self.stop.is_set() {
+            // The step will be refused.
+            let has_too_many = || {
+                let count = self.find(event.pair[0]).map_or(0, |own| own.count);
+                count > MAX_COLLISIONS && window.flight.halo.is_none()
+            };
+            if work >= POLL_EVERY && (self.stop.is_set() || has_too_many()) {
                 break;
             }
             work %= POLL_EVERY;

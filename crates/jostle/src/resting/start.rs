@@ -157,9 +157,14 @@ fn start<S: Simd<f32>>(
     let mut gap = simd.sub(length, contact_distance);
     if of.uneven_sizes != 0 {
         let mut columns = [[0.0; LANES]; 3];
-        [nx, ny, gap].into_iter().zip(&mut columns).for_each(|(from, to)| simd.store(from, to));
+        // Without closures, in which vector instructions would become calls.
+        simd.store(nx, &mut columns[0]);
+        simd.store(ny, &mut columns[1]);
+        simd.store(gap, &mut columns[2]);
         measure_exactly(of, all, &mut columns);
-        [nx, ny, gap] = columns.each_ref().map(|column| simd.load(column));
+        nx = simd.load(&columns[0]);
+        ny = simd.load(&columns[1]);
+        gap = simd.load(&columns[2]);
     }
 
     let [u, v] = difference(simd, all.velocities, &of.indices);
