@@ -2,7 +2,7 @@
 
 use jostle::forces::{Force, Motor};
 use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
+use jostle::{Container, Error, Method, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
@@ -241,7 +241,12 @@ fn a_disc_stays_between_walls_that_leave_it_no_room() {
             for (speed, substeps) in [(0.5, 1), (3.0, 1), (10.0, 1), (10.0, 8)] {
                 let mut world = pressed(both, gap, speed, settings(restitution, substeps, 0.0));
                 for _ in 0..(480.0 / speed).min(300.0) as usize {
-                    run(&mut world, 1);
+                    let done = world.step(STEP, 1);
+                    if restitution >= 0.8 && matches!(done, Err(Error::TooManyCollisions { .. })) {
+                        // It becomes faster at each bounce, so the step is refused in the end.
+                        break;
+                    }
+                    done.expect("a step succeeds");
                     let [left, right] = [0, 1].map(|wall| world.walls()[wall].ends[0][0]);
                     let x = world.positions()[0][0];
                     assert!(
