@@ -161,7 +161,7 @@ fn lift(seed: u64, sides: Sides, velocity: [f32; 2], mut settings: WorldSettings
         let numbers: Vec<u32> = (0..walls.len() as u32).collect();
         let ids = (discs as i64..len as i64).collect();
         world.set_walls(walls).expect("valid");
-        let turns = if seed % 2 == 0 { 1.0 } else { f32::INFINITY };
+        let turns = if seed.is_multiple_of(2) { 1.0 } else { f32::INFINITY };
         world.set_forces(vec![motor(&numbers, ids, velocity, turns)]).expect("valid");
     } else {
         world.set_walls(walls).expect("valid");
