@@ -421,3 +421,41 @@ fn a_disc_rolls_over_pieces_that_miss_each_other() {
         }
     }
 }
+
+/// Random cases for 10⁵ steps each: `cargo test --package jostle --test all many_scales -- --ignored`.
+#[test]
+#[ignore = "it takes a minute"]
+fn many_scales() {
+    let others: Vec<Other> = others().collect();
+    let mut random = jostle::scenes::random::Random::new(7);
+    for _ in 0..100 {
+        let other = others[random.whole(0, others.len() as u32 - 1) as usize];
+        let substeps = [1, 2, 4, 8][random.whole(0, 3) as usize];
+        let dt = [1.0, 1.0 / 60.0, 1e-4][random.whole(0, 2) as usize];
+        let mut power = |most: f32| 10f64.powf(f64::from(random.between(-most, 0.0)));
+        let (travel, fall) = (power(9.0), power(10.0));
+        let h = dt / substeps as f64;
+        let gravity = if random.unit() < 0.3 { 0.0 } else { fall / (h * h) };
+        let can_turn = !matches!(other, Other::Floor(_));
+        let case = Case {
+            other,
+            angle: if can_turn { f64::from(random.between(0.0, 6.2)) } else { 0.0 },
+            place: [0.0, 1e5][random.whole(0, 1) as usize],
+            gap: travel * f64::from(random.between(0.0, 10.0)),
+            travel,
+            restitution: [0.0, 0.5, 0.9, 1.0][random.whole(0, 3) as usize],
+            gravity,
+            dt,
+            substeps,
+        };
+        let mut world = case.world();
+        for _ in 0..100_000 {
+            case.step(&mut world);
+            let [x, y] = world.positions()[0].map(|v| f64::from(v) - case.place);
+            // It has bounced away, or rolled off a small disc.
+            if x.abs().max(y.abs()) > 20.0 + 0.01 * case.place {
+                break;
+            }
+        }
+    }
+}
