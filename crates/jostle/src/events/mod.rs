@@ -65,8 +65,8 @@ pub struct Events {
     /// Pairs that touched during the step, of those that pass through each other; some may be listed
     /// twice.
     pub sensed: Vec<[u32; 2]>,
-    /// Discs that had too many events in a window, sorted. Until the end of the step what touches them
-    /// stays with them.
+    /// Discs that had too many events, sorted. Until the end of the step what touches them stays with
+    /// them.
     pub exhausted: Vec<u32>,
     /// Discs whose collisions became elastic in a window, because they had many, once for each window.
     pub collapsed: Vec<u32>,
@@ -169,7 +169,10 @@ impl Events {
             }
             window.end = window.end.min(horizon);
             begin = self.simulate_window(window, bounds, shortest)?;
-            self.carry_over(&mut carried);
+            // After the last window nothing continues.
+            if begin < flight.end {
+                self.carry_over(&mut carried);
+            }
         }
         // Other ranks learn it before their next window.
         if flight.halo.is_none() && *self.has_too_many.get_mut() {

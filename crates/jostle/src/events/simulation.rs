@@ -558,7 +558,7 @@ impl Simulation<'_> {
     /// Divides the approach that is left evenly, if no velocities keep all surfaces of the group from
     /// approaching: a disc between two walls that close in moves with the mean of their velocities, and stays
     /// between them. Surfaces that no impulse moves come last, so that others do not push a disc through
-    /// them. A disc that has no room between them, or no further events in the window, moves with them alone.
+    /// them. A disc that has no room between them, or no further events in the flight, moves with them alone.
     fn share(&mut self) {
         let window = self.window;
         let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
