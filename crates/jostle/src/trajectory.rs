@@ -160,6 +160,24 @@ pub fn restitution_at_rest(restitution: f64) -> f64 {
 /// Maximum of the first of [`rest_speeds`]: without it every approach would rest if e is 0.
 pub const MAX_REST_SPEED: f64 = 4.0;
 
+/// Two surfaces that meet and approach, in straight relative motion.
+pub struct Meeting {
+    time: f64,
+    /// The gap where the motion begins, negative if they overlap.
+    gap: f64,
+    /// With which they approach then.
+    speed: f64,
+}
+
+impl Meeting {
+    /// What happens then.
+    #[inline(always)]
+    pub fn impact(&self, limits: &Limits) -> Option<Impact> {
+        let kind = limits.of_gap(self.gap).kind(self.speed, 0.0, self.time)?;
+        Some(Impact { time: self.time, kind })
+    }
+}
+
 /// The motion of a point against another.
 #[derive(Clone, Copy, Debug)]
 pub struct Relative {
@@ -192,7 +210,13 @@ impl Relative {
     /// Whether two discs in straight relative motion never come closer.
     #[inline(always)]
     pub fn separates(&self) -> bool {
-        self.acceleration == [0.0; 2] && dot(self.offset, self.velocity) >= 0.0
+        !self.is_curved() && dot(self.offset, self.velocity) >= 0.0
+    }
+
+    /// Whether one of the two falls and the other does not.
+    #[inline(always)]
+    pub fn is_curved(&self) -> bool {
+        self.acceleration != [0.0; 2]
     }
 
     /// Whether two discs whose radii have the sum `contact_distance` touch or overlap before
@@ -211,31 +235,20 @@ impl Relative {
         dot(nearest, nearest) <= contact_distance * contact_distance
     }
 
-    /// The first impact before `until` of two discs whose radii have the sum `contact_distance`. The
-    /// limits are computed if they may touch.
-    #[inline(always)]
-    pub fn impact(
-        &self,
-        contact_distance: f64,
-        until: f64,
-        limits: impl Fn() -> Limits,
-    ) -> Option<Impact> {
-        if self.acceleration == [0.0; 2] {
-            self.straight_impact(contact_distance, until, limits)
+    /// The first impact before `until` of two discs whose radii have the sum `contact_distance`.
+    pub fn impact(&self, contact_distance: f64, until: f64, limits: &Limits) -> Option<Impact> {
+        if self.is_curved() {
+            self.curved_impact(contact_distance, limits)
         } else {
-            self.curved_impact(contact_distance, &limits())
+            self.meeting(contact_distance, until)?.impact(limits)
         }
     }
 
-    /// The closest approach is found first and the impact from there, which keeps its accuracy
-    /// when the displacement is a thousand radii long.
+    /// Where two discs in straight relative motion meet before `until`. The closest approach is found
+    /// first and the meeting from there, which keeps its accuracy when the displacement is a thousand
+    /// radii long.
     #[inline(always)]
-    fn straight_impact(
-        &self,
-        contact_distance: f64,
-        until: f64,
-        limits: impl Fn() -> Limits,
-    ) -> Option<Impact> {
+    pub fn meeting(&self, contact_distance: f64, until: f64) -> Option<Meeting> {
         let (q, w) = (self.offset, self.velocity);
         let approach = dot(q, w);
         if approach >= 0.0 {
@@ -244,10 +257,9 @@ impl Relative {
         let (square, qq) = (contact_distance * contact_distance, dot(q, q));
         if qq <= square {
             let length = qq.sqrt();
-            let normal_speed = -approach / length.max(f64::MIN_POSITIVE);
-            let limits = limits().of_gap(length - contact_distance);
-            let kind = limits.kind(normal_speed, 0.0, self.start)?;
-            return (self.start <= until).then_some(Impact { time: self.start, kind });
+            let speed = -approach / length.max(f64::MIN_POSITIVE);
+            let gap = length - contact_distance;
+            return (self.start <= until).then_some(Meeting { time: self.start, gap, speed });
         }
         let ww = dot(w, w);
         let span = until - self.start;
@@ -263,17 +275,13 @@ impl Relative {
         }
         let back = (free / ww).sqrt();
         let time = self.start + (closest - back).max(0.0);
-        if time > until {
-            return None;
-        }
         // The square of the gap is missing, which does not matter where the gap is small.
-        let limits = limits().of_gap(0.5 * (qq - square) / contact_distance);
-        let kind = limits.kind(back * ww / contact_distance, 0.0, time)?;
-        Some(Impact { time, kind })
+        let gap = 0.5 * (qq - square) / contact_distance;
+        (time <= until).then_some(Meeting { time, gap, speed: back * ww / contact_distance })
     }
 
-    /// As [`Relative::straight_impact`], where one of the two falls and the other does not.
-    fn curved_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
+    /// The first impact of two discs of which one falls and the other does not.
+    pub fn curved_impact(&self, contact_distance: f64, limits: &Limits) -> Option<Impact> {
         let [q, w, a] = [self.offset, self.velocity, self.acceleration];
         let span = limits.until - self.start;
         let square = dot(q, q) - contact_distance * contact_distance;

@@ -100,7 +100,7 @@ impl Block {
             window.list_near_walls(self.range.clone(), near)
         };
         let near = near.iter();
-        let event = |&index| window.wall_event(index, &window.segment(index), 0, |_| false);
+        let event = |&index| window.wall_event(index, &window.segment(index), 0, &|_| false);
         let events = near.map(event);
         self.first.extend(events.flatten());
     }

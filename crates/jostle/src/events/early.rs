@@ -376,7 +376,7 @@ mod tests {
                     deep_tolerance: tolerance,
                     bounces: 0.5,
                 };
-                prop_assert!(relative.impact(2.0, 1.0, || limits).is_none());
+                prop_assert!(relative.impact(2.0, 1.0, &limits).is_none());
             }
         }
 

@@ -269,7 +269,10 @@ impl Window<'_> {
     /// The segment with which a disc begins the window.
     #[inline(always)]
     pub fn segment(&self, index: u32) -> Segment {
-        self.carried(index).map_or_else(|| self.free_segment(index), |course| course.segment)
+        match self.carried(index) {
+            Some(course) => course.segment,
+            None => self.free_segment(index),
+        }
     }
 
     /// The segment with which a disc begins the flight.
@@ -403,14 +406,13 @@ impl Window<'_> {
         }
     }
 
-    /// The limits for two discs on segments, from a time on.
+    /// The limits for two discs at positions; whether neither has had an impact in the flight.
     #[inline(always)]
-    fn pair_limits(&self, now: [(u32, &Segment); 2], time: f64) -> Limits {
-        let pair = now.map(|(index, _)| index);
+    fn pair_limits(&self, pair: [u32; 2], positions: [Vector; 2], is_first: bool) -> Limits {
         let radii = pair.map(|index| self.starts[index as usize].radius);
         // They meet at the surface of the smaller disc, which is near its centre.
         let is_swapped = if radii[0] == radii[1] { pair[1] < pair[0] } else { radii[1] < radii[0] };
-        let place = now[usize::from(is_swapped)].1.position_at(time, self.gravity());
+        let place = if is_swapped { positions[1] } else { positions[0] };
         let tolerance = Tolerance::of(f64::from(size_of(radii[0], radii[1])), place);
         let surfaces = || {
             let rests = |index: u32| {
@@ -419,7 +421,6 @@ impl Window<'_> {
             };
             (rests(pair[0]) && rests(pair[1]), self.pair_restitution(pair))
         };
-        let is_first = now.iter().all(|(_, segment)| segment.is_first);
         let limits = self.limits(&tolerance, [is_first, self.flight.lose_energy(pair)], surfaces);
         let deep_tolerance = tolerance.rounding().max(limits.tolerance);
         Limits { deep: DEEP * tolerance.size(), deep_tolerance, ..limits }
@@ -464,19 +465,27 @@ impl Window<'_> {
         if relative.separates() {
             return None;
         }
-        let limits = || self.pair_limits([(a, first), (b, second)], relative.start);
-        let impact = relative.impact(self.contact_distance(a, b), until, limits);
-        impact.filter(|impact| impact.time <= until)
+        let contact_distance = self.contact_distance(a, b);
+        let limits = || {
+            let at = |segment: &Segment| segment.position_at(relative.start, self.gravity());
+            let is_first = first.is_first & second.is_first;
+            self.pair_limits([a, b], [at(first), at(second)], is_first)
+        };
+        if relative.is_curved() {
+            let impact = relative.curved_impact(contact_distance, &limits());
+            return impact.filter(|impact| impact.time <= until);
+        }
+        let meeting = relative.meeting(contact_distance, until)?;
+        meeting.impact(&limits())
     }
 
     /// The next impact of a disc in the window on a wall for which `skips` is false.
-    #[inline(always)]
     pub fn wall_event(
         &self,
         index: u32,
         segment: &Segment,
         count: u32,
-        skips: impl Fn(u32) -> bool,
+        skips: &dyn Fn(u32) -> bool,
     ) -> Option<Event> {
         if !self.starts[index as usize].is_movable {
             return None;
@@ -537,7 +546,8 @@ impl Window<'_> {
         if square > farthest * farthest {
             return false;
         }
-        let limits = self.pair_limits([(a, first), (b, second)], first.time);
+        let is_first = first.is_first & second.is_first;
+        let limits = self.pair_limits([a, b], [first.position, second.position], is_first);
         let near = contact_distance + limits.rounding;
         if square > near * near {
             return false;

@@ -311,7 +311,7 @@ impl Simulation<'_> {
             *is_joint && touches.iter().any(|touch| is_it(touch) && approaches(touch))
         };
         if !has_ended
-            && let Some(event) = window.wall_event(*index, own, *own_count, is_without_room)
+            && let Some(event) = window.wall_event(*index, own, *own_count, &is_without_room)
         {
             queue.push(event);
         }

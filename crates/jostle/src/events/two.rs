@@ -48,7 +48,9 @@ impl Simulation<'_> {
         if courses.iter().any(|course| is_last(course) || self.is_joint(course, time)) {
             return false;
         }
-        let now = courses.map(|course| course.segment.moved(time, window.gravity()));
+        let now = |k: usize| courses[k].segment.moved(time, window.gravity());
+        // Arrays that are mapped are copied through memory once more.
+        let now = [now(0), now(1)];
         let counts = courses.map(|course| course.count);
         let recent = courses.map(|course| course.recent);
         // From the smaller index to the larger, so that both give the same numbers.
@@ -70,7 +72,7 @@ impl Simulation<'_> {
             self.rub(&[touch], numbers.into_iter(), &mut velocities);
         }
         let turned = |k: usize| Segment { velocity: velocities[k], is_first: false, ..now[k] };
-        let new = [0, 1].map(turned);
+        let new = [turned(0), turned(1)];
         if !self.predict_two(event, &now, &new, counts.map(|count| count + 1)) {
             return false;
         }
@@ -96,12 +98,13 @@ impl Simulation<'_> {
         let Event { time, code, pair: discs, .. } = *event;
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
-        let both = [0, 1].map(|k| Turned {
+        let both = |k: usize| Turned {
             index: discs[k],
             now: &now[k],
             new: &new[k],
             count: counts[k],
-        });
+        };
+        let both = [both(0), both(1)];
         // The impacts of the two with each other are predicted once.
         let partners = [Partner::Predicted(&both[1], code), Partner::Known(discs[0])];
         let is_known = |_, _| false;
@@ -143,7 +146,7 @@ impl Simulation<'_> {
             });
         }
         if hits {
-            predicted.extend(window.wall_event(index, new, count, |_| false));
+            predicted.extend(window.wall_event(index, new, count, &|_| false));
         }
         neighbors.of(index, |neighbor| {
             let (other, image) = (neighbor.index, neighbors.image(neighbor));

@@ -49,7 +49,7 @@ impl Walls {
                             velocity: velocity.map(|v| -v),
                             acceleration: acceleration.map(|v| -v),
                         };
-                        relative.impact(contact_distance, until, || limits)
+                        relative.impact(contact_distance, until, &limits)
                     }
                 }
             });
