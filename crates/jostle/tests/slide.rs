@@ -288,7 +288,6 @@ proptest! {
     }
 
     #[test]
-    #[ignore = "in some hundred piles one pair overlaps"]
     fn walkers_in_a_periodic_pile_never_overlap(
         steps in prop::collection::vec(prop::collection::vec([-0.6..0.6f64, -0.8..0.6f64], 12), 25),
         kinds in prop::collection::vec(0usize..3, 12),

@@ -63,8 +63,20 @@ impl<'a, T: Scalar> Walker<'a, T> {
 
     /// Repeats the motions that have brought the obstacles to where they are, all at the same time,
     /// while the floor on which it stands carries it by `displacement`. What meets it pushes it,
-    /// and an obstacle that moves with its floor is at rest relative to it.
+    /// and an obstacle that moves with its floor is at rest relative to it. Between obstacles that
+    /// leave it no room on the way, it stays where it was, if it is free there.
     pub fn carry(&mut self, displacement: [T; 2]) {
+        let start = self.body;
+        self.follow(displacement);
+        if self.overlap().is_some() {
+            let end = std::mem::replace(&mut self.body, start);
+            if self.overlap().is_some() {
+                self.body = end;
+            }
+        }
+    }
+
+    fn follow(&mut self, displacement: [T; 2]) {
         let (mut velocity, mut left) = (displacement, T::ONE);
         for _ in 0..ATTEMPTS {
             let rest = velocity.map(|v| v * left);
@@ -89,19 +101,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// and, if another obstacle stops it, along the surface of that one.
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
-            self.look([T::ZERO; 2]);
-            let (rules, period, close) = (self.rules, self.period, self.slop(T::ZERO));
-            let start = self.body;
-            // By rounding, its floor may have moved it into the floor itself, which must still stop
-            // it.
-            let is_solid = |near: &Obstacle<T>| {
-                near.facing((&period, T::ZERO), &start, |body, solid| {
-                    let ledge = solid.shape_of(rules.one_way);
-                    ledge.is_none_or(|shape| is_above(rules, body, shape, close))
-                })
-            };
-            let deepest = self.deepest(&self.body, T::ZERO, &is_solid);
-            let Some((normal, depth, _)) = deepest else { return };
+            let Some((normal, depth)) = self.overlap() else { return };
             let out = -(depth + self.slop(depth));
             let out = [normal[0] * out, normal[1] * out];
             if let Some((share, hit)) = self.shift(out)
@@ -110,6 +110,22 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 self.shift(around);
             }
         }
+    }
+
+    /// The deepest overlap with an obstacle where it is: the unit normal towards the obstacle, and
+    /// the depth.
+    fn overlap(&mut self) -> Option<([T; 2], T)> {
+        self.look([T::ZERO; 2]);
+        let (rules, period, close) = (self.rules, self.period, self.slop(T::ZERO));
+        // By rounding, its floor may have moved it into the floor itself, which must still stop it.
+        let is_solid = |near: &Obstacle<T>| {
+            near.facing((&period, T::ZERO), &self.body, |body, solid| {
+                let ledge = solid.shape_of(rules.one_way);
+                ledge.is_none_or(|shape| is_above(rules, body, shape, close))
+            })
+        };
+        let (normal, depth, _) = self.deepest(&self.body, T::ZERO, &is_solid)?;
+        Some((normal, depth))
     }
 
     /// Moves it by a displacement that is not its own, up to the first obstacle. It does not leave
