@@ -20,9 +20,11 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # all modules that it imports again, for matplotlib about two seconds.
 unexport PYTHONDONTWRITEBYTECODE
 
-# With the folders, so that removed files count as a change.
-SOURCES := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/Cargo.toml) \
-  $(shell find crates/*/src python -name __pycache__ -prune -o -print 2>/dev/null)
+# Of the compiled core, with the folders, so that removed files count as a change. Modules in Python are
+# used where they are: an edit of a line needs no build.
+CORE := Cargo.toml $(wildcard Cargo.lock) pyproject.toml $(wildcard crates/*/Cargo.toml) \
+  $(shell find crates/*/src -print 2>/dev/null)
+MODULES := $(shell find python lab -name __pycache__ -prune -o -name "_core.*.so" -prune -o -print 2>/dev/null)
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
@@ -32,9 +34,9 @@ help:  ## list the targets
 	@echo "make TARGET, where TARGET is one of"
 	@sed -n 's/^\([a-z]*\):.*  ## /  \1	/p' Makefile
 
-setup: $(VENV)/wheel $(VENV)/dev  ## build everything into .venv
+setup: $(VENV)/lab $(VENV)/dev  ## build everything into .venv
 
-run: $(VENV)/wheel  ## start the simulator; ARGS="pile -n 2000" chooses a scene and its size
+run: $(VENV)/lab  ## start the simulator; ARGS="pile -n 2000" chooses a scene and its size
 	$(BIN)/jostle run $(ARGS)
 
 test: setup  ## run every test: Rust, Python and the examples in the documents
@@ -46,9 +48,10 @@ test: setup  ## run every test: Rust, Python and the examples in the documents
 search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; ARGS=polygons: see CONTRIBUTING)
 	$(if $(filter polygons,$(ARGS)),$(POLYGONS),$(BIN)/python tests/random_scenes.py $(ARGS))
 
-arcade: $(VENV)/wheel  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
+arcade: $(WHEELS)/built  ## test the adapter to arcade and the examples with windows, in $(ARCADE)
 	@if $(MAKE) --no-print-directory $(ARCADE)/wheel; then $(ARCADE)/bin/python -m pytest \
-	  $(or $(ARGS),tests/test_arcade.py tests/test_window_examples.py tests/test_docstrings.py -k "arcade or pyglet or raylib"); \
+	  $(or $(ARGS),tests/adapters/test_arcade.py tests/docs/test_window_examples.py tests/docs/test_docstrings.py \
+	  -k "arcade or pyglet or raylib"); \
 	else echo "arcade cannot be installed here, so its adapter and the examples are not tested."; fi
 
 lint: setup  ## check format, style and types
@@ -74,9 +77,10 @@ docs: setup  ## draw the pictures of the documents again
 web:
 	@echo "There is no web page yet: jostle runs in Python and in Rust."
 
-wheel: $(VENV)/run  ## build an optimised wheel to distribute into dist
+wheel: $(VENV)/run  ## build optimised wheels of the library and the simulator to distribute into dist
 	$(need_rust)
 	$(BIN)/maturin build --release --interpreter $(BIN)/python --out dist
+	$(call lab_wheel,dist)
 
 clean:  ## remove everything that was built
 	rm -rf $(VENV) $(ARCADE) target benchmarks/native/target out dist .pytest_cache .hypothesis .mypy_cache .ruff_cache
@@ -98,37 +102,52 @@ NATIVE = @if cargo --version >/dev/null 2>&1; then for part in pairs step; do CF
 $(VENV)/created:
 	$(need_rust)
 	$(or $(find_python),$(error $(no_python))) -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet $(PIP)
 	@touch $@
 
 # Bytecode is compiled on first import, not for every module of every package.
-$(VENV)/run: $(VENV)/created requirements/run.txt
-	$(BIN)/python -m pip install --quiet --no-compile --requirement requirements/run.txt
+$(VENV)/run: $(VENV)/created pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-compile --group run
 	@touch $@
 
-$(VENV)/dev: $(VENV)/run requirements/dev.txt
-	$(BIN)/python -m pip install --quiet --no-compile --requirement requirements/dev.txt
+$(VENV)/dev: $(VENV)/run
+	$(BIN)/python -m pip install --quiet --no-compile --group dev
 	@touch $@
 
-$(VENV)/bench: $(VENV)/dev requirements/bench.txt
-	$(BIN)/python -m pip install --quiet --requirement requirements/bench.txt
+$(VENV)/bench: $(VENV)/dev
+	$(BIN)/python -m pip install --quiet --group bench
 	@touch $@
 
-$(ARCADE)/installed: $(VENV)/run requirements/arcade.txt requirements/dev.txt
+$(VENV)/library: $(VENV)/run $(CORE)
+	$(need_rust)
+	@touch $@.begun  # so that an edit made during the build is built the next time
+	$(BIN)/maturin develop --quiet --profile local
+	@mv $@.begun $@
+
+$(VENV)/lab: $(VENV)/library lab/pyproject.toml
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable lab
+	@touch $@
+
+$(WHEELS)/built: $(VENV)/library $(MODULES)
+	rm -rf $(WHEELS)
+	$(BIN)/maturin build --quiet --profile local --interpreter $(BIN)/python --out $(WHEELS)
+	$(call lab_wheel,$(WHEELS))
+	@touch $@
+
+$(ARCADE)/installed: $(VENV)/run
 	$(BIN)/python -m venv --clear $(ARCADE)
-	$(ARCADE)/bin/python -m pip install --quiet --requirement requirements/arcade.txt
+	$(ARCADE)/bin/python -m pip install --quiet $(PIP)
+	$(ARCADE)/bin/python -m pip install --quiet --group arcade
 	@touch $@
 
-$(ARCADE)/wheel: $(ARCADE)/installed $(VENV)/wheel
+$(ARCADE)/wheel: $(ARCADE)/installed $(WHEELS)/built
 	$(ARCADE)/bin/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
 	@touch $@
 
-$(VENV)/wheel: $(VENV)/run $(SOURCES)
-	$(need_rust)
-	@touch $@.begun  # so that an edit made during the build is built the next time
-	rm -rf $(WHEELS)
-	$(BIN)/maturin build --profile local --interpreter $(BIN)/python --out $(WHEELS)
-	$(BIN)/python -m pip install --quiet --no-deps --force-reinstall $(WHEELS)/jostle-*.whl
-	@mv $@.begun $@
+lab_wheel = $(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(1) ./lab
+
+# The oldest that knows dependency groups is 25.1.
+PIP := "pip>=25.1"
 
 # Required programs. Each is run, because a name in PATH may be a broken link.
 

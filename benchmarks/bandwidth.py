@@ -17,8 +17,9 @@ import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from machine import Row
+
 import jostle
-from jostle.bench.machine import Row
 
 ROOT = Path(__file__).resolve().parent.parent
 COUNTS = (10_000, 100_000, 1_000_000, 10_000_000)

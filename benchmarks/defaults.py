@@ -2,9 +2,9 @@
 
     python benchmarks/defaults.py [--scenes gas pile ...] [--counts 10000 100000] [--document]
 
-For every scene and number of particles `jostle.tune` searches the leaf capacity and depth that find
-the pairs fastest, and compares the best with the default in new rounds. The default passes if it
-takes at most a tenth longer, and fails if it takes more. If the confidence interval of the ratio
+For every scene and number of particles `jostle_lab.tune` searches the leaf capacity and depth that
+find the pairs fastest, and compares the best with the default in new rounds. The default passes if
+it takes at most a tenth longer, and fails if it takes more. If the confidence interval of the ratio
 contains both, the result is open. Further tables: one leaf capacity for all scenes; the number of
 shapes from which the tree is faster than brute force; the gain by threads; time and effect of
 sub-steps.
@@ -19,17 +19,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from machine import Results, Row, describe, slug
+from timing import interleaved
 
 import jostle
-from jostle.bench.machine import Results, Row, describe, slug
-from jostle.bench.timing import interleaved
-from jostle.tune import records
-from jostle.tune.candidates import Method, Setting, candidate, defaults
-from jostle.tune.findings import crossing, two_digits
-from jostle.tune.report import in_ms
-from jostle.tune.sample import TIME_STEP, Sample
-from jostle.tune.sweep import THOROUGH, Tuner, Tuning
-from jostle.tune.timing import InterleavedTiming, Ratio
+from jostle_lab.tune import records
+from jostle_lab.tune.candidates import Method, Setting, candidate, defaults
+from jostle_lab.tune.findings import crossing, two_digits
+from jostle_lab.tune.report import in_ms
+from jostle_lab.tune.sample import TIME_STEP, Sample
+from jostle_lab.tune.sweep import THOROUGH, Tuner, Tuning
+from jostle_lab.tune.timing import InterleavedTiming, Ratio
 
 Rows = list[Row]
 
@@ -328,7 +328,7 @@ def main() -> None:
 
 def draw(tunings: list[Tuning], n: int) -> None:
     """Draw the maps of a few scenes for the document."""
-    from jostle.tune import pictures
+    from jostle_lab.tune import pictures
 
     shown = [tuning for tuning in tunings if tuning.scene in SHOWN and tuning.n == n]
     if shown:

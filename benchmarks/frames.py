@@ -15,10 +15,10 @@ import time
 os.environ.setdefault("SDL_VIDEODRIVER", "offscreen")
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
-from jostle.app.draw.screen import NoRendererError
-from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.start import start
-from jostle.app.window import Window
+from jostle_lab.draw.screen import NoRendererError
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
+from jostle_lab.window import Window
 
 FRAME = 1 / 60
 COLUMNS = (

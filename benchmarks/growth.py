@@ -14,12 +14,12 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import shapes
+from machine import Row
 from numpy.typing import NDArray
+from timing import interleaved
 
 import jostle
-from jostle.bench import shapes
-from jostle.bench.machine import Row
-from jostle.bench.timing import interleaved
 
 COUNTS = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
 THREADS = (1, 2)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from machine import Row
 from numpy.typing import NDArray
+from timing import interleaved
 
 import jostle
-from jostle.bench.machine import Row
-from jostle.bench.timing import interleaved
 
 LARGE = 1_000_000
 MIDDLING = 100_000

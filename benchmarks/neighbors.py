@@ -15,11 +15,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from machine import Row, version_of
 from numpy.typing import NDArray
+from timing import interleaved
 
 import jostle
-from jostle.bench.machine import Row, version_of
-from jostle.bench.timing import interleaved
 
 POINTS, ROUNDS, NEIGHBORS = 100_000, 15, 8
 # So that rounding decides about no pair, points are on a coarse grid and the squared distances of

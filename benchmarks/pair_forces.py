@@ -14,13 +14,13 @@ import sys
 from collections.abc import Callable, Iterator
 
 import numpy as np
+from machine import Row, describe
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from timing import clock
 
 import jostle
 from jostle import life
-from jostle.bench.machine import Row, describe
-from jostle.bench.timing import clock
 
 DT, CUTOFF, CORE, STRENGTH, DRAG = 1 / 60, 40.0, 0.3, 120.0, 10.0
 AREA = 145.0  # for each particle: about 35 neighbours

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import step_rivals as rivals
+from machine import describe
 from numpy.typing import NDArray
 from PIL import Image
 from plot import figure, save
+from timing import clock
 
 import jostle
-from jostle.bench import step_rivals as rivals
-from jostle.bench.machine import describe
-from jostle.bench.timing import clock
 
 PICTURE = Path(__file__).parents[1] / "docs" / "pictures" / "piles.png"
 DEEPEST = 10.0  # per cent of the smaller radius at the end of the colours

@@ -14,11 +14,11 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from machine import Row, version_of
 from numpy.typing import NDArray
+from timing import interleaved
 
 import jostle
-from jostle.bench.machine import Row, version_of
-from jostle.bench.timing import interleaved
 
 COUNTS = (10_000, 100_000, 1_000_000)
 QUESTIONS = 10_000

@@ -19,8 +19,10 @@ from pathlib import Path
 import bandwidth
 import growth
 import hard_cases
+import held
 import neighbors
 import pair_forces
+import pairs
 import plot
 import queries
 import separate
@@ -29,10 +31,9 @@ import small
 import space
 import sprites
 import stage_times
+import steps
 import tables
-
-from jostle.bench import held, pairs, steps
-from jostle.bench.machine import Results, Row, describe, slug
+from machine import Results, Row, describe, slug
 
 PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
 PAIR_COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)

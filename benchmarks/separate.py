@@ -17,11 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from machine import Row, version_of
 from numpy.typing import NDArray
+from timing import interleaved
 
 import jostle
-from jostle.bench.machine import Row, version_of
-from jostle.bench.timing import interleaved
 
 Floats = NDArray[np.float64]
 Move = Callable[[Floats, Floats, Floats], Floats]

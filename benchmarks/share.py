@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+import shapes
+from machine import Row
+from timing import interleaved
 
 import jostle
-from jostle.bench import shapes
-from jostle.bench.machine import Row
-from jostle.bench.timing import interleaved
 
 COUNTS = (1, 10, 100, 1_000, 10_000, 100_000)
 STEP = 1 / 60

@@ -6,10 +6,11 @@ import statistics
 from collections.abc import Iterator
 from functools import partial
 
+import shapes
+from machine import Row
+from timing import interleaved
+
 import jostle
-from jostle.bench import shapes
-from jostle.bench.machine import Row
-from jostle.bench.timing import interleaved
 
 COUNTS = (2, 4, 8, 16, 32, 64, 96, 128, 160, 192, 256, 384, 512, 768, 1_000, 1_400, 2_000)
 

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from machine import Row
 from numpy.typing import NDArray
+from timing import Timing, clock
 
 import jostle
-from jostle.bench.machine import Row
-from jostle.bench.timing import Timing, clock
 
 FRAMES_TIMES = 9
 """Frames for each requested round, because a frame is short."""

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jostle.bench.machine import Results, Row, describe, slug, version_of
-from jostle.bench.timing import Timing, clock
+from machine import Results, Row, describe, slug, version_of
+from timing import Timing, clock
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 

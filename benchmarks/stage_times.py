@@ -14,10 +14,10 @@ import statistics
 from collections.abc import Callable, Iterator
 
 import numpy as np
+import step_rivals
+from machine import Row
 
 import jostle
-from jostle.bench import step_rivals
-from jostle.bench.machine import Row
 
 FRAME = step_rivals.FRAME
 STEPS = 10

@@ -17,7 +17,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from jostle.bench.machine import Results, slug
+from machine import Results, slug
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target/release/examples/one_step"

@@ -12,9 +12,8 @@ import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from machine import slug
 from plot import RESULTS, Row, read, short, slope
-
-from jostle.bench.machine import slug
 
 PAGE = Path(__file__).parents[1] / "docs" / "benchmarks.md"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
 
-from jostle.app.gui.keymap import GROUPS
+from jostle_lab.gui.keymap import GROUPS
 
 
 def as_markdown() -> str:

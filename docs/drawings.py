@@ -23,7 +23,7 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 import jostle
-from jostle.article import Simulation
+from jostle_lab.article import Simulation
 
 DOCS = Path(__file__).parent
 

@@ -17,13 +17,13 @@ from drawings import DRAWINGS
 from PIL import Image
 
 from jostle import life
-from jostle.app.draw.camera import Camera
-from jostle.app.draw.picture import Picture
-from jostle.app.draw.software import SoftwarePainter
-from jostle.app.draw.view_options import ViewOptions
-from jostle.app.gui.style import COLUMN, STATISTICS
-from jostle.app.simulate.settings import Settings
-from jostle.app.simulate.start import start
+from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.picture import Picture
+from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.draw.view_options import ViewOptions
+from jostle_lab.gui.style import COLUMN, STATISTICS
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
 
 PICTURES = Path(__file__).parent / "pictures"
 
@@ -125,7 +125,7 @@ def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:
 
 def call(*arguments: str) -> None:
     """Run the command."""
-    subprocess.run([sys.executable, "-m", "jostle.cli", *arguments], check=True)
+    subprocess.run([sys.executable, "-m", "jostle_lab.cli", *arguments], check=True)
 
 
 def main() -> None:

@@ -23,11 +23,9 @@
     What a world says about its last step.
 `WorldParticle`, `WorldParticles`
     Copies of some particles.
-`article`
-    The two programs of the article of 2015, in plain Python, with their faults.
 """
 
-from jostle import article, life, scenes
+from jostle import life, scenes
 from jostle._core import (
     AndersenThermostat,
     Attractor,
@@ -108,7 +106,6 @@ __all__ = [
     "WorldParticles",
     "WorldStats",
     "__version__",
-    "article",
     "find_pairs",
     "life",
     "polyline",

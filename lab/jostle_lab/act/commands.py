@@ -1,0 +1,310 @@
+"""Commands on particles: make, copy, remove, stop, fix, scatter; the brush; and walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import jostle
+from jostle_lab.simulate.article_simulation import NO_WALLS, Simulation
+from jostle_lab.simulate.containers import (
+    Floats,
+    are_inside,
+    bounds,
+    common,
+    diagonal,
+    directions,
+    free_among,
+    free_positions,
+    random_in_disc,
+    wall_images,
+)
+from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
+from jostle_lab.simulate.settings import EVERY_CATEGORY, Polyline
+from jostle_lab.simulate.simulation import Container, Frame, Point, Rect, Tags
+from jostle_lab.simulate.wall_segments import nearest
+
+CLONE_GAP = 1.05  # diameters between a particle and its clone
+TOP_SPEED = 0.4  # largest random speed, in diagonals of the view per second
+DENSITIES = 1.0, 20.0  # the article's range, for colours that differ
+PLAIN_RADIUS, PLAIN_DENSITY = 10.0, 1.0  # of a new particle, if there is no other
+
+
+class Commands:
+    """Commands on particles and walls; an error becomes a message."""
+
+    def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
+        self._engine = engine
+        self._say = say
+        self._rng = np.random.default_rng()
+        self.kind = 0  # the kind of new particles, where forces depend on it
+        self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
+
+    @property
+    def new_kind(self) -> int | None:
+        """Return the kind of new particles; None if forces do not depend on kinds."""
+        matrix = self._engine.frame.matrix
+        return None if matrix is None else self.kind % len(matrix)
+
+    # Some particles
+
+    def create(self, point: Point) -> None:
+        """Add a particle at rest, with the median radius and density."""
+        self._add(lambda frame, radius: np.array([point]))
+
+    def paint(self, points: NDArray[np.float64]) -> None:
+        """Add such particles at those points at which they overlap nothing."""
+        self._add(lambda frame, radius: points[free_among(points, radius, frame)])
+
+    def _add(self, places: Callable[[Frame, float], NDArray[np.float64]]) -> None:
+        """Add particles of the chosen kind and filter; `places` has the frame and their radius."""
+        frame = self._engine.frame
+        radius, density = usual(frame)
+        kinds = self.new_kind
+        # A copy, because the edit may run after the next change of the filter.
+        bits = {} if frame.categories is None else dict(self.new_filter)
+
+        def work(simulation: Simulation) -> None:
+            points = places(simulation.frame(), radius)
+            if n := len(points):
+                simulation.add(points, (0, 0), [radius] * n, [density] * n, kinds=kinds, **bits)
+
+        self._edit(work)
+
+    def clone(self, tags: Tags) -> None:
+        """Add a copy of each particle, all shifted alike; where a wall is, at a free position."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            rows = frame.rows(tags)
+            if not len(rows):
+                return
+            places, there = _places_beside(frame, rows, simulation.view)
+            rows = rows[there]
+            simulation.add(
+                places[there],
+                frame.velocities[rows],
+                frame.radii[rows],
+                frame.densities[rows],
+                movable=frame.movable[rows],
+                sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
+                kinds=None if frame.kinds is None else frame.kinds[rows],
+                **_filters(frame, rows),
+            )
+            if not there.all():
+                self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
+
+        self._edit(work)
+
+    def delete(self, tags: Tags) -> None:
+        self._edit(lambda simulation: simulation.remove(tags))
+
+    def stop(self, tags: Tags) -> None:
+        """Set the velocity of particles to 0."""
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0)))
+
+    def fix(self, tags: Tags, *, movable: bool) -> None:
+        """Stop particles and make them immovable, or movable; the article has movable ones only."""
+        if self._engine.settings.by_article:
+            self._say("Under the article's rules all particles are movable.")
+            return
+        self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0), movable=movable))
+
+    def set_bit(self, tags: Tags, column: str, bit: int, *, on: bool) -> None:
+        """Set or clear one bit of the categories or masks of particles; of new ones if no tags."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            rows = frame.rows(tags)
+            if column in (columns := _filters(frame, rows)):
+                changed = _with_bit(columns[column], bit, on)
+                simulation.change(frame.tags[rows], **{column: changed})
+
+        if len(tags):
+            self._edit(work)
+        else:
+            self.new_filter[column] = int(_with_bit(self.new_filter[column], bit, on))
+
+    # All that can move
+
+    def scramble(self) -> None:
+        """Move every particle to a random position inside the container."""
+        self._scatter()
+
+    def randomise(self) -> None:
+        """Give every particle a random position, velocity and density, and so a random colour."""
+        self._scatter(all_columns=True)
+
+    def _scatter(self, *, all_columns: bool = False) -> None:
+        """Move every movable particle to a random position."""
+
+        def work(simulation: Simulation) -> None:
+            frame, view, rng = simulation.frame(), simulation.view, self._rng
+            radii = frame.radii[frame.movable]
+            columns = {"positions": scatter(rng, frame.container, view, radii)}
+            if all_columns:
+                speeds = rng.uniform(0, TOP_SPEED * diagonal(view), (len(radii), 1))
+                columns["velocities"] = speeds * directions(rng, len(radii))
+                columns["densities"] = np.rint(rng.uniform(*DENSITIES, len(radii)))
+            simulation.change(frame.tags[frame.movable], **columns)
+
+        self._edit(work)
+
+    # Walls
+
+    @property
+    def drawn_walls(self) -> NDArray[np.intp]:
+        """Return the rows of the walls that a user drew."""
+        return _drawn(self._engine.frame)
+
+    def wall(self, start: Point, end: Point) -> None:
+        """Add a wall: a line segment."""
+        if self._engine.settings.by_article:
+            self._say(NO_WALLS)
+            return
+        self._edit(lambda simulation: simulation.add_wall(Polyline((start, end))))
+
+    def erase_wall(self, point: Point, reach: float) -> None:
+        """Remove the wall that is nearest to a point, if it is within `reach` of it."""
+
+        def work(simulation: Simulation) -> None:
+            frame = simulation.frame()
+            images, rows = wall_images(frame.container, frame.walls, reach)
+            image, distance = nearest(images, point)
+            if distance <= reach:
+                simulation.remove_walls(rows[image])
+
+        self._edit(work)
+
+    def clear_walls(self) -> None:
+        if len(self.drawn_walls):
+            self._edit(lambda simulation: simulation.remove_walls(_drawn(simulation.frame())))
+
+    def _edit(self, work: Callable[[Simulation], object]) -> None:
+        """Edit the simulation; an error becomes a message."""
+
+        def edit(simulation: Simulation) -> None:
+            try:
+                work(simulation)
+            except REFUSALS as error:
+                self._say(message_of(error))
+
+        self._engine.edit(edit)
+
+
+def _drawn(frame: Frame) -> NDArray[np.intp]:
+    return np.arange(frame.own_walls, len(frame.walls))
+
+
+def _filters(frame: Frame, rows: NDArray[np.intp]) -> dict[str, NDArray[np.uint32]]:
+    """Return the collision filters of rows as columns to add; none under the article's rules."""
+    if frame.categories is None or frame.masks is None:
+        return {}
+    return {"categories": frame.categories[rows], "masks": frame.masks[rows]}
+
+
+def _with_bit(bits: ArrayLike, bit: int, on: bool) -> NDArray[np.uint32]:
+    flag = np.uint32(1 << bit)
+    with_it: NDArray[np.uint32] = np.asarray(bits, np.uint32) | flag
+    return with_it if on else with_it ^ flag
+
+
+def usual(frame: Frame) -> tuple[float, float]:
+    """Return the median radius and density of the movable particles."""
+    radii, densities = frame.radii[frame.movable], frame.densities[frame.movable]
+    if len(radii) == 0:
+        return PLAIN_RADIUS, PLAIN_DENSITY
+    return float(np.median(radii)), float(np.median(densities))
+
+
+def scatter(rng: np.random.Generator, container: Container, view: Rect, radii: Floats) -> Floats:
+    """Return random positions for discs, inside both the container and the view."""
+    n = len(radii)
+    if isinstance(container, jostle.Circle):
+        reach = np.maximum(container.radius - radii, 0)[:, None]
+        inside: Floats = np.array(container.center) + reach * random_in_disc(rng, n)
+        return inside
+    low, high = np.array(common(bounds(container), view)).reshape(2, 2)
+    room = np.maximum((high - low)[None, :] - 2 * radii[:, None], 0.0)
+    places: Floats = (low + high) / 2 + room * rng.uniform(-0.5, 0.5, (n, 2))
+    return places
+
+
+def _places_beside(
+    frame: Frame, rows: NDArray[np.intp], view: Rect
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return positions for copies, and which copies have one."""
+    places = frame.positions[rows] + _beside(frame, rows)
+    radii = frame.radii[rows].astype(np.float64)
+    there = are_inside(places, radii, frame.container)
+    beyond = np.flatnonzero(~there)
+    free, found = free_positions(
+        np.concatenate([frame.positions, places[there]]),
+        np.concatenate([frame.radii, radii[there]]),
+        radii[beyond], frame.container, view, len(frame), frame.walls,
+    )  # fmt: skip
+    places[beyond[found]], there[beyond[found]] = free, True
+    return places, there
+
+
+def _beside(frame: Frame, rows: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the shift from the originals to their copies, to the side with more space."""
+    places, radii = frame.positions[rows].astype(np.float64), frame.radii[rows, None]
+    low, high = (places - radii).min(axis=0)[0], (places + radii).max(axis=0)[0]
+    walls = bounds(frame.container)
+    right = walls is None or low + high <= walls[0] + walls[2]
+    shift = CLONE_GAP * (high - low)
+    return np.array([shift if right else -shift, 0.0])
+
+
+# The brush
+
+REACH = 6.0  # radii of a particle: the radius of the brush
+SPACING = 2.0  # radii: between two positions of the brush at which it adds particles
+DROPS = 2  # particles added at each position, if there is room
+
+
+class Brush:
+    """Adds particles at random positions within its radius, where they overlap no other."""
+
+    def __init__(self, engine: Engine, commands: Commands) -> None:
+        self._engine, self._commands = engine, commands
+        self._rng = np.random.default_rng()
+        self._at: Point = (0.0, 0.0)
+        self._size = (-1, 0.0)  # number of particles, and the radius of a new one
+
+    @property
+    def radius(self) -> float:
+        """Return the radius of the brush in units of the world."""
+        return REACH * self._particle()
+
+    def begin(self, point: Point) -> None:
+        """Add particles around a point, where a stroke begins."""
+        self._at = point
+        self._add(np.array([point]))
+
+    def stroke(self, point: Point) -> None:
+        """Add particles along the line to a point."""
+        spacing, length = SPACING * self._particle(), math.dist(self._at, point)
+        count = int(length / spacing)
+        if count == 0:
+            return
+        ahead = (np.array(point) - self._at) * (spacing / length)
+        places = self._at + ahead * np.arange(1, count + 1)[:, None]
+        self._at = (float(places[-1, 0]), float(places[-1, 1]))
+        self._add(places)
+
+    def _add(self, middles: NDArray[np.float64]) -> None:
+        middles = np.repeat(middles, DROPS, axis=0)
+        offsets = self.radius * random_in_disc(self._rng, len(middles))
+        self._commands.paint(middles + offsets)
+
+    def _particle(self) -> float:
+        """Return the radius of a new particle; a median, so it is kept while no number changes."""
+        frame = self._engine.frame
+        if self._size[0] != len(frame):
+            self._size = len(frame), usual(frame)[0]
+        return self._size[1]

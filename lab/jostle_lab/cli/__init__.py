@@ -1,0 +1,60 @@
+"""The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`.
+
+without_extra  the command without the packages that it needs
+refusals       checks of arguments
+runs           the ways to run a scene
+commands       the commands and their options
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+
+try:
+    import rich  # noqa: F401
+    import typer
+except ImportError as missing:
+    from .without_extra import answer
+
+    answer(sys.argv[1:], missing.name)
+    raise SystemExit from None
+
+from jostle_lab import interrupt
+
+from .commands import app
+from .refusals import tell
+
+
+def main() -> None:
+    """Run the command; an error in its arguments becomes a message and exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # characters that it cannot encode become "?"
+            stream.reconfigure(errors="replace")
+    with interrupt.handled():
+        code = _exit_code()
+    sys.exit(code)
+
+
+def command() -> None:
+    """Run `main` as a process; after Ctrl-C it ends without waiting for threads."""
+    try:
+        main()
+    except SystemExit as end:
+        if end.code == interrupt.CODE:
+            interrupt.leave()
+        raise
+
+
+def _exit_code() -> int:
+    # The base class of all errors of arguments; its package depends on typer's version.
+    usage_error: type[Exception] = typer.BadParameter.__mro__[2]
+    try:
+        code = app(standalone_mode=False)
+    except usage_error as error:
+        if sentence := error.format_message():  # type: ignore[attr-defined]
+            tell(f"jostle: {sentence}")
+        return 2
+    except (typer.Abort, KeyboardInterrupt):
+        return interrupt.CODE
+    return code if isinstance(code, int) else 0

@@ -1,0 +1,320 @@
+"""The run without a window: a video with numbers, a picture of its end, and a table after it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+import pygame
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import jostle
+from jostle_lab import interrupt
+from jostle_lab.draw.camera import Camera, Size
+from jostle_lab.draw.painter import Painter
+from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
+from jostle_lab.draw.picture import Picture
+from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.draw.text import (
+    BODY,
+    SMALL,
+    TITLE,
+    font,
+    pairs_of,
+    panel,
+    plural,
+    scientific,
+    share,
+    video_name,
+    write,
+)
+from jostle_lab.draw.view_options import TreeView, ViewOptions
+from jostle_lab.simulate.article_simulation import Simulation, article_of
+from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.settings import METHODS, Settings
+from jostle_lab.simulate.simulation import Frame, Rect
+from jostle_lab.simulate.world_simulation import TIME_STEP, WorldSimulation
+from jostle_lab.storage.encoder import Encoder, write_png
+from jostle_lab.storage.paths import free_name
+
+SIZE = (1280, 720)
+FRAME_RATE = 30
+DEFAULT_SECONDS = 10
+# The panel of numbers, in pixels
+WIDTH = 248
+EDGE = 12  # pixels between the panel and the edge of the screen
+SPACE = WIDTH + 2 * EDGE  # margin of the scene
+PAD = 14
+RULE = 11  # pixels, the height of a line between two parts
+BAR = 44  # length of the longest bar of a stage
+SMOOTH = 0.1  # weight of a new measurement
+EVERY = 0.2  # seconds between updates
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the panel: a name at the left, a value at the right, and a bar before it."""
+
+    name: str
+    value: str = ""
+    size: int = BODY
+    colour: Colour = TEXT_SOFT
+    value_colour: Colour = TEXT
+    bar: float | None = None  # its length, from 0 to 1
+
+    @property
+    def height(self) -> int:
+        return font(self.size).get_linesize() + 3
+
+
+class Readout:
+    """Collects measurements every frame, and redraws its panel a few times per second."""
+
+    def __init__(self) -> None:
+        self._times: dict[str, float] = {}
+        self._sheet: pygame.Surface | None = None
+        self._due = 0.0
+
+    def measure(self, **milliseconds: float) -> None:
+        """Add one measurement for each named stage."""
+        for stage, value in milliseconds.items():
+            shown = self._times.get(stage, value)
+            self._times[stage] = shown + SMOOTH * (value - shown)
+
+    def draw(self, painter: Painter, engine: Engine, rate: float | None, now: float) -> None:
+        """Draw the panel; `rate` is the number of steps per second."""
+        if self._sheet is None or now >= self._due:
+            self._sheet = sheet_of(self._rows(engine, rate))
+            self._due = now + EVERY
+        painter.sheet(self._sheet, (EDGE, EDGE))
+
+    def _rows(self, engine: Engine, rate: float | None) -> list[Row | None]:
+        """Return the lines; None is a rule between two parts."""
+        facts, n = engine.frame.stats, len(engine.frame)
+        every_pair = pairs_of(n)
+        longest = max(self._times.values(), default=0.0) or 1.0
+        # Drawing is last, in the order of work.
+        stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
+        return [
+            Row(engine.scene, size=TITLE, colour=TEXT),
+            Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
+            None,
+            Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
+            None,
+            Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
+            *(Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
+            None,
+            Row("pairs tested", f"{facts.pairs_tested:,}"),
+            Row("of n(n−1)/2", f"{every_pair:,}"),
+            Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
+            Row("touching", f"{facts.touching:,}"),
+            Row("asleep", f"{facts.asleep:,}"),
+            Row("kinetic energy", scientific(facts.kinetic_energy)),
+        ]
+
+
+def sheet_of(rows: list[Row | None]) -> pygame.Surface:
+    """Return the lines on a panel, from top to bottom."""
+    sheet = panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
+    y, right = PAD, WIDTH - PAD
+    for row in rows:
+        if row is None:
+            pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
+            y += RULE
+            continue
+        write(sheet, (PAD, y), row.name, row.colour, row.size)
+        write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
+        if row.bar is not None:
+            bar = right - 62 - BAR, y + row.height // 2 - 3, max(round(BAR * row.bar), 1), 4
+            pygame.draw.rect(sheet, ACCENT, bar)
+        y += row.height
+    return sheet
+
+
+@dataclass(frozen=True)
+class Film:
+    """The result of a run without a window."""
+
+    video: Path
+    still: Path
+    steps: int
+    frames: int
+    step_seconds: float  # spent in the simulation alone
+
+
+def progress_bar(console: Console) -> Progress:
+    """Return a bar that counts steps."""
+    count = TextColumn("{task.completed:,}/{task.total:,} steps")
+    columns = TextColumn("{task.description}"), BarColumn(), count, TimeRemainingColumn()
+    return Progress(*columns, console=console)
+
+
+def default_steps(simulation: Simulation) -> int:
+    """Return the number of steps of a ten-second video."""
+    return round(DEFAULT_SECONDS / simulation.time_step)
+
+
+def make_film(
+    simulation: Simulation,
+    steps: int,
+    out: Path,
+    console: Console,
+    size: Size = SIZE,
+    options: ViewOptions | None = None,
+) -> Film:
+    """Step the simulation, record 30 frames per second, and save the last one.
+
+    The files in the folder `out` are named after the scene and the method, with a number if the
+    name exists. Without `options` the tree is drawn in the second half only.
+    """
+    settings = simulation.settings
+    name = free_name(out, video_name(settings.scene, settings.method), ".mp4", ".png")
+    video, still = out / f"{name}.mp4", out / f"{name}.png"
+    engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
+    changing, options = options is None, options or ViewOptions()
+    camera, picture, readout = Camera(size, simulation.view, left=SPACE), Picture(), Readout()
+    stride = max(round(1 / FRAME_RATE / simulation.time_step), 1)
+    spent = 0.0
+
+    def draw(step: int, now: float) -> None:
+        if changing:
+            options.tree = TreeView.OUTLINE if step > steps // 2 else TreeView.OFF
+        if engine.request != picture.request(options):
+            engine.request = picture.request(options)
+            engine.refresh()
+        start = time.perf_counter()
+        picture.draw(painter, engine.frame, camera, options)
+        rate = step / spent if spent else None
+        readout.draw(painter, engine, rate, now)
+        readout.measure(draw=(time.perf_counter() - start) * 1e3)
+
+    with Encoder(video, size, FRAME_RATE) as recorder, progress_bar(console) as progress:
+        task = progress.add_task(f"recording {name}", total=steps)
+        for step in range(steps + 1):
+            interrupt.check()
+            if step:
+                engine.step()
+                spent += engine.last_seconds
+                readout.measure(**engine.frame.stats.stage_times)
+                progress.advance(task)
+            if step % stride == 0:
+                draw(step, step * simulation.time_step)
+                recorder.draw(painter.canvas())
+    draw(steps, now=math.inf)  # the numbers of the last step, as in the table
+    write_png(painter.canvas(), still)
+    return Film(video, still, steps, recorder.frames, spent)
+
+
+# The table
+
+TableRow = tuple[str, str, str]  # what, how much, remark
+
+PATIENCE = 1.0  # seconds of measuring for each method
+BRUTE_LIMIT = 20_000  # particles; above, brute force is timed with fewer and scaled by n²
+BRUTE_SAMPLE = 10_000
+ARTICLE_LIMIT = 10_000  # particles; above, the article's tree is timed with so many
+
+
+def film_report(simulation: Simulation, film: Film) -> Table:
+    """Time the methods at the last state, and return all numbers as a table.
+
+    This steps `simulation`.
+    """
+    settings, n, state = simulation.settings, len(simulation), simulation.frame()
+    facts = state.stats
+    every_pair = pairs_of(n)
+    if isinstance(simulation, WorldSimulation):
+        simulation.world.sleeping = False  # the time of a step in which all are awake
+    own = _milliseconds(simulation.step)  # without an encoder that uses the processor
+    table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
+    table.show_header = False
+    table.add_column()
+    table.add_column(justify="right")
+    table.add_column(style="dim")
+    recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
+    part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
+    rows: list[TableRow] = [
+        ("particles", f"{n:,}", ""),
+        ("steps", f"{film.steps:,}", plural(film.frames, "frame")),
+        ("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}"),
+        ("pairs tested", f"{facts.pairs_tested:,}", part),
+        ("touching", f"{facts.touching:,}", "pairs, in the last step"),
+    ]
+    if facts.asleep:
+        rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
+    nothing: list[TableRow] = [("other methods", "–", "no pairs, so nothing to compare")]
+    others = _comparison(simulation, state) if every_pair else nothing
+    for part_of_table in (rows, others):
+        table.add_section()
+        for row in part_of_table:
+            table.add_row(*row)
+    return table
+
+
+def _comparison(simulation: Simulation, state: Frame) -> list[TableRow]:
+    """Return a row for each method, all at the same state."""
+    settings, view = simulation.settings, simulation.view
+    if not isinstance(simulation, WorldSimulation):
+        settings = replace(settings, method="quadtree", sleeping=False)
+        simulation = WorldSimulation.of_scene(settings)
+    world = simulation.world
+    ours, our_pairs = _time_world(world, "quadtree")
+    return [
+        ("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs"),
+        _brute_row(world, settings, ours, our_pairs),
+        _article_row(state, view, settings, ours),
+    ]
+
+
+def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: float) -> TableRow:
+    n, remark, about, scale = len(world), "", "", 1.0
+    if n > BRUTE_LIMIT:
+        world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
+        world.sleeping = False
+        remark, about, scale = f" (scaled from {BRUTE_SAMPLE:,})", "≈ ", (n / BRUTE_SAMPLE) ** 2
+    step, pairs = (value * scale for value in _time_world(world, "brute"))
+    remark = f"{_times(step, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
+    return "brute force, per step", about + _ms(step), remark
+
+
+def _article_row(state: Frame, view: Rect, settings: Settings, ours: float) -> TableRow:
+    name = "article's tree, per frame"
+    if len(state.radii) > ARTICLE_LIMIT:
+        sample = WorldSimulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
+        needed = _milliseconds(article_of(sample.frame(), sample.view, "quadtree").frame)
+        return name, _ms(needed), f"with only {ARTICLE_LIMIT:,} particles"
+    needed = _milliseconds(article_of(state, view, "quadtree").frame)
+    return name, _ms(needed), f"{_times(needed, ours)}, in plain Python"
+
+
+def _time_world(world: jostle.World, method: Literal["quadtree", "brute"]) -> tuple[float, float]:
+    """Return the milliseconds per step, and the time of the pairs in the last step."""
+    world.method = method
+    step = _milliseconds(lambda: world.step(TIME_STEP))
+    return step, world.profile["build"] + world.profile["pairs"]
+
+
+def _milliseconds(step: Callable[[], None]) -> float:
+    """Return the mean time of a step over at most `PATIENCE` seconds, after one to warm up."""
+    step()
+    start, count = time.perf_counter(), 0
+    while ((spent := time.perf_counter() - start) < PATIENCE and count < 100) or count == 0:
+        step()
+        count += 1
+    return spent / count * 1e3
+
+
+def _ms(value: float) -> str:
+    """Return milliseconds with three significant digits, never as a power of ten."""
+    digits = max(2 - math.floor(math.log10(value)), 0) if value > 0 else 0
+    return f"{value:,.{digits}f} ms"
+
+
+def _times(other: float, ours: float) -> str:
+    return f"{other / ours:,.1f} ×" if ours > 0 else "–"

@@ -1,0 +1,180 @@
+"""The settings: search for pairs, sliders of particles, tree, world and time, and the display."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jostle_lab.act.interaction import Tool
+from jostle_lab.draw.view_options import ColourBy, TreeView
+from jostle_lab.gui.host import Gui
+from jostle_lab.gui.keymap import SWITCHES
+from jostle_lab.panels.sliders import Moved, Range, slider
+from jostle_lab.panels.widgets import choice, combo, in_rows, label, select, signed
+from jostle_lab.session import Session
+from jostle_lab.simulate.containers import kind_of
+from jostle_lab.simulate.settings import METHODS, too_slow
+
+METHODS_BY_RULES = {
+    "exact physics": {"quadtree": "quadtree", "brute": "brute force"},
+    "2015 program": {"article-quadtree": "quadtree", "article-brute": "brute force"},
+}
+CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
+ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
+SLEEPING = {"on": "on", "off": "off"}
+ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
+FIXED = "The article's rules are fixed."
+
+
+def _whole(value: float) -> str:
+    return f"{value:,.0f}"
+
+
+def _short(value: float) -> str:
+    return signed(value, ".2f")
+
+
+def _signed(value: float) -> str:
+    return signed(value, ",.0f")
+
+
+def _depth(value: float) -> str:
+    return "no limit" if value >= UNLIMITED else _whole(value)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A slider on one field of the settings."""
+
+    name: str
+    field: str
+    span: Range
+    write: Callable[[float], str] = _whole
+    default: float = 0.0  # if neither the settings nor the world have a value
+
+
+CORES = os.cpu_count() or 1
+UNLIMITED = 4_096  # subdivisions that no tree reaches
+STRONGEST = 2000.0  # gravity, world units per second squared
+COUNT = Line("particles", "n", Range(0, 1_000_000, log=True, whole=True))
+TREE = (
+    Line("leaf capacity", "leaf_capacity", Range(1, 1024, log=True, whole=True)),
+    Line("max. depth", "max_depth", Range(1, UNLIMITED, log=True, whole=True), _depth),
+    Line("threads", "threads", Range(1, max(CORES, 2), whole=True), default=CORES),
+)
+SIZE = Line("world size", "world_size", Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0)
+MATERIAL = (
+    Line("drag", "drag", Range(0.0, 5.0), _short),
+    Line("restitution", "restitution", Range(0.0, 1.0), _short, 1.0),
+    Line("friction", "friction", Range(0.0, 2.0), _short),
+)
+DRAWN_WALLS = Line("wall friction", "wall_friction", Range(0.0, 2.0), _short)
+TIME = (
+    Line("time scale", "time_scale", Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
+    Line("sub-steps", "substeps", Range(1, 32, log=True, whole=True), default=1),
+)
+LINES = (COUNT, *TREE, SIZE, *MATERIAL, DRAWN_WALLS, *TIME)
+
+
+def build_method(session: Session, gui: Gui) -> None:
+    """Build two choices for exact physics, two for the article's program, and the comparison."""
+    now, race, count = session.settings.method, session.runner.race, len(session.frame)
+    for rules, methods in METHODS_BY_RULES.items():
+        label(rules)
+        for (method, words), across in in_rows(methods.items(), len(methods)):
+            chosen = method == now
+            reason = "" if chosen else too_slow(method, count) or ""
+            if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
+                session.runner.choose_method(method)
+    rival = race.method if race else ""
+    rivals = {"": "nothing"} | {method: METHODS[method] for method in METHODS if method != now}
+    picked = combo(gui, "compare with", rivals, rival)
+    if picked is not None and picked != rival:
+        session.runner.end_race()
+        if picked:
+            session.runner.toggle_race(picked)
+
+
+def build_tree(session: Session, gui: Gui) -> None:
+    """Build the number of particles and the settings of the tree."""
+    count = int(np.count_nonzero(session.frame.movable))  # without the discs of walls
+    moved, value = slider(gui, COUNT.name, COUNT.span, count, _whole)
+    if moved is Moved.DONE and value != count:
+        session.runner.adjust("n", int(value))
+    _lines(session, gui, *TREE)
+
+
+def build_display(session: Session, gui: Gui) -> None:
+    """Build what is drawn beside the particles."""
+    options = session.view_options
+    options.tree = select(gui, "tree", {view.value: view for view in TreeView}, options.tree)
+    quantities = {by.label: by for by in ColourBy}
+    options.colour_by = select(gui, "colour by", quantities, options.colour_by)
+    for name, across in in_rows(SWITCHES, 3):
+        if choice(gui, name, name, across, chosen=getattr(options, name)):
+            session.toggle(name)
+
+
+def build_world(session: Session, gui: Gui) -> None:
+    now, interaction = session.engine.effective_settings, session.interaction
+    _choice(session, gui, "container", CONTAINERS, kind_of(session.frame.container))
+    _choice(session, gui, "on_touch", ON_TOUCH, now.on_touch or "bounce", "collisions")
+    _choice(session, gui, "sleeping", SLEEPING, "off" if now.sleeping is False else "on")
+    _lines(session, gui, SIZE)
+    _gravity(session, gui)
+    _lines(session, gui, *MATERIAL)
+    if interaction.tool is Tool.WALL or len(interaction.commands.drawn_walls):
+        _lines(session, gui, DRAWN_WALLS)
+
+
+def build_time(session: Session, gui: Gui) -> None:
+    _lines(session, gui, *TIME)
+
+
+def _reason(session: Session, field: str) -> str:
+    by_article = session.settings.by_article and field not in ALWAYS
+    return FIXED if by_article and field not in session.engine.adjustable else ""
+
+
+def _choice(
+    session: Session, gui: Gui, field: str, options: dict[str, str], now: str, name: str = ""
+) -> None:
+    """Build a list of the values of a setting."""
+    chosen = combo(gui, name or field, options, now, reason=_reason(session, field))
+    if chosen is not None:
+        session.runner.adjust(field, chosen == "on" if options is SLEEPING else chosen)
+
+
+def _lines(session: Session, gui: Gui, *lines: Line) -> None:
+    for line in lines:
+        held = getattr(session.engine.effective_settings, line.field)
+        value = line.default if held is None else float(held)
+        reason = _reason(session, line.field)
+        moved, value = slider(gui, line.name, line.span, value, line.write, reason=reason)
+        _apply(session, line.field, moved, int(value) if line.span.whole else value)
+
+
+def _apply(session: Session, field: str, moved: Moved, value: Any) -> None:
+    """Change a setting: immediately if possible, else when the slider is released."""
+    live = field in session.engine.adjustable
+    if moved is Moved.DONE or (moved is Moved.MOVING and live):
+        session.runner.adjust(field, value)
+
+
+def _gravity(session: Session, gui: Gui) -> None:
+    """Build gravity: its strength in the present direction, and its components."""
+    x, y = session.engine.effective_settings.gravity or (0.0, 0.0)
+    strength, reason = math.hypot(x, y), _reason(session, "gravity")
+    moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed, reason=reason)
+    direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
+    _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
+    span = Range(-STRONGEST, STRONGEST)
+    moved, new = slider(gui, "\u2013 x", span, x, _signed, reason=reason)
+    _apply(session, "gravity", moved, (new, y))
+    moved, new = slider(gui, "\u2013 y", span, y, _signed, reason=reason)
+    _apply(session, "gravity", moved, (x, new))

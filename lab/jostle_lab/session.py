@@ -1,0 +1,126 @@
+"""The session: everything between the window and the simulation.
+
+Keys, mouse, menus, panels and tests call the methods of its parts. It is independent of the window.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+
+from jostle_lab.act.explanation import Explanation, PairQuestion
+from jostle_lab.act.interaction import Interaction
+from jostle_lab.act.messages import Messages
+from jostle_lab.draw.camera import Camera, Size
+from jostle_lab.draw.painter import Painter
+from jostle_lab.draw.view_options import TreeView, ViewOptions
+from jostle_lab.measure import Traces
+from jostle_lab.runner import Runner
+from jostle_lab.simulate.article_simulation import Simulation
+from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Frame
+from jostle_lab.storage.files import Files
+
+
+class Session:
+    """One run of the program, composed of parts.
+
+    `size` is that of the canvas, and `left` the margin of the scene, in pixels. In synchronous
+    mode, for tests and videos, steps, edits and new scenes are computed by the calling thread.
+    Otherwise they are computed on worker threads, and the last finished frame is shown.
+    """
+
+    def __init__(
+        self, simulation: Simulation, size: Size, left: int = 0, *, synchronous: bool = False
+    ) -> None:
+        self.engine = Engine(simulation, synchronous=synchronous)  # steps the simulation
+        self.camera = Camera(size, simulation.view, left=left)
+        self.view_options = ViewOptions(tree=TreeView.OUTLINE)
+        self.messages = Messages()  # and the time of the session
+        self.interaction = Interaction(self.engine, self.camera, self.messages)
+        self.runner = Runner(self.engine, self.camera, self.interaction, self.messages)
+        self.files = Files(self.runner, self.camera, self.view_options, self.messages)
+        self.traces = Traces(self.runner.statistics)  # the plots of the statistics
+        self.shows_times = True  # whether the statistics have the times of frames
+        self.question = PairQuestion()  # the pair whose contact is explained
+        self.open = True  # false if the window is to be closed
+
+    @property
+    def frame(self) -> Frame:
+        return self.engine.frame
+
+    @property
+    def settings(self) -> Settings:
+        return self.engine.settings
+
+    @property
+    def message(self) -> str:
+        """Return the message to show now, or an empty string."""
+        return self.runner.loader.message or self.messages.current
+
+    # Time
+
+    def tick(self, elapsed: float) -> int:
+        """Advance clock and simulation by `elapsed` seconds; return the finished steps."""
+        self.messages.now += elapsed
+        return self.advance(elapsed)
+
+    def advance(self, elapsed: float) -> int:
+        """Advance the simulation by `elapsed` seconds of real time; return the finished steps."""
+        self.interaction.track_cursor()
+        request = self.runner.picture.request(self.view_options)
+        request = replace(request, tree=request.tree or self.question.pair is not None)
+        steps = self.runner.advance(elapsed, request)
+        self.files.follow()
+        return steps
+
+    # Display
+
+    def draw(self, painter: Painter) -> None:
+        self.runner.draw(painter, self.view_options)
+
+    def cycle(self, name: str) -> None:
+        """Choose the next value of one of the view options."""
+        value = getattr(self.view_options, name).next()
+        setattr(self.view_options, name, value)
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
+
+    def toggle(self, name: str) -> None:
+        """Toggle one of the view options."""
+        setattr(self.view_options, name, not getattr(self.view_options, name))
+
+    # Explanation of a contact
+
+    def explain(self) -> None:
+        """Explain why the two selected particles touch or not, or end that."""
+        self.messages.say(self.question.ask(self.interaction.selection.tags))
+
+    @property
+    def explanation(self) -> Explanation | None:
+        return self.question.answer(self.frame, self.settings, self.messages.now)
+
+    # Closing
+
+    def escape(self) -> None:
+        """Cancel a drag; else close a menu or the help; else clear the selection; else quit."""
+        interaction = self.interaction
+        if interaction.cancel():
+            return
+        if interaction.menu is not None:
+            interaction.menu = None
+        elif self.view_options.help:
+            self.view_options.help = False
+        elif not interaction.dismiss():
+            self.quit()
+
+    def quit(self) -> None:
+        self.open = False
+
+    def close(self) -> None:
+        """End all threads, and complete all files."""
+        with ExitStack() as closing:  # in reverse order: files first, whatever fails
+            closing.callback(self.engine.close)
+            closing.callback(self.runner.end_race)
+            closing.callback(self.runner.loader.cancel)
+            closing.callback(self.files.close)

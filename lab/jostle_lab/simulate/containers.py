@@ -1,0 +1,270 @@
+"""Containers: their bounds, another kind or size, and free positions inside for discs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jostle
+from jostle_lab.simulate.settings import CONTAINERS, PARTICLES
+from jostle_lab.simulate.simulation import Container, Frame, Rect
+from jostle_lab.simulate.validation import FARTHEST, limited, one_of, or_none, rect
+from jostle_lab.simulate.wall_segments import Ends, clear_of
+
+Floats = NDArray[np.floating]
+
+# A scene may be scaled by up to 100; its view must then still be within the limits.
+_RECT = rect(FARTHEST / 1_000)
+
+
+def bounds(container: Container) -> Rect | None:
+    if container is None:
+        return None
+    if isinstance(container, jostle.Torus):
+        return 0.0, 0.0, container.width, container.height
+    if isinstance(container, jostle.Circle):
+        (x, y), radius = container.center, container.radius
+        return x - radius, y - radius, x + radius, y + radius
+    return container.min_x, container.min_y, container.max_x, container.max_y
+
+
+def minimum_image(container: Container, offsets: Floats) -> Floats:
+    """Return the shortest periodic images of offsets, (2,) or (n, 2)."""
+    if isinstance(container, jostle.Torus):
+        sides = np.array([container.width, container.height])
+        offsets = offsets - sides * np.round(offsets / sides)
+    return offsets
+
+
+def crosses(container: Container, starts: Floats, ends: Floats) -> NDArray[np.bool_]:
+    """Return which lines are longer than half a side of a torus: they cross its boundary."""
+    if not isinstance(container, jostle.Torus):
+        return np.zeros(len(starts), np.bool_)
+    sides = np.array([container.width, container.height])
+    over = np.abs(ends - starts) > sides / 2
+    return over[:, 0] | over[:, 1]
+
+
+def wall_images(
+    container: Container, ends: Floats, margin: float = 0.0
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the line segments that act inside a container, and the wall of each.
+
+    On a torus these are the periodic images of walls that are nearer to it than `margin`.
+    """
+    if not isinstance(container, jostle.Torus) or len(ends) == 0:
+        return ends, np.arange(len(ends))
+    sides = np.array([container.width, container.height])
+    home = ends - (np.floor(ends.mean(axis=1) / sides) * sides)[:, None]
+    shifts = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)]) * sides
+    images = home[:, None] + shifts[:, None]
+    near = (images.max(axis=2) >= -margin) & (images.min(axis=2) <= sides + margin)
+    walls, which = np.nonzero(near.all(axis=2))
+    return images[walls, which], walls
+
+
+def diagonal(rect: Rect) -> float:
+    width, height = rect[2] - rect[0], rect[3] - rect[1]
+    return math.sqrt(width * width + height * height)
+
+
+def kind_of(container: Container) -> str:
+    return "none" if container is None else type(container).__name__.lower()
+
+
+def scaled(rect: Rect, factor: float, around: Rect) -> Rect:
+    """Return a rectangle scaled about the centre of another."""
+    x, y = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
+    return (
+        x + (rect[0] - x) * factor,
+        y + (rect[1] - y) * factor,
+        x + (rect[2] - x) * factor,
+        y + (rect[3] - y) * factor,
+    )
+
+
+@dataclass(frozen=True)
+class InitialRegion:
+    """The initial container, view and number of particles of a scene."""
+
+    view: Rect = limited(_RECT)
+    rect: Rect = limited(_RECT)  # bounds of the container; the view if there is none
+    kind: str = limited(one_of(*CONTAINERS))
+    n: int | None = limited(or_none(PARTICLES))
+
+    @classmethod
+    def of(cls, container: Container, view: Rect, n: int | None) -> InitialRegion:
+        """Return those of a scene."""
+        return cls(view, bounds(container) or view, kind_of(container), n)
+
+    def fitted(self, kind: str | None, factor: float) -> tuple[Container, Rect]:
+        """Return a container of a kind (None: the scene's own), scaled, and its view.
+
+        A circle in place of a rectangle has the same centre and area, and vice versa. A torus
+        begins at the origin.
+        """
+        kind = kind or self.kind
+        container = _container_of(kind, scaled(self.rect, factor, self.rect), self.kind)
+        walls = bounds(container)
+        if kind not in (self.kind, "none") and walls is not None:
+            return container, walls
+        shift = np.array(center_of(walls or self.rect)) - np.array(center_of(self.rect))
+        view = np.array(scaled(self.view, factor, self.rect)).reshape(2, 2) + shift
+        (x0, y0), (x1, y1) = view.tolist()
+        return container, (x0, y0, x1, y1)
+
+
+def center_of(rect: Rect) -> tuple[float, float]:
+    return (rect[0] + rect[2]) / 2, (rect[1] + rect[3]) / 2
+
+
+def _container_of(kind: str, rect: Rect, initial: str) -> Container:
+    width, height, center = rect[2] - rect[0], rect[3] - rect[1], center_of(rect)
+    if kind == "none":
+        return None
+    if kind == "circle":
+        same = width / 2 if initial == "circle" else math.sqrt(width * height / math.pi)
+        return jostle.Circle(center, same)
+    if initial == "circle":
+        width = height = width / 2 * math.sqrt(math.pi)
+    if kind == "torus":
+        return jostle.Torus(width, height)
+    (x, y), (across, down) = center, (width / 2, height / 2)
+    return jostle.Box(x - across, y - down, x + across, y + down)
+
+
+def moved_inside(positions: Floats, radii: Floats, container: Container) -> Floats:
+    """Return the nearest positions inside the container."""
+    if isinstance(container, jostle.Circle):
+        away = positions - np.array(container.center)
+        distance = np.sqrt(away[:, 0] * away[:, 0] + away[:, 1] * away[:, 1])
+        farthest = np.maximum(container.radius - radii, 0.0)
+        share = farthest / np.maximum(distance, 1e-30)
+        near = np.array(container.center) + away * share[:, None]
+        # Those inside are not computed from their offset, whose rounding would move them.
+        return np.where((distance > farthest)[:, None], near, positions)
+    if isinstance(container, jostle.Torus):
+        wrapped: Floats = np.mod(positions, np.array([container.width, container.height]))
+        return wrapped
+    if isinstance(container, jostle.Box):
+        low = np.array([container.min_x, container.min_y]) + radii[:, None]
+        high = np.array([container.max_x, container.max_y]) - radii[:, None]
+        middle = (low + high) / 2
+        return np.clip(positions, np.minimum(low, middle), np.maximum(high, middle))
+    return positions
+
+
+def are_inside(positions: Floats, radii: Floats, container: Container) -> NDArray[np.bool_]:
+    """Return which positions are inside the container."""
+    inside: NDArray[np.bool_] = (moved_inside(positions, radii, container) == positions).all(axis=1)
+    return inside
+
+
+# Random directions, and free positions
+
+TRIES = 8  # points in a square; with probability 1/220,000 none of them is in the disc
+ROUNDS = 24
+ATTEMPTS, LEAST, MOST = 16, 1_000, 200_000  # per disc, and per round
+NEAR = 1.02  # times the radius, as the least distance
+
+
+def in_disc(tries: Floats) -> Floats:
+    """Return points distributed evenly over the disc of radius 1, from points in a square.
+
+    Of each row of `tries`, (n, `TRIES`, 2) from 0 to 1, the first that is in the disc is used.
+    """
+    points = 2 * tries - 1
+    inside: NDArray[np.bool_] = (points * points).sum(axis=2) <= 1
+    first = points[np.arange(len(points)), inside.argmax(axis=1)]
+    found = inside.any(axis=1)
+    chosen: Floats = first * np.where(found, 1.0, 0.5)[:, None]
+    return chosen
+
+
+def random_in_disc(rng: np.random.Generator, count: int) -> Floats:
+    """Return random points distributed evenly over the disc of radius 1."""
+    return in_disc(rng.random((count, TRIES, 2)))
+
+
+def directions(rng: np.random.Generator, count: int) -> Floats:
+    """Return random vectors of length 1."""
+    points = random_in_disc(rng, count)
+    lengths: Floats = np.sqrt((points * points).sum(axis=1))
+    points[lengths == 0], lengths[lengths == 0] = (1, 0), 1
+    return points / lengths[:, None]
+
+
+def free_positions(
+    taken: Floats,
+    taken_radii: Floats,
+    radii: Floats,
+    container: Container,
+    view: Rect,
+    seed: int,
+    walls: Ends,
+) -> tuple[Floats, NDArray[np.intp]]:
+    """Return random free positions for discs, and the rows of the discs that have one."""
+    rng = np.random.default_rng([seed, len(taken), len(radii)])
+    rect = np.array(common(bounds(container), view)).reshape(2, 2)
+    places = np.zeros((len(radii), 2))
+    found = np.zeros(len(radii), np.bool_)
+    images, _ = wall_images(container, walls, float(np.max(radii, initial=0.0)))
+    there, sizes = np.asarray(taken, np.float64), np.asarray(taken_radii, np.float64)
+    for _ in range(ROUNDS):
+        left = np.flatnonzero(~found)
+        if len(left) == 0:
+            break
+        who = np.resize(left, min(max(ATTEMPTS * len(left), LEAST), MOST))
+        tries = moved_inside(rng.uniform(rect[0], rect[1], (len(who), 2)), radii[who], container)
+        clear = _clear_of(tries, radii[who], there, sizes)
+        free = np.flatnonzero(clear & clear_of(tries, radii[who], images))
+        _, first = np.unique(who[free], return_index=True)
+        taken_now = free[first]  # one position per disc
+        taken_now = taken_now[_apart(tries[taken_now], radii[who[taken_now]])]
+        if len(taken_now) == 0:
+            break
+        chosen = who[taken_now]
+        places[chosen], found[chosen] = tries[taken_now], True
+        there = np.concatenate([there, tries[taken_now]])
+        sizes = np.concatenate([sizes, radii[chosen]])
+    return places[found], np.flatnonzero(found)
+
+
+def free_among(places: Floats, radius: float, frame: Frame) -> NDArray[np.intp]:
+    """Return the rows of the places at which a disc overlaps nothing, and none of these rows."""
+    radii = np.full(len(places), radius)
+    images, _ = wall_images(frame.container, frame.walls, radius)
+    free = are_inside(places, radii, frame.container)
+    free &= _clear_of(
+        places, radii, frame.positions.astype(np.float64), frame.radii.astype(np.float64)
+    )
+    rows = np.flatnonzero(free & clear_of(places, radii, images))
+    return rows[_apart(places[rows], radii[rows])]
+
+
+def _clear_of(tries: Floats, radii: Floats, there: Floats, sizes: Floats) -> NDArray[np.bool_]:
+    """Return which tries overlap no disc."""
+    clear = np.ones(len(tries), np.bool_)
+    if len(there):
+        new, old = jostle.Quadtree(tries, radii * NEAR), jostle.Quadtree(there, sizes * NEAR)
+        clear[new.pairs(old)[:, 0].astype(np.intp)] = False
+    return clear
+
+
+def _apart(places: Floats, radii: Floats) -> NDArray[np.bool_]:
+    """Return which positions overlap none before them."""
+    apart = np.ones(len(places), np.bool_)
+    apart[jostle.find_pairs(places, radii * NEAR)[:, 1].astype(np.intp)] = False
+    return apart
+
+
+def common(walls: Rect | None, view: Rect) -> Rect:
+    """Return the intersection of both rectangles; the walls if it is empty."""
+    if walls is None:
+        return view
+    low_x, low_y = max(walls[0], view[0]), max(walls[1], view[1])
+    high_x, high_y = min(walls[2], view[2]), min(walls[3], view[3])
+    return (low_x, low_y, high_x, high_y) if low_x < high_x and low_y < high_y else walls

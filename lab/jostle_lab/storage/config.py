@@ -1,0 +1,220 @@
+"""A scene described in a TOML file, for `jostle run --config`; docs/files.md lists its entries.
+
+Entries that are unknown or wrong are refused with name and line. Reading a file takes time
+proportional to its length, and finding a line that of reading it some ten times: it is a bisection.
+"""
+
+from __future__ import annotations
+
+import importlib
+import re
+import sys
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from jostle_lab.draw.camera import Size
+from jostle_lab.draw.view_options import option_rules
+from jostle_lab.simulate.settings import (
+    FIXED_BY_ARTICLE,
+    RENDERERS,
+    RULES,
+    SETTINGS,
+    Settings,
+    unknown_scene,
+)
+from jostle_lab.simulate.validation import (
+    Fields,
+    Key,
+    Rule,
+    converted,
+    dotted,
+    each,
+    one_of,
+    refusals,
+    shorten,
+    whole,
+)
+
+LARGEST, SMALLEST = 16_384, 64  # pixels
+DEEPEST = 100  # nested brackets
+MOST_BYTES = 64 << 20  # of a file
+LONGEST = 1_000  # characters of a key or a number
+
+WINDOW_RULES: dict[str, Rule] = {
+    "size": each(whole(SMALLEST, LARGEST), "width", "height"),
+    "renderer": one_of(*RENDERERS),
+}
+SHOWN_RULES = option_rules(lambda choice: choice.name.lower())
+WINDOW = Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", required=())
+SHOWN = Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", required=())
+ENTRIES = Fields({**RULES, "window": WINDOW, "shown": SHOWN}, SETTINGS.what, required=())
+
+
+class ConfigError(ValueError):
+    """An error in a file; the message contains its name and the line."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """The entries of a file; missing ones are omitted or None."""
+
+    name: str | None = None  # of the file
+    settings: Settings = field(default_factory=Settings)
+    given: frozenset[str] = frozenset()  # the settings that the file names
+    view_options: Mapping[str, Any] = field(default_factory=dict)
+    size: Size | None = None
+    renderer: str | None = None
+
+
+def read_config(path: Path) -> Config:
+    """Return the entries of a file; raise a ConfigError or an OSError if it is wrong."""
+    with path.open("rb") as file:  # which may be a device without an end
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise ConfigError(f"{path.name} has more than {MOST_BYTES >> 20} MiB")
+    try:
+        text = data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path.name} is not a text in UTF-8") from error
+    entries = _parsed(path.name, text)
+    for key, refusal in _refusals(entries):
+        raise ConfigError(f"{path.name}, line {line_of(text, key)}: {refusal}")
+    values = converted(entries, ENTRIES)
+    window, shown = values.pop("window", {}), values.pop("shown", {})
+    return Config(
+        name=path.name,
+        settings=Settings(**values),
+        given=frozenset(values),
+        view_options=shown,
+        size=window.get("size"),
+        renderer=window.get("renderer"),
+    )
+
+
+def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
+    """Yield the key and the message of each error."""
+    for key, why in refusals(entries, ENTRIES):
+        yield key, f"{_name(key)} {why}"
+    if unheard := unknown_scene(entries.get("scene", Settings.scene)):
+        yield ("scene",), unheard
+    if str(entries.get("method")).startswith("article-"):
+        for name in FIXED_BY_ARTICLE:
+            if name in entries:
+                yield (name,), f"{name} cannot be set here: the article's rules are fixed"
+
+
+def _name(key: Key) -> str:
+    """Return the name of an entry; with all numbers, if it is in walls or in a list."""
+    if key[0] == "walls" or isinstance(key[-1], int):
+        return dotted(key)
+    return shorten(next(part for part in reversed(key) if isinstance(part, str)))
+
+
+# ---- TOML ----------------------------------------------------------------------------------------
+
+# Tokens for finding the ends of statements: strings and comments, whose contents are skipped,
+# brackets, = and separators. An open string extends to the end of the text or line, so no text is
+# read twice.
+_TOKEN = re.compile(
+    r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
+    r"|'''.*?(?:'{3,5}|\Z)"
+    r'|"(?:\\.|[^"\\\n])*"?'
+    r"|'[^'\n]*'?"
+    r"|\#[^\n]*"
+    r"|[\[\]{}=,\n]",
+    re.DOTALL,
+)
+
+
+def _parsed(name: str, text: str) -> dict[str, Any]:
+    """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
+    if wrong := _too_much(text):
+        line, why = wrong
+        raise ConfigError(f"{name}, line {line}: {why}")
+    toml = _reader()
+    try:
+        entries: dict[str, Any] = toml.loads(text)
+    except toml.TOMLDecodeError as error:
+        raise ConfigError(_syntax(name, text, str(error))) from error
+    return entries
+
+
+def _too_much(text: str) -> tuple[int, str] | None:
+    """Return the line and the reason if a text is beyond the limits of TOML's reader.
+
+    It recurses for each bracket, its time is quadratic in the number of parts of a key, and Python
+    does not read integers of thousands of digits.
+    """
+    word, end = 0, 0  # characters outside strings since the last separator
+    for token, line, depth in _tokens(text):
+        word, end = word + token.start() - end, token.end()
+        if depth > DEEPEST:
+            return line, f"more than {DEEPEST} brackets are open"
+        if word > LONGEST:
+            return line, f"a key or a value has more than {LONGEST:,} characters outside quotes"
+        if token[0][0] not in "\"'":
+            word = 0
+    return None
+
+
+def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
+    """Yield each token with its line, from 1, and the number of open brackets after it."""
+    line, depth = 1, 0
+    for token in _TOKEN.finditer(text + "\n"):
+        mark = token[0]
+        depth += (mark in "[{") - (mark in "]}")
+        yield token, line, depth
+        line += mark.count("\n")
+
+
+def line_of(text: str, key: Key) -> int:
+    """Return the line, from 1, that sets a key of a TOML text, or its nearest outer table.
+
+    It is the first line of the statement at whose end the text so far contains the key.
+    """
+    entries = _reader().loads(text)
+    while not _contains(entries, key):
+        key = key[:-1]
+    # The end of each statement, blank line or comment, and the line after it.
+    ends = [
+        (token.end(), line + 1)
+        for token, line, depth in _tokens(text)
+        if token[0] == "\n" and not depth
+    ]
+    found = bisect_left(ends, True, key=lambda end: _contains(_reader().loads(text[: end[0]]), key))
+    return ends[found - 1][1] if found else 1
+
+
+def _contains(entries: Any, key: Key) -> bool:
+    """Return whether nested tables and lists have an entry with a key."""
+    try:
+        for part in key:
+            entries = entries[part]
+    except (KeyError, IndexError, TypeError):
+        return False
+    return True
+
+
+# Messages of the reader that do not say what to change.
+_PLAIN = {
+    "Cannot overwrite a value": "the entry is given twice",
+    "Illegal character '\\n'": "a quotation mark is missing at the end of the line",
+}
+
+
+def _syntax(name: str, text: str, complaint: str) -> str:
+    """Return the reader's message with the line before it, as in other messages."""
+    reason, _, place = complaint.partition(" (at ")
+    reason = _PLAIN.get(reason, reason[:1].lower() + reason[1:])
+    line = place.removeprefix("line ").split(",")[0]
+    if not line.isdigit():  # "end of document"
+        line = str(text.rstrip().count("\n") + 1)
+    return f"{name}, line {line}: {reason}"
+
+
+def _reader() -> Any:
+    """Return the module that reads TOML: Python's own from 3.11 on."""
+    return importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")

@@ -1,0 +1,245 @@
+"""The files of a session: scenes, screenshots, videos, tables and trajectories.
+
+New files are in one folder, each with a new name, which a message shows. An error becomes a
+message, too, and does not change the session.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from jostle.writing import write as write_file
+from jostle_lab.act.messages import Messages
+from jostle_lab.draw.camera import Camera, Size
+from jostle_lab.draw.picture import Picture
+from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.draw.view_options import ViewOptions
+from jostle_lab.runner import Runner
+from jostle_lab.simulate.article_simulation import Simulation
+from jostle_lab.simulate.engine import message_of
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.start import resume
+from jostle_lab.simulate.worker import Worker
+from jostle_lab.storage.encoder import write_png
+from jostle_lab.storage.exports import write_gsd, write_positions, write_series
+from jostle_lab.storage.paths import new_path, reason_of
+from jostle_lab.storage.recording import Recording
+from jostle_lab.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
+
+Write = Callable[[Path], object]
+
+OUT = Path("out")
+GSD_RATE = 10  # frames per simulated second
+MANY = 50_000  # particles; screenshots of more are drawn on a worker thread
+
+
+@dataclass
+class RecordingOptions:
+    """The options of the next recording."""
+
+    suffix: str = ".mp4"
+    size: Size | None = None  # the window's, if None
+    seconds: float | None = None  # until it is stopped, if None
+
+
+class Files:
+    """Reads and writes the files of a session."""
+
+    def __init__(
+        self, runner: Runner, camera: Camera, view_options: ViewOptions, messages: Messages
+    ) -> None:
+        self._runner, self._camera = runner, camera
+        self._view_options, self._messages = view_options, messages
+        self.folder = OUT  # the folder of new files
+        self.recording: Recording | None = None  # the present recording, or None
+        self.options = RecordingOptions()  # those of the next recording
+        self._exporter = Worker("jostle-export", synchronous=runner.engine.synchronous)
+        self._exports: list[Future[str]] = []
+        self._listed: tuple[float, list[Path]] | None = None  # time and result of the last search
+
+    def follow(self) -> None:
+        """Queue the frame for the recording, and show messages about finished files."""
+        recording, messages = self.recording, self._messages
+        if recording is not None:
+            recording.offer(
+                self._runner.engine.frame, self._camera, self._view_options, messages.now
+            )
+            if recording.done:
+                self.recording = None
+                messages.say(_summary(recording))
+        for export in [export for export in self._exports if export.done()]:
+            self._exports.remove(export)
+            messages.say(export.result())
+
+    def close(self) -> None:
+        if self.recording is not None:
+            self.recording.close()
+        self._exporter.close()
+
+    # Scenes
+
+    def scenes(self) -> list[Path]:
+        """Return the saved scenes of the folder, newest first; the result is kept for a second."""
+        now = self._messages.now
+        if self._listed is None or not 0 <= now - self._listed[0] < 1:
+            self._listed = now, _newest_first(self.folder)
+        return self._listed[1]
+
+    def save(self, path: Path | None = None) -> None:
+        """Save the state, the settings and the view, with a new name unless one is given."""
+        camera, options = copy.copy(self._camera), copy.copy(self._view_options)
+
+        def save(simulation: Simulation) -> None:
+            contents = partial(scene_bytes, simulation, camera, options)
+            self._write(SUFFIX, lambda new: write_file(new, contents()), path)
+
+        def forget_list() -> None:
+            self._listed = None
+
+        self._runner.engine.edit(save, changes=False, then=forget_list)
+
+    def load(self, path: Path) -> None:
+        """Load a saved scene; an error changes nothing."""
+        scenes = list[SavedScene]()
+
+        def read() -> Simulation:
+            try:
+                scenes[:] = [read_scene(path)]
+            except OSError as error:
+                raise ValueError(reason_of(error, path)) from error
+            except MemoryError as error:
+                raise ValueError(f"There is not enough memory for {path.name}.") from error
+            return scenes[0].simulation
+
+        def then() -> None:
+            scenes[0].aim(self._camera)
+            self._view_options.update(scenes[0].view_options)
+            self._messages.say(f"Loaded {path.name}")
+
+        self._runner.replace(read, f"Loading {path.name} …", then)
+
+    # Screenshots and videos
+
+    def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
+        """Save a screenshot as PNG, at the size of the window unless another is given.
+
+        With very many particles it is drawn on a worker thread, and without trails.
+        """
+        frame, options = self._runner.engine.frame, copy.copy(self._view_options)
+        camera = copy.copy(self._camera) if size is None else self._camera.on(size)
+        many = len(frame) > MANY
+
+        def write(new: Path) -> None:
+            painter = SoftwarePainter(camera.size)
+            if size is None and not many:
+                self._runner.draw(painter, options)
+            else:
+                Picture().draw(painter, frame, camera, options)
+            write_png(painter.canvas(), new)
+
+        if many:
+            self._export(".png", write, path)
+        else:
+            self._write(".png", write, path)
+
+    def toggle_recording(self) -> None:
+        """Begin a recording, or end it."""
+        if self.recording is None:
+            self.record()
+        else:
+            self.recording.stop()
+
+    def record(self, path: Path | None = None) -> None:
+        options = self.options
+        size = options.size or self._camera.size
+
+        def begin(new: Path) -> None:
+            self.recording = Recording(new, size, options.seconds)
+
+        self._write(options.suffix, begin, path, done="Recording {}")
+
+    # Tables and trajectories
+
+    def export_csv(self) -> None:
+        """Write the present particles, and the sums over time, as CSV."""
+        frame, sums = self._runner.engine.frame, self._runner.statistics.sums
+        table = {name: sums[name].copy() for name in sums.names}
+
+        def write(path: Path) -> None:
+            write_positions(path, frame)
+            write_series(path.with_name(path.stem + "-energies.csv"), table)
+
+        self._export(".csv", write)
+
+    def export_gsd(self) -> None:
+        """Write the last 30 s, ten frames per second, as GSD."""
+        engine, history = self._runner.engine, self._runner.history
+        writers: list[Callable[[Path], object]] = []
+
+        def collect(simulation: Simulation) -> None:
+            history.hold(simulation)
+            moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
+            view, time_step = simulation.view, simulation.time_step
+            frames = _frames(simulation.settings, _thinned(moments, 1 / GSD_RATE))
+            writers.append(lambda path: write_gsd(path, frames, view, time_step))
+
+        engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
+
+    def _export(self, suffix: str, write: Write, path: Path | None = None) -> None:
+        """Write a file on a worker thread; `follow` shows the result."""
+        self._exports.append(self._exporter.submit(partial(self._written, suffix, write, path)))
+
+    def _write(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> None:
+        """Write a file, and show its path or an error."""
+        self._messages.say(self._written(suffix, write, path, done))
+
+    def _written(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> str:
+        """Write a file, with a new name unless one is given; return its path or an error."""
+        try:
+            path = path or new_path(self.folder, self._runner.engine.scene, suffix)
+            write(path)
+        except OSError as error:
+            return reason_of(error, path or self.folder)
+        except (ValueError, RuntimeError, MemoryError) as error:  # of pygame
+            return f"{path}: {message_of(error)}"
+        return done.format(path)
+
+
+def _newest_first(folder: Path) -> list[Path]:
+    ages = {}
+    for path in folder.glob("*" + SUFFIX):
+        with contextlib.suppress(OSError):  # it may have been removed
+            ages[path] = path.stat().st_mtime_ns, path.name
+    return sorted(ages, key=lambda path: ages[path], reverse=True)
+
+
+def _summary(recording: Recording) -> str:
+    if recording.error:
+        return f"The video {recording.path.name} ended early: {recording.error}"
+    seconds, repeated = recording.written / recording.rate, recording.repeated
+    slow = f", {repeated:,} repeated (computer too slow)" if repeated else ""
+    return f"Saved {recording.path}: {seconds:.1f} s, {recording.written:,} frames{slow}"
+
+
+def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
+    """Return states at least `spacing` apart, counted back from the last."""
+    chosen: list[tuple[float, bytes]] = []
+    for moment in reversed(moments):
+        if not chosen or chosen[-1][0] - moment[0] >= spacing - 1e-9:
+            chosen.append(moment)
+    return [state for _, state in reversed(chosen)]
+
+
+def _frames(settings: Settings, states: list[bytes]) -> Iterator[Frame]:
+    """Yield the frames of states, from one separate simulation."""
+    simulation = resume(settings, states[0])
+    for state in states:
+        simulation.load(state)
+        yield simulation.frame(FrameRequest())

@@ -1,0 +1,254 @@
+"""`jostle.arcade` has the results of arcade, in the order of the list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import arcade
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import jostle.arcade as ours
+
+EVERYTHING = 3  # arcade's method that tests all sprites in turn
+
+# Some are not convex, some are very small.
+HIT_BOXES: list[Any] = [
+    None,
+    [(-9, -9), (9, -9), (0, 9)],
+    [(-9, -9), (9, -9), (0, -3), (0, 9)],
+    [(-9, 0), (0, 9), (9, 0), (0, 2)],
+    [(-20, 0), (20, 0)],
+    [(0, 0)],
+    [],
+]
+
+
+def sprite(rng: np.random.Generator, spread: float) -> Any:
+    """Return a sprite like those of games: at integers, or rotated, scaled and flipped."""
+    x, y = rng.uniform(0, spread, 2).round(rng.integers(0, 3))
+    made = arcade.SpriteSolidColor(*rng.integers(1, 30, 2).tolist(), float(x), float(y))
+    shape = HIT_BOXES[rng.choice(len(HIT_BOXES), p=[0.7, *[0.05] * 6])]
+    if shape is not None:
+        made.hit_box = arcade.hitbox.RotatableHitBox(shape, position=made.position)
+    if rng.random() < 0.5:
+        made.angle = float(rng.choice([0, 30, 45, 90, rng.uniform(0, 360)]))
+    if rng.random() < 0.3:
+        made.scale = tuple(rng.choice([0.5, 1, 2, -1, 0], 2).tolist())
+    return made
+
+
+def sprites(seed: int, most: int = 60) -> Any:
+    """Return a list of random sprites that needs no window."""
+    rng = np.random.default_rng(seed)
+    made = arcade.SpriteList(lazy=True)
+    spread = rng.choice([20, 100, 300])
+    for _ in range(rng.integers(0, most)):
+        made.append(sprite(rng, spread))
+    return made
+
+
+def colliding(one: Any, others: Any) -> list[Any]:
+    return arcade.check_for_collision_with_list(one, others, EVERYTHING)
+
+
+seeds = st.integers(0, 2**32 - 1)
+few = settings(max_examples=40, deadline=None)
+
+
+@few
+@given(seeds, seeds)
+def test_all_at_once(seed: int, other_seed: int) -> None:
+    a, b = sprites(seed), sprites(other_seed)
+    expected = [(one, other) for one in a for other in colliding(one, b)]
+    assert ours.check_for_collisions_between(a, b) == expected
+    within = [(p, q) for p in a for q in colliding(p, a) if a.index(p) < a.index(q)]
+    assert ours.selfcollide(a) == within
+    both = [(one, other) for one in a for other in colliding(one, a)]
+    assert ours.check_for_collisions_between(a, a) == both
+
+
+@few
+@given(seeds)
+def test_a_snapshot_answers_what_the_list_does(seed: int) -> None:
+    a = sprites(seed)
+    now = ours.Snapshot(a)
+    assert (len(now), list(now)) == (len(a), list(a))
+    rng = np.random.default_rng(seed)
+    for one in [sprite(rng, 100) for _ in range(5)] + list(a)[:5]:
+        assert ours.check_for_collision_with_list(one, now) == colliding(one, a)
+        assert ours.check_for_collision_with_lists(one, [now, a], 3) == colliding(one, a) * 2
+        assert ours.get_closest_sprite(one, now) == arcade.get_closest_sprite(one, a)
+
+
+@few
+@given(seeds)
+def test_points_and_rectangles(seed: int) -> None:
+    a = sprites(seed)
+    now = ours.Snapshot(a)
+    rng = np.random.default_rng(seed)
+    points = [tuple(point) for point in rng.uniform(-10, 110, (20, 2)).round(1).tolist()]
+    # Corners, and points beside them: where arcade miscounts.
+    for one in list(a)[:10]:
+        points += [one.position, *one.hit_box.get_adjusted_points()]
+        points += [(x - 40.5, y) for x, y in one.hit_box.get_adjusted_points()]
+    for point in points:
+        assert ours.get_sprites_at_point(point, now) == arcade.get_sprites_at_point(point, a)
+        found = ours.get_sprites_at_exact_point(point, now)
+        assert found == arcade.get_sprites_at_exact_point(point, a)
+    for x, y in points[:20]:
+        rect = arcade.LBWH(x, y, *rng.integers(0, 50, 2).tolist())
+        assert ours.get_sprites_in_rect(rect, now) == arcade.get_sprites_in_rect(rect, a)
+
+
+def test_tiles_that_only_touch_do_not_collide() -> None:
+    tiles = [
+        arcade.SpriteSolidColor(16, 16, x * 16, y * 16, angle=angle)
+        for x in range(6)
+        for y in range(6)
+        for angle in (0, 90)
+    ]
+    expected = [
+        (p, q)
+        for i, p in enumerate(tiles)
+        for q in tiles[i:]
+        if p is not q and arcade.check_for_collision(p, q)
+    ]
+    assert ours.selfcollide(tiles) == expected
+    assert len(expected) < len(tiles) * 5
+
+
+def test_a_list_is_answered_by_arcade() -> None:
+    a = sprites(1)
+    one, rect = a[0], arcade.LBWH(0, 0, 50, 50)
+    assert ours.check_for_collision_with_list(one, a) == colliding(one, a)
+    assert ours.get_sprites_at_point(one.position, a) == arcade.get_sprites_at_point(
+        one.position, a
+    )
+    assert ours.get_sprites_at_exact_point(one.position, a) == [one]
+    assert ours.get_sprites_in_rect(rect, a) == arcade.get_sprites_in_rect(rect, a)
+    assert ours.get_closest_sprite(one, a) == (one, 0)
+
+
+def test_none_at_all() -> None:
+    nothing = ours.Snapshot([])
+    one = arcade.SpriteSolidColor(4, 4)
+    assert ours.selfcollide(nothing) == ours.check_for_collisions_between([one], nothing) == []
+    assert ours.check_for_collision_with_list(one, nothing) == []
+    assert ours.get_sprites_at_point((0, 0), nothing) == []
+    assert ours.get_sprites_in_rect(arcade.LBWH(0, 0, 1, 1), nothing) == []
+    assert ours.get_closest_sprite(one, nothing) is None
+
+
+def test_a_position_that_is_no_place_is_refused() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        ours.selfcollide([arcade.SpriteSolidColor(4, 4, float("nan"))])
+
+
+# ---- engines -------------------------------------------------------------------------------------
+
+
+def boxes(*rows: tuple[float, float, float, float]) -> Any:
+    """Sprites of some width and height around some centres."""
+    made = arcade.SpriteList(lazy=True)
+    for x, y, width, height in rows:
+        made.append(arcade.SpriteSolidColor(width, height, x, y))
+    return made
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_simple_engine_stops_where_that_of_arcade_does(seed: int) -> None:
+    """arcade moves along x, then along y, and stops up to a pixel before the wall."""
+    rng = np.random.default_rng(seed)
+    places = rng.integers(-6, 7, (30, 2)) * 40
+    walls = boxes(*((x, y, 40, 40) for x, y in places.tolist() if (x, y) != (0, 0)))
+    one, other = (arcade.SpriteSolidColor(20, 20, 0, 0) for _ in range(2))
+    theirs = arcade.PhysicsEngineSimple(one, walls)
+    engine = ours.PhysicsEngineSimple(other, walls)
+    for _ in range(60):
+        axis = rng.integers(0, 2)
+        step = [0.0, 0.0]
+        step[axis] = float(rng.integers(-8, 9))
+        for player in (one, other):
+            player.change_x, player.change_y = step
+        theirs.update()
+        engine.update()
+        assert not arcade.check_for_collision_with_list(other, walls)
+        assert np.hypot(one.center_x - other.center_x, one.center_y - other.center_y) <= 1.5
+        one.position = other.position  # so that differences do not add up
+
+
+def test_the_platformer_lands_where_that_of_arcade_does() -> None:
+    ground = boxes((0, 0, 2000, 40), (300, 60, 80, 80))
+    one, other = (arcade.SpriteSolidColor(20, 30, 0, 200) for _ in range(2))
+    theirs = arcade.PhysicsEnginePlatformer(one, walls=ground, gravity_constant=0.7)
+    engine = ours.PhysicsEnginePlatformer(other, walls=ground, gravity_constant=0.7)
+    for frame in range(200):
+        for player, physics in ((one, theirs), (other, engine)):
+            player.change_x = 3
+            if frame == 60:
+                assert physics.can_jump()
+                physics.jump(12)
+            physics.update()
+        assert abs(one.center_x - other.center_x) <= 1
+        assert abs(one.center_y - other.center_y) <= 1
+        assert theirs.can_jump(1.5) == engine.can_jump(1.5) or frame in (60, 61)
+    assert other.bottom == pytest.approx(20)
+
+
+def test_nothing_falls_through_the_ground_at_any_speed() -> None:
+    player = arcade.SpriteSolidColor(4, 4, 0, 1e6)
+    engine = ours.PhysicsEnginePlatformer(player, walls=boxes((0, 0, 100, 1)))
+    player.change_y = -3e6
+    assert len(engine.update()) == 1
+    assert (player.bottom, player.change_y) == (pytest.approx(0.5), 0)
+
+
+def test_platforms_carry_and_turn() -> None:
+    platforms = boxes((0, 0, 100, 10))
+    platforms[0].change_x, platforms[0].boundary_right, platforms[0].boundary_left = 2, 100, -100
+    player = arcade.SpriteSolidColor(10, 10, 0, 10)
+    engine = ours.PhysicsEnginePlatformer(player, platforms)
+    places = []
+    for _ in range(100):
+        assert engine.update() == [platforms[0]]
+        places.append(platforms[0].center_x)
+    assert max(places) == 50 and min(places[40:]) == -50
+    assert player.center_x == pytest.approx(platforms[0].center_x, abs=2.1)
+
+
+def test_jumps_are_counted() -> None:
+    player = arcade.SpriteSolidColor(10, 10, 0, 10.5)
+    engine = ours.PhysicsEnginePlatformer(player, walls=boxes((0, 0, 100, 10)))
+    engine.enable_multi_jump(2)
+    engine.update()
+    for jumps in (1, 2):
+        assert engine.can_jump()
+        engine.jump(8)
+        assert engine.jumps_since_ground == jumps
+        for _ in range(3):
+            engine.update()
+    assert not engine.can_jump()
+    engine.disable_multi_jump()
+    assert not engine.can_jump() and engine.allowed_jumps == 1
+
+
+def test_ladders_hold() -> None:
+    player = arcade.SpriteSolidColor(10, 10, 0, 50)
+    engine = ours.PhysicsEnginePlatformer(player, ladders=boxes((0, 50, 20, 100)))
+    engine.update()
+    assert engine.is_on_ladder() and player.change_y == 0
+    player.position = (200, 50)
+    engine.update()
+    assert not engine.is_on_ladder() and player.change_y == -0.5
+
+
+def test_walls_are_read_again() -> None:
+    player, walls = arcade.SpriteSolidColor(10, 10, 0, 0), boxes((30, 0, 10, 10))
+    engine = ours.PhysicsEngineSimple(player, walls)
+    walls[0].center_y = 500
+    engine.read_walls()
+    player.change_x = 100
+    assert engine.update() == [] and player.center_x == 100

@@ -1,0 +1,469 @@
+"""The benchmark compares before it times, and times what it says. No test depends on a time."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import held
+import numpy as np
+import pairs
+import pytest
+import shapes
+import step_rivals
+import steps
+from machine import Results, describe, slug, version_of
+from pair_rivals import RIVALS, Rival, Unable
+from timing import Timing, interleaved
+
+import jostle
+
+SCENES = list(shapes.SCENES)
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+
+
+# ---- scenes --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_scene_is_seeded_and_made_of_float32_numbers(scene: str) -> None:
+    made, again = shapes.create(scene, 200), shapes.create(scene, 200)
+    assert np.array_equal(made.centers, again.centers)
+    assert not np.array_equal(made.centers, shapes.create(scene, 200, seed=1).centers)
+    for column in (made.centers, made.column(), made.half_sizes):
+        if column is not None:
+            assert column.dtype == np.float64
+            assert np.array_equal(column, column.astype(np.float32))
+
+
+@pytest.mark.parametrize("scene", ["discs", "mixed", "rectangles"])
+def test_shapes_cover_forty_per_cent(scene: str) -> None:
+    made = shapes.create(scene, 4_000)
+    halves = made.half_sizes
+    covered = np.pi * made.column() ** 2 if halves is None else 4 * np.prod(halves, axis=1)
+    side = np.ptp(made.centers, axis=0)
+    assert covered.sum() / np.prod(side) == pytest.approx(0.4, rel=0.05)
+
+
+def test_mixed_has_radii_a_hundred_to_one_and_mostly_small() -> None:
+    radii = shapes.create("mixed", 20_000).column()
+    assert radii.min() == pytest.approx(1, rel=0.01) and 60 < radii.max() <= 100
+    assert np.median(radii) < 2
+
+
+# ---- pairs ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("rival", RIVALS, ids=lambda rival: rival.name)
+def test_every_rival_that_is_installed_finds_the_same_pairs(rival: Rival, scene: str) -> None:
+    if version_of(rival.package) is None:
+        pytest.skip(f"{rival.package} is not installed")
+    made = shapes.create(scene, 120)
+    expected = jostle.find_pairs(made.centers, made.radii, made.half_sizes, method="brute")
+    assert len(expected) > 10
+    for setting in rival.settings:
+        for threads in rival.threads:
+            entrant = pairs.Entrant(rival, threads, setting)
+            try:
+                pairs.check(entrant, made, pairs.keys(expected, len(made)))
+            except Unable as reason:
+                assert str(reason)
+
+
+def ours(**changes: object) -> Rival:
+    return replace(RIVALS[0], threads=(1,), **changes)  # type: ignore[arg-type]
+
+
+def test_a_race_yields_a_row_for_each_rival_and_size() -> None:
+    scipy = [rival for rival in pairs.installed() if rival.name == "SciPy cKDTree"]
+    groups = list(pairs.compare("discs", (20, 50), rounds=2, rivals=[ours(), *scipy]))
+    assert [[row["count"] for row in rows] for rows in groups] == [[20] * 2, [50] * 2]
+    for row in groups[1]:
+        assert row["rounds"] == 2 and row["version"] and float(str(row["median_s"])) > 0
+    assert "leafsize=" in str(groups[1][1]["setting"])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda found: found[1:],
+        lambda found: np.vstack([found, found[:1]]),
+        lambda found: np.vstack([found, [[0, len(found)]]]),
+    ],
+    ids=["one missing", "one twice", "one too many"],
+)
+def test_a_wrong_answer_stops_the_race(wrong) -> None:
+    def right(made: shapes.Shapes, threads: int):
+        return jostle.find_pairs(made.centers, made.radii, sort=True)
+
+    liar = ours(name="liar", find=lambda made, threads: wrong(right(made, threads)))
+    with pytest.raises(pairs.Disagreement, match="liar finds"):
+        list(pairs.compare("discs", (100,), rounds=1, rivals=[ours(), liar]))
+
+
+def test_what_cannot_be_done_gets_a_row_with_the_reason() -> None:
+    def refuse(made: shapes.Shapes, threads: int) -> None:
+        raise Unable("never")
+
+    (rows,) = pairs.compare("discs", (20,), rounds=1, rivals=[ours(), ours(name="no", find=refuse)])
+    assert rows[1]["note"] == "never" and rows[1]["rounds"] == 0 and rows[1]["median_s"] == ""
+
+
+def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
+    small, large = pairs.compare("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
+    assert small[0]["rounds"] == 1 and small[0]["median_s"]
+    assert large[0]["rounds"] == 0 and large[0]["note"]
+
+
+# ---- steps ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scene", steps.SCENES)
+def test_simulations_begin_alike_and_are_compared_before_they_are_timed(scene: str) -> None:
+    (rows,) = steps.compare(scene, (30,), rounds=2, patience=30)
+    names = {row["name"] for row in rows}
+    assert {"jostle", "jostle, brute force"} <= names
+    for package in ("pymunk", "pyb2d3"):
+        assert (package in names) == (version_of(package) is not None)
+    speeds = {row["name"]: float(str(row["rms_speed"])) for row in rows if row["rms_speed"]}
+    for row in rows:
+        assert row["rounds"] == 2 and float(str(row["median_s"])) > 0
+        if scene == "gas" and row["rms_speed"]:  # the energy stays, but Box2D loses some
+            tolerance = 0.4 if str(row["name"]).startswith("pyb2d3") else 0.05
+            assert speeds[str(row["name"])] == pytest.approx(speeds["jostle"], rel=tolerance)
+            assert ("energy" in str(row["note"])) == (tolerance == 0.4)
+
+
+def test_a_pile_comes_to_rest_and_is_not_waited_for_if_slow() -> None:
+    pile = step_rivals.pile(40)
+    assert pile is not None and step_rivals.speed(pile.velocities) < step_rivals.SETTLED
+    assert step_rivals.pile(41, 1e-9) is None
+
+
+@pytest.mark.parametrize("manner", ["body by body", "batch"])
+def test_pymunk_answers_in_the_order_of_the_beginning(manner: str) -> None:
+    pytest.importorskip("pymunk")
+    start = step_rivals.gas(25)
+    running = step_rivals.pymunk_space(start, 1)
+    positions = running.frames[manner]()
+    assert np.allclose(positions, running.state()[0])
+    assert np.abs(positions - start.positions).max() < 120 * step_rivals.FRAME * 1.5
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("pixels", [1.0, 10.0])
+def test_box2d_answers_in_the_order_of_the_beginning(pixels: float, threads: int) -> None:
+    pytest.importorskip("pyb2d3")
+    start = step_rivals.gas(25)
+    running = step_rivals.box2d_world(start, threads, pixels)
+    positions, velocities = running.state()
+    assert np.allclose(positions, start.positions) and np.allclose(velocities, start.velocities)
+    positions = np.asarray(running.frames["batch"]())
+    assert np.array_equal(positions, running.state()[0])
+    assert np.abs(positions - start.positions).max() < 120 * step_rivals.FRAME * 1.5
+    # Discs that collide with nothing in this frame move as in our world.
+    ours = np.asarray(step_rivals.jostle_world(start, 1).frames["positions"]())
+    assert np.count_nonzero(np.abs(positions - ours).max(axis=1) < 1e-3) >= 5
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+@pytest.mark.parametrize("pixels", [1.0, 10.0])
+def test_a_single_collision_in_box2d_is_elastic(pixels: float, substeps: int) -> None:
+    pytest.importorskip("pyb2d3")
+    two = np.array([(30, 50), (70, 54)], np.float32), np.array([(80, 0), (0, 0)], np.float32)
+    sizes = np.array([5, 6], np.float32), np.array([20, 70], np.float32)
+    start = step_rivals.InitialState(*two, *sizes, (0, 0, 100, 100), (0, 0), 1.0, substeps)
+    running = step_rivals.box2d_world(start, 1, pixels)
+    for _ in range(40):
+        running.frames["batch"]()
+    positions, velocities = running.state()
+    assert velocities[1, 0] > 10  # they have met
+    assert np.allclose(start.masses @ velocities, start.masses @ start.velocities, atol=0.1)
+    assert not list(steps.faults(start, positions, velocities))
+
+
+def test_box2d_has_the_gravity_and_the_walls_of_the_beginning() -> None:
+    pytest.importorskip("pyb2d3")
+    start = step_rivals.pile(40)
+    assert start is not None
+    running = step_rivals.box2d_world(start, 1)
+    for _ in range(60):
+        running.frames["batch"]()
+    positions, velocities = running.state()
+    assert np.abs(positions - start.positions).max() < start.radii.max()
+    assert not list(steps.faults(start, positions, velocities))
+
+
+def test_what_is_wrong_with_a_state_is_noted() -> None:
+    start = step_rivals.gas(25)
+    assert not list(steps.faults(start, start.positions, start.velocities))
+    lost, slow = start.positions - [10_000, 0], 0.5 * start.velocities
+    assert list(steps.faults(start, lost, slow)) == [
+        "25 discs are outside the box",
+        "25 % of the energy is left",
+    ]
+
+
+def test_a_simulation_that_stands_still_is_not_timed() -> None:
+    start = step_rivals.gas(25)
+    moved = start.positions + start.velocities * step_rivals.FRAME
+
+    def running(positions: np.ndarray) -> step_rivals.RunningSimulation:
+        return step_rivals.RunningSimulation({}, lambda: (positions, start.velocities))
+
+    assert steps.stands_still(running(start.positions), start)
+    assert not steps.stands_still(running(moved), start)
+
+
+# ---- held ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("guess", [100, 10_000, 9_000_000])
+@pytest.mark.parametrize("end", [50, 100, 12_345, 300_000, 10**9])
+def test_the_search_finds_the_end_of_what_holds(end: int, guess: int) -> None:
+    asked: list[int] = []
+
+    def holds(count: int) -> bool:
+        asked.append(count)
+        return count <= end
+
+    expected = max((count for count in held.LADDER if count <= end), default=0)
+    assert held.largest(holds, guess) == expected
+    assert len(asked) == len(set(asked)) < 30
+
+
+def test_the_ladder_rises_by_a_tenth_or_so() -> None:
+    ratios = np.divide(held.LADDER[1:], held.LADDER[:-1])
+    assert ratios.min() > 1.05 and ratios.max() < 1.2
+
+
+# ---- timing and files ----------------------------------------------------------------------------
+
+
+def test_rounds_are_interleaved() -> None:
+    order: list[str] = []
+
+    def slow(name: str) -> None:
+        order.append(name)
+        sum(range(200_000))
+
+    interleaved([lambda: slow("a"), lambda: slow("b")], 3)
+    assert order == ["a", "b"] + ["a", "a", "b", "b"] * 3
+
+
+def test_a_timing_tells_median_and_quartiles() -> None:
+    columns = Timing((5.0, 1.0, 2.0, 3.0, 4.0)).columns()
+    assert columns == {"rounds": 5, "median_s": "3", "low_s": "2", "high_s": "4"}
+
+
+def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "file.csv"
+    path.parent.mkdir()
+    path.write_text("an earlier run")
+    results = Results(path)
+    assert path.read_text() == "an earlier run"
+    for count in (1, 2):
+        results.add([{"count": count}])
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        assert [row["count"] for row in rows] == [str(n) for n in range(1, count + 1)]
+        assert rows[-1]["machine"] == describe()
+
+
+def test_a_machine_has_a_name_for_files() -> None:
+    assert slug() == slug().lower() and " " not in slug() and "core" in slug()
+
+
+# ---- benchmarks/ ---------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
+    parts = ["pairs", "small", "share", "hard-cases"]
+    options = ["--largest", "100", "--rounds", "2", "--out", str(tmp_path)]
+    done = subprocess.run(
+        [sys.executable, BENCHMARKS / "run.py", *parts, *options], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
+
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
+    code = (
+        "import sys, tables; from pathlib import Path; tables.write_all(*map(Path, sys.argv[1:]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, tmp_path, page], cwd=BENCHMARKS, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    written = page.read_text()
+    assert "old" not in written and "Worst ratio" in written
+    assert written.startswith("before\n") and written.endswith("after\n")
+
+
+def run_benchmarks(*arguments: str | Path, code: str = "") -> None:
+    program = ["-c", code] if code else ["run.py"]
+    command = [sys.executable, *program, *arguments]
+    done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_limits_of_the_memory_are_computed_and_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    code = """
+import sys, pathlib, bandwidth, plot
+rows = bandwidth.rows([1000, 20.0, 10.0, 800], 1e10, 3)
+least = sum(float(row["input_output_bytes"]) for row in rows)
+assert least == 8 + 8 * 0.8  # a centre read, 0.8 pairs written
+assert all(float(row["passes_bytes"]) > float(row["input_output_bytes"]) for row in rows)
+assert [float(row["ns"]) for row in rows] == [20.0, 10.0]
+as_text = [{name: str(value) for name, value in row.items()} for row in rows]
+plot.draw_bandwidth([{**row, "machine": ""} for row in as_text], pathlib.Path(sys.argv[1]))
+"""
+    picture = tmp_path / "picture.png"
+    run_benchmarks(picture, code=code)
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]
+    run_benchmarks("stage-times", *options)
+    results = tmp_path / f"stage-times-{slug()}.csv"
+    with results.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    scenes = {row["scene"] for row in rows}
+    assert scenes == {"elastic gas", "falling gas", "settling balls", "pile"}
+    for scene in scenes:
+        own = {row["stage"]: float(row["median_s"]) for row in rows if row["scene"] == scene}
+        assert {"bounds", "build", "pairs", "contacts", "events", "store"} <= set(own)
+        assert 0 < sum(own.values()) < 0.1
+
+    picture = tmp_path / "bench-stage-times.png"
+    run_benchmarks("plot", *options)
+    drawn = picture.read_bytes()
+    (tmp_path / f"before-{results.name}").write_text(results.read_text())
+    run_benchmarks("plot", *options)
+    assert picture.read_bytes() != drawn  # the bars of the earlier version
+
+
+@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
+def test_stages_have_the_colours_of_the_app() -> None:
+    pytest.importorskip("imgui_bundle")
+    run_benchmarks(
+        code="import plot; from jostle_lab.panels.statistics_panel import STAGES\n"
+        "for stage, colour in plot.STAGES.items():\n"
+        "    assert bytes.fromhex(colour[1:]) == bytes(STAGES[stage]), stage"
+    )
+
+
+# ---- the command ---------------------------------------------------------------------------------
+
+
+def test_the_command_shows_tables_and_writes_a_file(monkeypatch, capsys, tmp_path: Path) -> None:
+    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+        pytest.importorskip(extra)
+    from jostle_lab import cli
+
+    path = tmp_path / "figures.csv"
+    monkeypatch.setattr(
+        sys, "argv", ["jostle", "bench", "-n", "40", "--rounds", "2", "--csv", str(path)]
+    )
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 0
+    printed = capsys.readouterr().out
+    for words in (describe().split(",")[0], "all pairs", "one step", "jostle, 2 threads", "(×1)"):
+        assert words in printed
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["kind"] for row in rows} == {"pairs", "step"}
+    assert {row["scene"] for row in rows} == {
+        "discs",
+        "mixed",
+        "clusters",
+        "rectangles",
+        "gas",
+        "pile",
+    }
+
+
+def bench(monkeypatch, *arguments: str) -> int:
+    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
+        pytest.importorskip(extra)
+    from jostle_lab import cli
+
+    options = ["-n", "40", "--rounds", "1", *arguments]
+    monkeypatch.setattr(sys, "argv", ["jostle", "bench", *options])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    return int(str(exit_.value.code))
+
+
+def test_interrupted_it_shows_what_was_measured(monkeypatch, capsys, tmp_path: Path) -> None:
+    whole = pairs.compare
+
+    def interrupted(scene: str, *arguments: object, **options: object):
+        yield next(whole(scene, *arguments, **options))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pairs, "compare", interrupted)
+    path = tmp_path / "figures.csv"
+    assert bench(monkeypatch, "--csv", str(path)) == 130
+    printed = capsys.readouterr().out
+    rows = len(path.read_text().splitlines()) - 1
+    assert "Stopped" in printed and "discs: all pairs" in printed and "(×1)" in printed
+    assert f"{rows} rows written to" in printed
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        (".", "is a folder"),
+        ("there.csv", "is there already"),
+        ("missing/new.csv", "there is no folder"),
+        ("there.csv/new.csv", "no file can be written"),
+    ],
+)
+def test_a_file_that_cannot_be_new_is_refused_first(
+    monkeypatch, capsys, tmp_path: Path, name: str, words: str
+) -> None:
+    (tmp_path / "there.csv").write_text("an earlier run")
+    assert bench(monkeypatch, "--csv", str(tmp_path / name)) == 2
+    printed = capsys.readouterr()
+    assert not printed.out and printed.err.count("\n") == 1
+    assert words in printed.err and "--csv" in printed.err and "--out" not in printed.err
+    assert [path.name for path in tmp_path.iterdir()] == ["there.csv"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
+def test_a_full_disk_is_one_sentence_after_the_table(monkeypatch, capsys) -> None:
+    assert bench(monkeypatch, "--csv", "/dev/full") == 2
+    printed = capsys.readouterr()
+    assert "discs: all pairs" in printed.out
+    assert "could not be written" in printed.err and printed.err.count("\n") == 1
+
+
+def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
+    from rich.console import Console
+
+    from jostle_lab import cli
+
+    monkeypatch.setattr(cli.commands, "console", Console(width=24))
+    assert bench(monkeypatch) == 0
+    printed = capsys.readouterr().out
+    assert "…" not in printed and "(×1)" in printed
+
+
+def test_it_says_at_how_many_shapes_steps_are_run() -> None:
+    import command
+
+    assert "a fifth" in command.sizes(command.comparisons(2_000))
+    assert "up to 10,000" in command.sizes(command.comparisons(100_000))
+    assert command.sizes(command.comparisons(40)) == "pairs and steps of up to 40 shapes"

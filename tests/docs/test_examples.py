@@ -1,0 +1,99 @@
+"""Every example runs without a display, draws something, is short, and is in the gallery."""
+
+import ast
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "examples"
+PICTURES = ROOT / "docs" / "pictures"
+EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py"))
+ALLOWED = {"jostle", "matplotlib", "numpy", "pygame", "pytmx", "show", *sys.stdlib_module_names}
+# Frames until there is something to see: the first bullet hits after about seventy. A step of the
+# ten thousand balls takes up to a second while they still overlap from their placement.
+FRAMES = {"02_ten_thousand_balls": "3", "03_bullets_and_ships": "90"}
+each_example = pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+
+
+def picture_of(example: Path) -> Path:
+    return PICTURES / f"example-{example.stem.replace('_', '-')}.png"
+
+
+def pixels(picture: Path) -> np.ndarray:
+    """Colours, shape (width, height, 3)."""
+    return pygame.surfarray.array3d(pygame.image.load(picture).convert(24))
+
+
+def run(*arguments: str) -> None:
+    """Run Python without a display, and check that it ends without errors and warnings."""
+    environment = {**os.environ, "SDL_VIDEODRIVER": "dummy", "PYTHONPATH": str(FOLDER)}
+    command = [sys.executable, "-W", "error::DeprecationWarning:__main__", *arguments]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_numbers_have_no_gap() -> None:
+    assert [int(path.stem[:2]) for path in EXAMPLES] == list(range(1, len(EXAMPLES) + 1))
+    assert EXAMPLES
+
+
+@each_example
+def test_draws_a_picture_without_a_display(example: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "picture.png"
+    run(str(example), "--picture", str(picture), "--frames", FRAMES.get(example.stem, "10"))
+    drawn = pixels(picture)
+    assert drawn.shape == (800, 500, 3)
+    drawn = drawn[:, :450]  # without the line at the bottom
+    ground = (drawn == np.array([0x10, 0x14, 0x1A])).all(axis=2)
+    assert ground.mean() < 0.998
+
+
+def test_ends_when_its_window_is_closed() -> None:
+    """A QUIT comes a while after the window has opened; the title is that of no picture."""
+    code = (
+        "import runpy, pygame; pygame.init(); pygame.time.set_timer(pygame.QUIT, 200);"
+        f"runpy.run_path({str(FOLDER / '05_nearest_enemy.py')!r})"
+    )
+    run("-c", code)
+
+
+@each_example
+def test_can_be_read_at_one_glance(example: Path) -> None:
+    text = example.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 40
+    words = ast.get_docstring(ast.parse(text)) or ""
+    assert 1 <= len(re.findall(r"[.!?](?:\s|$)", words)) <= 2
+
+
+@pytest.mark.parametrize("path", [*EXAMPLES, FOLDER / "show.py"], ids=lambda path: path.stem)
+def test_imports_nothing_that_readers_do_not_have(path: Path) -> None:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add((node.module or "").split(".")[0])
+    assert found <= ALLOWED - ({"jostle"} if path.stem == "show" else set())
+
+
+@each_example
+def test_its_picture_is_in_the_documents(example: Path) -> None:
+    picture = picture_of(example)
+    assert pixels(picture).shape == (800, 500, 3)
+    assert picture.stat().st_size < 150_000
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    assert example.name in text
+    assert f"../docs/pictures/{picture.name}" in text
+
+
+@each_example
+def test_the_list_says_what_the_example_says(example: Path) -> None:
+    words = ast.get_docstring(ast.parse(example.read_text(encoding="utf-8")))
+    assert words in (FOLDER / "README.md").read_text(encoding="utf-8")

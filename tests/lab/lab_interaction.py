@@ -1,0 +1,105 @@
+"""What the tests of the driver share: a window without a display, and events to post to it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pygame
+
+import jostle
+from jostle_lab.simulate.article_simulation import ArticleSimulation, Simulation
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.world_simulation import WorldSimulation
+from jostle_lab.window import Window
+
+FRAME = 1 / 60
+VIEW = (0.0, 0.0, 800.0, 500.0)
+SIZE = (1000, 640)
+LEFT, MIDDLE, RIGHT = 1, 2, 3
+
+Point = tuple[float, float]
+
+
+def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> WorldSimulation:
+    """Discs at rest in a box of 800 by 500, without gravity."""
+    speeds = np.zeros((len(places), 2))
+    rules.setdefault("container", jostle.Box(*VIEW))
+    world = jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
+    return WorldSimulation(Settings("test"), VIEW, world)
+
+
+def article_with(places: Sequence[Point]) -> ArticleSimulation:
+    """The article's program over discs of radius 10 at rest."""
+    simulation = ArticleSimulation(Settings("article", 0, method="article-brute"))
+    simulation.add(places, (0, 0), 10, 1)
+    return simulation
+
+
+class Driver:
+    """Scripted input of a window."""
+
+    def __init__(self, simulation: Simulation, *, synchronous: bool = True) -> None:
+        self.window = Window(simulation, SIZE, synchronous=synchronous)
+        self.window.builders = []  # no panels between the mouse and the scene
+        self.session = self.window.session
+        pygame.event.clear()
+
+    @property
+    def world(self) -> jostle.World:
+        return self.session.engine.simulation.world
+
+    def pixel(self, point: Point) -> tuple[int, int]:
+        (x,), (y,) = self.session.camera.to_screen(np.array([point], np.float64))
+        return round(float(x)), round(float(y))
+
+    def frames(self, count: int = 1, elapsed: float = FRAME) -> None:
+        for _ in range(count):
+            self.window.frame(elapsed)
+
+    def key(self, key: int, *, up: bool = True) -> None:
+        post(pygame.KEYDOWN, key=key, mod=0)
+        if up:
+            post(pygame.KEYUP, key=key, mod=0)
+        self.window.frame(0.0)
+
+    def key_up(self, key: int) -> None:
+        post(pygame.KEYUP, key=key, mod=0)
+        self.window.frame(0.0)
+
+    def point_at(self, point: Point) -> None:
+        self.move(self.pixel(point))
+        self.window.frame(0.0)
+
+    def move(self, pixel: tuple[int, int]) -> None:
+        post(pygame.MOUSEMOTION, pos=pixel, rel=(0, 0), buttons=(0, 0, 0))
+
+    def down(self, point: Point, button: int = LEFT, mod: int = 0) -> None:
+        self.move(self.pixel(point))
+        post(pygame.MOUSEBUTTONDOWN, pos=self.pixel(point), button=button, mod=mod)
+        self.window.frame(0.0)
+
+    def up(self, point: Point, button: int = LEFT, mod: int = 0) -> None:
+        self.move(self.pixel(point))
+        post(pygame.MOUSEBUTTONUP, pos=self.pixel(point), button=button, mod=mod)
+        self.window.frame(0.0)
+
+    def click(self, point: Point, button: int = LEFT, mod: int = 0) -> None:
+        self.down(point, button, mod)
+        self.up(point, button, mod)
+
+    def drag(self, start: Point, end: Point, button: int = LEFT, mod: int = 0) -> None:
+        """Press, move in ten frames without time, release."""
+        self.down(start, button, mod)
+        for share in np.linspace(0, 1, 10):
+            x, y = np.array(start) + share * (np.array(end) - np.array(start))
+            self.point_at((float(x), float(y)))
+        self.up(end, button, mod)
+
+
+def post(kind: int, **facts: object) -> None:
+    pygame.event.post(pygame.event.Event(kind, **facts))
+
+
+def tags(chosen: Iterable[int]) -> list[int]:
+    return [int(tag) for tag in chosen]

@@ -1,0 +1,235 @@
+"""The command, with the arguments of a user."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jostle
+from jostle_lab import cli
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if name not in ("DISPLAY", "WAYLAND_DISPLAY")
+    }
+    return subprocess.run(
+        [sys.executable, "-m", "jostle_lab", *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env={**environment, "PYTHONIOENCODING": "utf-8", "COLUMNS": "100"},
+        timeout=120,
+    )
+
+
+def run(monkeypatch, *arguments: str) -> int:
+    """Run in this process; return the exit code."""
+    monkeypatch.setattr(sys, "argv", ["jostle", *arguments])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    return int(str(exit_.value.code))
+
+
+def refused(monkeypatch, capsys, *arguments: str) -> str:
+    """Run in this process; return the one sentence of a refusal."""
+    assert run(monkeypatch, *arguments) == 2
+    printed = capsys.readouterr()
+    assert not printed.out and printed.err.count("\n") == 1
+    assert printed.err.startswith("jostle: ")
+    return printed.err
+
+
+def test_what_the_library_refuses_is_said_of_the_file(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
+    wrong = ("--headless", "--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
+    sentence = refused(monkeypatch, capsys, "run", *wrong)
+    assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")
+
+
+def test_run_without_a_display_makes_a_film_and_a_table(tmp_path: Path) -> None:
+    out = tmp_path / "new" / "folder"
+    done = command("run", "gas", "-n", "40", "--steps", "6", "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    assert sorted(path.name for path in out.iterdir()) == ["gas.mp4", "gas.png"]
+    for words in ("no display", "6/6 steps", "particles", "780", "brute force", "gas.mp4"):
+        assert words in done.stdout
+
+
+def test_an_ascii_terminal_gets_what_it_can_show() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "jostle_lab", "scenes"],
+        capture_output=True,
+        env={**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"},
+    )
+    assert done.returncode == 0 and not done.stderr
+    assert all(name.encode() in done.stdout for name in jostle.scenes.names())
+    assert done.stdout.isascii()
+
+
+def test_version(monkeypatch, capsys) -> None:
+    assert run(monkeypatch, "--version") == 0
+    assert capsys.readouterr().out.strip() == f"jostle {jostle.__version__}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "nowhere"], "no scene 'nowhere'"),
+        (["run", "-n", "-1"], "-n is -1; it must be a whole number from 0 to 100,000,000"),
+        (["run", "-n", "many"], "Invalid value for '-n'"),
+        (["run", "--method", "magic"], "--method is 'magic'"),
+        (["run", "--steps", "0"], "--steps is 0; it must be a whole number from 1 to"),
+        (["run", "--seed", "-4"], "--seed is -4"),
+        (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
+        (["run", "--max-depth", "-1"], "--max-depth is -1"),
+        (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
+        (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
+        (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
+        (["run", "--speed", "3"], "--speed"),
+        (["bench", "-n", "3"], "-n is 3; it must be a whole number from 10 to"),
+        (["bench", "--rounds", "0"], "--rounds is 0"),
+        (["bench", "--threads", "0"], "--threads is 0"),
+        (["dance"], "dance"),
+    ],
+)
+def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
+    assert words in refused(monkeypatch, capsys, *arguments)
+
+
+def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
+    from jostle_lab.draw import screen
+
+    monkeypatch.setattr(screen, "_MODERNGL", False)
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
+    assert "--renderer is 'opengl', but OpenGL needs the package moderngl" in sentence
+
+
+def test_a_folder_that_cannot_be_written_is_refused_first(
+    monkeypatch, capsys, tmp_path: Path
+) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    sentence = refused(monkeypatch, capsys, "run", "--headless", "--out", str(file / "out"))
+    assert "no file can be written" in sentence
+
+
+@pytest.mark.parametrize("missing", ["typer", "rich"])
+def test_without_the_extra_one_sentence_says_how_to_get_it(missing: str) -> None:
+    code = f"import sys; sys.modules[{missing!r}] = None; import jostle_lab.cli"
+    done = subprocess.run([sys.executable, "-c", code, "run"], capture_output=True, text=True)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert missing in done.stderr and 'pip install ".[app]"' in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--version"], f"jostle {jostle.__version__}"),
+        (["--help"], "Usage: jostle"),
+        (["run", "--help"], 'pip install ".[app]"'),
+        ([], "Usage: jostle"),
+    ],
+)
+def test_version_and_help_need_no_extra(arguments: list[str], words: str) -> None:
+    code = "import sys; sys.modules.update(rich=None, typer=None); import jostle_lab.cli"
+    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stderr
+    assert words in done.stdout
+
+
+def test_the_short_help_has_the_commands() -> None:
+    from jostle_lab.cli import without_extra
+
+    names = {command.callback.__name__ for command in cli.commands.app.registered_commands}
+    listed = without_extra.HELP.partition("Commands:")[2].split("\n\n")[0]
+    assert {line.split()[0] for line in listed.strip().splitlines()} == names
+
+
+def test_the_package_is_the_command() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "jostle", "--version"], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (0, f"jostle {jostle.__version__}\n")
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    from importlib import metadata
+
+    assert jostle.__version__ == metadata.version("jostle")
+
+
+def test_the_display_decides(monkeypatch) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    for name in ("SDL_VIDEODRIVER", "DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    assert not cli.runs.has_display()
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert cli.runs.has_display()
+    monkeypatch.setenv("SDL_VIDEODRIVER", "offscreen")
+    assert not cli.runs.has_display()
+
+
+def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_path) -> None:
+    import pygame
+
+    def refuse(*arguments: object, **options: object) -> None:
+        raise pygame.error("no video device")
+
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    monkeypatch.setattr(pygame.display, "set_mode", refuse)
+    assert run(monkeypatch, "run", "gas", "-n", "5", "--steps", "2", "--out", str(tmp_path)) == 0
+    assert "no video device" in capsys.readouterr().out
+    assert (tmp_path / "gas.mp4").exists()
+
+
+# ---- a scene in a file ---------------------------------------------------------------------------
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
+
+
+def test_a_file_describes_a_run_and_options_override_it(
+    monkeypatch, capsys, tmp_path: Path
+) -> None:
+    options = (
+        "-n",
+        "40",
+        "--method",
+        "brute",
+        "--steps",
+        "2",
+        "--headless",
+        "--out",
+        str(tmp_path),
+    )
+    assert run(monkeypatch, "run", "--config", str(EXAMPLE), *options) == 0
+    printed = capsys.readouterr().out
+    assert (tmp_path / "gas-brute.mp4").stat().st_size
+    assert "gas, brute force" in printed
+    assert f"{40 + 12 + 4}" in printed
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("gravitas = 1", "scene.toml, line 1: gravitas is not a setting; did you mean gravity?"),
+        ("n = 1\nrestitution = 2", "line 2: restitution is 2; it must be a number from 0 to 1"),
+        ("n = ", "scene.toml, line 1: "),
+    ],
+)
+def test_a_wrong_file_gets_one_sentence(monkeypatch, capsys, tmp_path: Path, text, words) -> None:
+    (tmp_path / "scene.toml").write_text(text)
+    assert words in refused(monkeypatch, capsys, "run", "--config", str(tmp_path / "scene.toml"))
+
+
+def test_a_file_that_is_not_there_gets_one_sentence(monkeypatch, capsys) -> None:
+    assert "cannot be read" in refused(monkeypatch, capsys, "run", "--config", "nowhere.toml")

@@ -1,0 +1,594 @@
+"""Scenes in TOML: what is right arrives, what is wrong is refused by name and line."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jostle
+from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.settings import (
+    RULES,
+    Group,
+    Polyline,
+    Settings,
+)
+from jostle_lab.simulate.simulation import Attractor
+from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.validation import rules_of
+from jostle_lab.simulate.wall_segments import clear_of
+from jostle_lab.storage.config import (
+    WINDOW_RULES,
+    Config,
+    ConfigError,
+    line_of,
+    read_config,
+)
+from jostle_lab.storage.scene_file import read_scene, scene_bytes
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
+
+
+def read(folder: Path, text: str) -> Config:
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_config(path)
+
+
+def refusal(folder: Path, text: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        read(folder, text)
+    return str(caught.value)
+
+
+def test_the_example_makes_the_scene_that_it_describes() -> None:
+    config = read_config(EXAMPLE)
+    assert (config.settings.scene, config.settings.n, config.size) == ("gas", 1500, (1280, 720))
+    shown = ViewOptions(velocities=True)
+    shown.update(config.view_options)
+    assert (shown.tree, shown.colour_by) == (TreeView.OUTLINE, ColourBy.VELOCITY)
+    assert not shown.velocities
+    simulation = start(config.settings)
+    frame = simulation.frame()
+    assert len(frame) == 1500 + 12 + 4
+    assert simulation.world.gravity == (0, 120)
+    assert simulation.world.restitution == pytest.approx(0.98)
+    assert not frame.movable[-4:].any() and frame.movable[:-4].all()
+    assert ((frame.radii[1500:1512] >= 12) & (frame.radii[1500:1512] <= 20)).all()
+    assert (frame.velocities[1500:1512] == (60, 0)).all()
+    np.testing.assert_array_equal(start(config.settings).frame().positions, frame.positions)
+
+
+def test_the_documents_name_every_entry() -> None:
+    page = (EXAMPLE.parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    shown = (field.name for field in fields(ViewOptions))
+    for name in (*RULES, *rules_of(Group), *rules_of(Polyline), *WINDOW_RULES, *shown):
+        spelled = f"[[{name}]]" if name in ("particles", "walls") else name
+        assert f"`{spelled}`" in page, name
+
+
+def test_a_file_may_be_empty(tmp_path: Path) -> None:
+    assert read(tmp_path, "").settings == Settings()
+
+
+def test_every_setting_arrives(tmp_path: Path) -> None:
+    config = read(
+        tmp_path,
+        """
+        scene = "pile"
+        n = 10
+        seed = 3
+        method = "brute"
+        leaf_capacity = 5
+        max_depth = 4
+        world_size = 2
+        container = "circle"
+        gravity = [0.0, -1]
+        drag = 0.25
+        restitution = 1
+        substeps = 2
+        threads = 1
+        on_touch = "merge"
+        time_scale = 0.5
+        friction = 0.75
+        sleeping = false
+        """,
+    )
+    expected = Settings(
+        "pile", 10, 3, "brute", 5, 4, 2, "circle", (0.0, -1.0), 0.25, 1, 2, 1, "merge", 0.5
+    )
+    assert config.settings == replace(expected, friction=0.75, sleeping=False)
+
+
+def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
+    config = read(tmp_path, "[[particles]]\nradius = 3\nspeed = [1, 2]\n[[particles]]\ncount = 2")
+    assert config.settings.particles == (
+        Group(radius=(3, 3), speed=(1.0, 2.0)),
+        Group(count=2),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (
+            "# a comment\n\ngravitas = [0, 1]",
+            "scene.toml, line 3: gravitas is not a setting; did you mean gravity?",
+        ),
+        (
+            'scene = "gas"\nrestitution = "high"',
+            "scene.toml, line 2: restitution is 'high'; it must be a number from 0 to 1",
+        ),
+        ("n = true", "scene.toml, line 1: n is true; it must be a whole number from 0 to"),
+        ("n = 1.5", "line 1: n is 1.5; it must be a whole number"),
+        ("n = -1", "line 1: n is -1; it must be a whole number"),
+        ("drag = nan", "line 1: drag is nan; it must be a number from 0 to 1e+18"),
+        (
+            "gravity = [\n  0,\n  1,\n  2,\n]",
+            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number",
+        ),
+        (
+            "n = 1\n\n[window]\nsize = [\n 0, 10]",
+            "line 4: size is [0, 10]; it must be [width, height], each a whole",
+        ),
+        ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
+        ("window = 3", "line 1: window is 3; it must be a table, [window]"),
+        ("window.size = 3", "line 1: size is 3; it must be [width, height]"),
+        ("[shown]\ntrees = true", "line 2: trees is not an entry of [shown]; did you mean tree?"),
+        ("[shown]\ntree = true", "line 2: tree is true; it must be one of off, outline,"),
+        ('[shown]\nlabels = "yes"', "line 2: labels is 'yes'; it must be true or false"),
+        ("walls = 3", "line 1: walls is 3; it must be written as [[walls]]"),
+        ("[[walls]]\nclosed = true", "line 1: walls[0].points is missing"),
+        (
+            "[[walls]]\npoints = [[0, 0], [1]]",
+            "line 2: walls[0].points[1] is [1]; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\n[[walls]]\npoints = [[0, 0], [1, 2], [1, 2]]",
+            "line 4: walls[1].points[2] is [1, 2], like points[1]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2], [3, 0], [0, 0]]\nclosed = true",
+            "line 2: walls[0].points[0] is [0, 0], like points[3]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nclosed = true",
+            "line 2: walls[0].points has 2 entries; a closed polyline needs at least 3",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nrestitution = 2",
+            "line 3: walls[0].restitution is 2; it must be a number from 0 to 1",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nfriction = -1",
+            "line 3: walls[0].friction is -1; it must be a number from 0",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nvelocity = 3",
+            "line 3: walls[0].velocity is 3; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nperiod = 0",
+            "line 3: walls[0].period is 0; it must be a number from 0.001",
+        ),
+        (
+            "container_restitution = [1, 1, 2, 1]",
+            "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
+        ),
+        (
+            "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
+            "line 2: walls[0].bounce is not a property of walls",
+        ),
+        (
+            'method = "article-brute"\n[[walls]]\npoints = [[0, 0], [1, 2]]',
+            "walls cannot be set here: the article's rules are fixed",
+        ),
+        ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
+        (
+            "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
+            "line 5: colour is not a property of particles; did you mean count?",
+        ),
+        (
+            "[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
+            "line 4: particles[1].masks[1] is -1; it must be a whole number from 0 to 4,294,967,",
+        ),
+        (
+            "[[particles]]\ncount = 3\ncategories = [1, 2]",
+            "line 3: categories has 2 entries; the group has 3 particles",
+        ),
+        (
+            "[[particles]]\ncategories = 1.0",
+            "line 2: categories is 1.0; it must be a whole number from 0 to 4,294,967,295, or",
+        ),
+        ("[[particles]]\nmasks = 4294967296", "line 2: masks is 4294967296; it must be a whole"),
+        ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number from"),
+        ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
+        ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
+        (
+            'method = "article-quadtree"\ngravity = [0, 1]',
+            "line 2: gravity cannot be set here: the article's rules are fixed",
+        ),
+        ('scene = "gases"', "line 1: gases is not a scene; did you mean gas?"),
+        (
+            'method = "article-brute"\nmax_depth = 3',
+            "line 2: max_depth cannot be set here: the article's rules are fixed",
+        ),
+        ('scene = "pile\nn = 2', "scene.toml, line 1: a quotation mark is missing at the end"),
+        ("n = 1\nn = 2", "scene.toml, line 2: the entry is given twice"),
+        ("n =\nseed = 1", "scene.toml, line 1: "),
+        ("n = 1\ngravity = [1,\n", "scene.toml, line 2: "),
+    ],
+)
+def test_what_is_wrong_is_refused_by_name_and_line(
+    tmp_path: Path, text: str, sentence: str
+) -> None:
+    assert sentence in refusal(tmp_path, text)
+
+
+@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("radius = [1, 20]", "particles[1].radius is 20; a disc must fit between the walls, from"),
+        (
+            "region = [40, 0, 50, 10]",
+            "particles[1].region is [40, 0, 50, 10]; it must overlap the walls, from (0, 0) to",
+        ),
+        (
+            "count = 2000\nradius = [1, 2]",
+            "particles[1].count is 2000; discs of radius 1 at least need more area than there is",
+        ),
+    ],
+)
+def test_a_group_that_cannot_be_between_the_walls_is_refused(
+    tmp_path: Path, method: str, text: str, sentence: str
+) -> None:
+    text = f'scene = "gas"\nn = 0\nmethod = "{method}"\n[[particles]]\n[[particles]]\n{text}'
+    with pytest.raises(ValueError) as caught:
+        start(read(tmp_path, text).settings)
+    assert sentence in str(caught.value)
+
+
+def test_walls_of_a_file_are_those_of_the_world(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 50
+[[walls]]
+points = [[10, 10], [60, 10], [60, 40]]
+restitution = 0.5
+[[walls]]
+points = [[5, 50], [20, 50], [20.5, 60]]
+closed = true
+friction = 0.25
+"""
+    simulation = start(read(tmp_path, text).settings)
+    world = simulation.world
+    assert world.walls[:, 0].tolist() == [[10, 10], [60, 10], [5, 50], [20, 50], [20.5, 60]]
+    assert world.wall_restitution.tolist() == [0.5, 0.5, 1, 1, 1]
+    assert np.nan_to_num(world.wall_friction, nan=-1).tolist() == [-1, -1, 0.25, 0.25, 0.25]
+    frame = simulation.frame()
+    assert frame.own_walls == len(frame.walls) == 5
+
+
+def test_the_walls_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 50\n[[walls]]\npoints = [[10, 10], [60, 10]]\nrestitution = 0.5'
+    simulation = start(read(tmp_path, text).settings)
+    simulation.add_wall(Polyline(((5, 5), (9, 9)), friction=0.5))
+    path = tmp_path / "walls.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings and len(again.settings.walls) == 1
+    frame = again.frame()
+    assert (len(frame.walls), frame.own_walls) == (2, 1)
+    np.testing.assert_array_equal(again.world.wall_restitution, [0.5, 1])
+    for one in (simulation, again):
+        one.step()
+    np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_walls_of_a_file_may_have_temperatures(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 20
+[[walls]]
+points = [[10, 10], [60, 10]]
+[[walls]]
+points = [[10, 20], [60, 20], [60, 40]]
+temperature = 900
+velocity = [30, 0]
+period = 1
+[[walls]]
+points = [[5, 50], [20, 50]]
+temperature = 4
+"""
+    simulation = start(read(tmp_path, text).settings)
+    hot, cold = jostle.ThermalWalls(900, walls=[1, 2]), jostle.ThermalWalls(4, walls=[3])
+    assert simulation.world.forces[1:] == (hot, cold)
+    simulation.attract((Attractor(3.0, point=(1.0, 2.0)),))
+    simulation.remove_walls([1, 3])
+    motor, only, attractor = simulation.world.forces
+    assert motor.walls.tolist() == [1] and only == jostle.ThermalWalls(900, walls=[1])
+    assert isinstance(attractor, jostle.Attractor)
+    simulation.attract(())
+    assert simulation.world.forces == (motor, only)
+    again = resume(simulation.settings, simulation.save())
+    for one in (simulation, again):
+        one.step()
+    assert again.world.state_hash() == simulation.world.state_hash()
+
+
+def test_walls_of_a_file_may_move_there_and_back(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 20
+[[walls]]
+points = [[10, 10], [60, 10], [60, 40]]
+velocity = [30, 0]
+period = 1
+[[walls]]
+points = [[5, 50], [20, 50]]
+"""
+    simulation = start(read(tmp_path, text).settings)
+    begin = simulation.frame().walls
+    for _ in range(30):
+        simulation.step()
+    there = simulation.frame().walls
+    np.testing.assert_allclose(there[:2], begin[:2] + np.array([15, 0]), atol=1e-4)
+    np.testing.assert_array_equal(there[2], begin[2])
+    simulation.attract(())  # the motor is not one of the user's attractors
+    simulation.remove_walls([0])
+    path = tmp_path / "moving.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    for one in (simulation, again):
+        for _ in range(30):
+            one.step()
+        np.testing.assert_allclose(one.frame().walls[0], begin[1], atol=1e-4)
+    np.testing.assert_array_equal(again.frame().positions, simulation.frame().positions)
+
+
+def test_sides_of_a_file_have_their_own_restitution(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 20\ncontainer_restitution = '
+    simulation = start(read(tmp_path, text + "[0.5, 1, 0.25, 0]").settings)
+    assert simulation.world.container_restitution.tolist() == [0.5, 1, 0.25, 0]
+    assert simulation.adjust("container", "torus") is None
+    simulation.step()
+    path = tmp_path / "sides.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings
+    one = start(read(tmp_path, text + "0.5").settings)
+    assert one.world.container_restitution.tolist() == [0.5] * 4
+
+
+def test_groups_of_a_file_do_not_overlap_its_walls(tmp_path: Path) -> None:
+    text = """scene = "gas"
+n = 0
+[[walls]]
+points = [[0, 0], [20, 20], [0, 20], [20, 0]]
+[[particles]]
+count = 60
+radius = 0.5
+"""
+    simulation = start(read(tmp_path, text).settings)
+    frame = simulation.frame()
+    assert len(frame) == 60
+    assert clear_of(frame.positions, frame.radii, frame.walls).all()
+
+
+def test_walls_on_a_torus_are_those_of_the_world_or_refused(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 5\ncontainer = "torus"\n[[walls]]\npoints = [[-5, 0], [9, 9]]'
+    simulation = start(read(tmp_path, text).settings)
+    simulation.step()
+    assert simulation.world.walls.tolist() == [[[-5, 0], [9, 9]]]
+    long = text.replace("-5", "-5e4")
+    with pytest.raises(ValueError, match=r"^walls\[0\] cannot be added: walls\[0\] is .* a torus"):
+        start(read(tmp_path, long).settings)
+
+
+def test_groups_do_not_overlap_images_of_walls_on_a_torus(tmp_path: Path) -> None:
+    """A wall along one side acts along the opposite one, too."""
+    walls = "[[walls]]\npoints = [[0, 0], [20, 0]]"
+    group = "[[particles]]\nradius = 0.3\ncount = 60\nregion = [0, 17, 20, 20]"
+    text = f'scene = "gas"\nn = 0\ncontainer = "torus"\n{walls}\n{group}'
+    frame = start(read(tmp_path, text).settings).frame()
+    assert frame.container == jostle.Torus(20, 20) and len(frame) == 60
+    assert (frame.positions[:, 1] <= 20 - 0.3).all()
+
+
+def test_a_group_that_the_library_refuses_is_named(tmp_path: Path) -> None:
+    text = 'scene = "gas"\nn = 0\ncontainer = "none"\n[[particles]]\nradius = 1e18'
+    with pytest.raises(ValueError, match=r"^particles\[0\] cannot be added: radii\[0\] is 1000"):
+        start(read(tmp_path, text).settings)
+
+
+FILTERS = """scene = "gas"
+n = 40
+[[particles]]
+count = 30
+radius = 0.5
+categories = 0b10
+masks = 0xFFFFFFFD
+[[particles]]
+count = 3
+radius = 0.5
+categories = [4, 0, 0x80000000]
+masks = [1, 0, 4294967295]
+"""
+
+
+def test_groups_of_a_file_have_collision_filters(tmp_path: Path) -> None:
+    """Those of the second category do not touch each other, and others touch them."""
+    simulation = start(read(tmp_path, FILTERS).settings)
+    world = simulation.world
+    assert world.categories.tolist() == [1] * 40 + [2] * 30 + [4, 0, 2**31]
+    assert world.masks.tolist() == [2**32 - 1] * 40 + [2**32 - 3] * 30 + [1, 0, 2**32 - 1]
+    seen = set()
+    for _ in range(120):
+        simulation.step()
+        pairs = world.contacts.pairs
+        assert 71 not in pairs
+        seen |= {(a >= 40, b >= 40) for a, b in pairs.tolist() if max(a, b) < 70}
+    assert seen == {(False, False), (False, True)}
+
+
+def test_filters_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
+    simulation = start(read(tmp_path, FILTERS).settings)
+    simulation.change([0, 999], categories=[8, 1], masks=[16, 1])
+    path = tmp_path / "filters.jostle"
+    path.write_bytes(scene_bytes(simulation, Camera((640, 480), simulation.view), ViewOptions()))
+    again = read_scene(path).simulation
+    assert again.settings == simulation.settings
+    assert again.frame().categories[:2].tolist() == [8, 1]
+    assert again.frame().masks[:2].tolist() == [16, 2**32 - 1]
+    for one in (simulation, again):
+        one.step()
+    assert again.world.state_hash() == simulation.world.state_hash()
+
+
+def test_the_article_refuses_filters(tmp_path: Path) -> None:
+    text = FILTERS.replace("n = 40", 'n = 0\nmethod = "article-brute"')
+    settings = read(tmp_path, text).settings
+    with pytest.raises(ValueError, match=r"^particles\[0\] .* no collision filter"):
+        start(settings)
+
+
+def test_a_group_may_fill_the_walls_and_overlap_them(tmp_path: Path) -> None:
+    text = "[[particles]]\nradius = 10\nregion = [15, 15, 99, 99]"
+    simulation = start(read(tmp_path, f'scene = "gas"\nn = 0\n{text}').settings)
+    assert len(simulation.frame()) == 1
+
+
+def test_a_file_that_is_no_text(tmp_path: Path) -> None:
+    (tmp_path / "film.mp4").write_bytes(b"\x00\xff\xfe")
+    with pytest.raises(ConfigError, match=r"film\.mp4 is not a text in UTF-8"):
+        read_config(tmp_path / "film.mp4")
+    with pytest.raises(FileNotFoundError):
+        read_config(tmp_path / "missing.toml")
+
+
+LINES = '''a = """
+b = 1
+[c]
+"""
+b = [ # not = the "end"
+  [1, 2],
+]
+[c.d] # = [x]
+"e f".g = {i = 2, "j.=" = "}"}
+h = \'\'\'
+[k]\'\'\'\'\'
+[[k]]
+[[ "k" ]]
+l = [{m = 1}, # [
+  {m = 2}]
+[k.n]
+o = 1
+[[k.p]]
+q = 1'''
+
+
+@pytest.mark.parametrize(
+    ("key", "line"),
+    [
+        (("a",), 1),
+        (("b",), 5),
+        (("c",), 8),
+        (("c", "d"), 8),
+        (("c", "d", "e f", "g"), 9),
+        (("c", "d", "e f", "g", "j.="), 9),
+        (("c", "d", "h"), 10),
+        (("k", 0), 12),
+        (("k", 1), 13),
+        (("k", 1, "l"), 14),
+        (("k", 1, "l", 1, "m"), 14),
+        (("k", 1, "n"), 16),
+        (("k", 1, "n", "o"), 17),
+        (("k", 1, "p", 0, "q"), 19),
+    ],
+)
+def test_a_line_is_that_of_the_statement(key, line: int) -> None:
+    tomllib.loads(LINES)
+    assert line_of(LINES, key) == line
+    assert line_of(LINES.replace("\n", "\n# [x] = {\n"), key) >= line
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("seed = 1\nn = 1" + "0" * 400, "line 2: n is 1000000000000"),
+        ("n = 0x1" + "0" * 900, "line 1: n is 51048665"),
+        ("n = 1" + "0" * 5_000, "line 1: a key or a value has more than 1,000 characters"),
+        ("gravity = [1, 1" + "0" * 400 + "]", "line 1: gravity is [1, 10000"),
+        ("# [[[\nn = " + "[" * 3_000, "line 2: more than 100 brackets are open"),
+        ("n = " + "{a=" * 3_000, "line 1: more than 100 brackets are open"),
+        ("n = 1\na" + ".a" * 100_000 + " = 1", "line 2: a key or a value has more than"),
+        ("[a" + ' . "a"' * 100_000 + "]", "line 1: a key or a value has more than"),
+        ('"' + "x" * 10_000 + '" = 1', "is not a setting; there are scene, n,"),
+        ('"line\\nbreak" = 1', r"line 1: 'line\nbreak' is not a setting"),
+        ('scene = "' + "x" * 10_000 + '"', "x… is not a scene; there are"),
+        ("[[particles]]\n" * 1_001, "line 1: particles has 1,001 entries; there may be at most"),
+        ("drag = 1e400", "line 1: drag is inf; it must be a number"),
+        ('a = """\n\\', "scene.toml, line 2: "),
+    ],
+    ids=map(str, range(14)),
+)
+def test_a_file_beyond_the_limits_is_refused_in_one_sentence(
+    tmp_path: Path, text: str, sentence: str
+) -> None:
+    said = refusal(tmp_path, text)
+    assert sentence in said
+    assert said.startswith("scene.toml, line ") and len(said) < 400 and "\n" not in said
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "n = [\n" + "1,\n" * 20_000 + "]",
+        "[[particles]]\n" * 5_000 + "colour = 1",
+        "k = 1\n[a]\n" + "".join(f"k{i} = 1\n" for i in range(5_000)),
+        'a = "\\"""' * 1_000 + '"""\\' * 10_000,
+    ],
+    ids=["one list", "many groups", "many keys", "strings that do not end"],
+)
+def test_no_part_of_a_file_is_read_repeatedly(tmp_path: Path, monkeypatch, text: str) -> None:
+    """The reader gets the file once; a line is found by bisection, not by reading each line."""
+    loads, read = tomllib.loads, 0
+
+    def counted(text: str, **options: object) -> object:
+        nonlocal read
+        read += len(text)
+        return loads(text, **options)
+
+    monkeypatch.setattr(tomllib, "loads", counted)
+    assert "scene.toml, line " in refusal(tmp_path, text)
+    assert read <= (2 + len(text).bit_length()) * len(text)
+
+
+def test_the_mark_that_some_editors_put_first_is_no_mistake(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b'\xef\xbb\xbfscene = "gas"\nn = 5\n')
+    assert read_config(path).settings.n == 5
+
+
+def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:
+    path = tmp_path / "gate.toml"
+    path.write_text(
+        'scene = "gas"\nn = 300\n[[particles]]\nsensor = true\nmovable = false\nradius = 60\n'
+    )
+    simulation = start(read_config(path).settings)
+    assert simulation.world.sensors.sum() == 1
+    simulation.step()
+    frame = simulation.frame()
+    assert frame.sensors is not None
+    assert frame.sensors.tolist() == [0] * 300 + [2]  # gas flows through it
+    with pytest.raises(ValueError, match="cannot be sensors"):
+        path.write_text('method = "article-quadtree"\n[[particles]]\nsensor = true\n')
+        start(read_config(path).settings)

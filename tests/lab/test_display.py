@@ -1,0 +1,367 @@
+"""Which painter a window gets, and what it does when that fails, is hidden, or is slow."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pygame
+import pytest
+
+import jostle
+from jostle_lab.draw import background_render, screen
+from jostle_lab.draw.background_render import LONG, BackgroundRenderer
+from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.palette import GROUND
+from jostle_lab.draw.picture import Picture
+from jostle_lab.draw.screen import NoRendererError, Screen
+from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import FrameContacts, FrameRequest
+from jostle_lab.simulate.start import start
+from jostle_lab.window import Window
+
+FRAME = 1 / 60
+SIZE = (640, 360)
+KINDS = [
+    Settings("pile", 60, on_touch="merge"),
+    Settings("springs", 40),
+    Settings("galton", 30),
+    Settings("brownian", 30, container="torus"),
+    Settings("article", 40, method="article-quadtree"),
+]
+
+
+@pytest.fixture
+def open_window() -> Iterator:
+    windows = []
+
+    def make(n: int = 50, **options: object) -> Window:
+        try:
+            windows.append(Window(start(Settings("gas", n)), SIZE, **options, synchronous=True))
+        except NoRendererError as error:
+            pytest.skip(str(error))
+        pygame.event.clear()
+        return windows[-1]
+
+    yield make
+    for window in windows:
+        window.close()
+
+
+def picture_of(painter) -> np.ndarray:
+    return pygame.surfarray.array3d(painter.canvas()).astype(int)
+
+
+# ---- the choice ----------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(
+    os.environ.get("CI") != "true" or sys.platform != "linux",
+    reason="without CI=true a machine need not have OpenGL",
+)
+def test_where_changes_are_judged_there_is_opengl() -> None:
+    """Every other test of OpenGL is skipped without it, without a failure."""
+    assert Screen(SIZE, "opengl").painter.name == "opengl"
+
+
+@pytest.mark.parametrize("renderer", ["opengl", "software"])
+def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
+    calls = []
+    for name in ("set_icon", "set_mode"):
+        call = getattr(pygame.display, name)
+
+        def noted(*args: object, call=call, name: str = name, **options: object) -> object:
+            calls.append(name)
+            return call(*args, **options)
+
+        monkeypatch.setattr(pygame.display, name, noted)
+    try:
+        window = Screen(SIZE, renderer)
+    except NoRendererError as error:
+        pytest.skip(str(error))
+    # pygame gives a new OpenGL window its own icon.
+    assert (calls[0], calls[-1]) == ("set_icon", "set_icon")
+    window.fall_back()
+    assert calls[-1] == "set_icon"
+    window.close()
+
+
+def test_software_opengl_is_used_only_when_it_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    opengl = pytest.importorskip("jostle_lab.draw.opengl")
+    try:
+        name = Screen(SIZE, "opengl").painter.renderer
+    except NoRendererError as error:
+        pytest.skip(str(error))
+    monkeypatch.setattr(opengl, "_EMULATORS", (name.lower(),))
+    assert Screen(SIZE, "auto").painter.name == "software"
+    assert Screen(SIZE, "opengl").painter.name == "opengl"
+    monkeypatch.setattr(opengl, "_EMULATORS", ())
+    assert Screen(SIZE, "auto").painter.name == "opengl"
+    assert Screen(SIZE, "software").painter.name == "software"
+
+
+def test_without_moderngl_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(screen, "_MODERNGL", False)
+    assert Screen(SIZE, "auto").painter.name == "software"
+    with pytest.raises(NoRendererError, match="moderngl, which is not installed"):
+        Screen(SIZE, "opengl")
+
+
+def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
+    moderngl = pytest.importorskip("moderngl")
+
+    def fail() -> None:
+        raise moderngl.Error("no card")
+
+    monkeypatch.setattr(moderngl, "init_context", fail)
+    assert Screen(SIZE, "auto").painter.name == "software"
+    with pytest.raises(NoRendererError, match="no card"):
+        Screen(SIZE, "opengl")
+
+
+def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> None:
+    from jostle_lab import cli
+
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name: find(name) if name != "imgui_bundle" else None
+    )
+    monkeypatch.setattr(cli.commands, "has_display", lambda: True)
+    monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
+    with pytest.raises(SystemExit):
+        cli.main()
+    assert "needs imgui-bundle" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
+    open_window, renderer, monkeypatch
+) -> None:
+    window = open_window(renderer=renderer)
+    built = []
+    window.builders.append(lambda session, host: built.append((session, host)))
+    for size in [(500, 300), (640, 360)]:
+        window.frame(FRAME)
+        if renderer == "software":
+            pygame.display.set_mode(size, pygame.RESIZABLE)
+        else:
+            monkeypatch.setattr(pygame.display, "get_window_size", lambda size=size: size)
+        pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+        window.frame(FRAME)
+        assert window.painter.size == window.session.camera.size == size
+        assert picture_of(window.painter).std() > 1
+    assert built and built[0] == (window.session, window.gui)
+
+
+# ---- failures ------------------------------------------------------------------------------------
+
+
+def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window) -> None:
+    moderngl = pytest.importorskip("moderngl")
+    window = open_window(renderer="opengl")
+    window.builders.append(lambda session, host: None)
+    window.frame(FRAME)
+    steps, frame = window.session.engine.steps, window.session.frame
+
+    def lost() -> None:
+        raise moderngl.Error("GL_CONTEXT_LOST")
+
+    window.painter.show = lost
+    window.session.runner.paused = True
+    window.frame(FRAME)
+    assert window.painter.name == "software"
+    assert "graphics card has failed" in window.session.message
+    assert window.session.engine.steps == steps
+    assert (window.session.frame.positions == frame.positions).all()
+    window.session.runner.paused = False
+    for _ in range(3):
+        window.frame(FRAME)
+    assert window.session.engine.steps > steps
+    assert picture_of(window.painter).std() > 1
+
+
+def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
+    window = open_window(renderer="software")
+
+    def wrong() -> None:
+        raise pygame.error("wrong")
+
+    window.painter.show = wrong
+    with pytest.raises(pygame.error, match="wrong"):
+        window.frame(FRAME)
+
+
+# ---- hidden, dense, slow -------------------------------------------------------------------------
+
+
+def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> None:
+    window = open_window()
+    window.frame(FRAME)
+    before, steps = picture_of(window.painter), window.session.engine.steps
+    pygame.event.post(pygame.event.Event(pygame.WINDOWMINIMIZED))
+    for _ in range(20):
+        window.frame(FRAME)
+    assert (picture_of(window.painter) == before).all()
+    assert window.session.engine.steps > steps
+    pygame.event.post(pygame.event.Event(pygame.WINDOWRESTORED))
+    window.frame(FRAME)
+    assert (picture_of(window.painter) != before).any()
+
+
+def test_on_a_dense_screen_the_mouse_is_where_it_is_seen(open_window, monkeypatch) -> None:
+    window = open_window()
+    monkeypatch.setattr(pygame.display, "get_window_size", lambda: (320, 180))
+    assert window.screen.scale == 2.0
+    pygame.event.post(
+        pygame.event.Event(pygame.MOUSEMOTION, pos=(100, 50), rel=(1, 0), buttons=(0, 0, 0))
+    )
+    window.frame(FRAME)
+    assert window.session.interaction.cursor == (200, 100)
+
+
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_panels_without_events_are_built_every_other_frame(open_window, renderer: str) -> None:
+    pytest.importorskip("imgui_bundle")
+    window, built = open_window(renderer=renderer), []
+    window.session.runner.paused = True
+    window.builders.append(lambda session, host: built.append(True))
+    for _ in range(30):
+        window.frame(FRAME)
+    built.clear()
+    pictures = []
+    for _ in range(10):
+        window.frame(FRAME)
+        pictures.append(picture_of(window.painter))
+    assert len(built) == 5
+    panel = [picture[:100] for picture in pictures]
+    assert all((part == panel[0]).mean() > 0.98 for part in panel), "between, they are still there"
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_n, mod=0))
+    window.frame(FRAME)
+    window.frame(FRAME)
+    assert len(built) == 7, "an event is answered at once"
+
+
+@pytest.fixture
+def background(monkeypatch: pytest.MonkeyPatch) -> Iterator[BackgroundRenderer]:
+    """A background renderer for which every picture is slow."""
+    monkeypatch.setattr(background_render, "FEW", -1)
+    monkeypatch.setattr(background_render, "MANY", -1)
+    monkeypatch.setattr(background_render, "LONG", -1.0)
+    slow = BackgroundRenderer()
+    yield slow
+    slow.close()
+
+
+def test_a_slow_frame_is_drawn_on_the_worker_thread(background: BackgroundRenderer) -> None:
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+    camera.scale, camera.center = 1.0, (320.0, 180.0)
+    background.draw(painter, camera, 10, lambda target, seer: target.fill((200, 0, 0)))
+    assert (picture_of(painter) == GROUND).all()  # nothing is finished
+    background.wait()
+
+    def corner(target, seer) -> None:
+        target.fill((0, 0, 0))
+        target.rects(np.array([[0, 0, 11, 11]]), np.array([[0, 200, 0]]), filled=True)
+
+    background.draw(painter, camera, 10, corner)
+    assert (picture_of(painter) == (200, 0, 0)).all()
+    background.wait()
+    background.draw(painter, camera, 10, corner)
+    assert tuple(picture_of(painter)[5, 5]) == (0, 200, 0)
+    background.wait()
+    camera.pan((-100, -50))  # the last picture goes with the camera, before there is a new one
+    background.draw(painter, camera, 10, corner)
+    shown = picture_of(painter)
+    assert tuple(shown[105, 55]) == (0, 200, 0)
+    assert tuple(shown[50, 20]) == GROUND
+    camera.pan((100, 50))
+    background.wait()
+    background.draw(painter, camera, 10, corner)
+    background.wait()
+    camera.zoom_at((0, 0), 4.0)
+    background.draw(painter, camera, 10, corner)
+    assert tuple(picture_of(painter)[30, 30]) == (0, 200, 0)
+
+
+def test_an_error_of_the_worker_thread_is_raised(background: BackgroundRenderer) -> None:
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+
+    def wrong(target, seer) -> None:
+        raise ValueError("wrong")
+
+    background.draw(painter, camera, 10, wrong)
+    with pytest.raises(ValueError, match="wrong"):
+        background.wait()
+    with pytest.raises(ValueError, match="wrong"):
+        background.draw(painter, camera, 10, wrong)
+
+
+def test_few_particles_are_always_drawn_at_once() -> None:
+    quick = BackgroundRenderer()
+    painter, camera = SoftwarePainter(SIZE), Camera(SIZE, (0.0, 0.0, 640.0, 360.0))
+    quick.draw(painter, camera, 100, lambda target, seer: time.sleep(2 * LONG))
+    quick.draw(painter, camera, 100, lambda target, seer: target.fill((9, 9, 9)))
+    assert (picture_of(painter) == 9).all() and not quick.in_background
+
+
+@pytest.mark.parametrize("renderer", ["software", "opengl"])
+def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) -> None:
+    window = open_window(200_000, renderer=renderer)
+    window.frame(FRAME)
+    assert window.background.in_background  # later pictures may be quick enough for the window
+    for _ in range(2):
+        window.frame(FRAME)
+    window.background.wait()
+    window.frame(FRAME)
+    assert picture_of(window.painter).std() > 1
+
+
+# ---- drawing changes nothing ---------------------------------------------------------------------
+
+EVERYTHING = ViewOptions(
+    tree=TreeView.OUTLINE, contacts=True, forces=True, velocities=True, trails=True, labels=True
+)
+EVERY_PART = FrameRequest(tree=True, contacts=True, energies=True)
+
+
+def arrays_of(record: object) -> Iterator[np.ndarray]:
+    """All arrays of a frame and of its parts."""
+    for value in record if isinstance(record, tuple) else vars(record).values():
+        if isinstance(value, np.ndarray):
+            yield value
+        elif isinstance(value, (jostle.Nodes, FrameContacts)):
+            yield from arrays_of(value)
+
+
+@pytest.mark.parametrize("settings", KINDS, ids=lambda settings: settings.scene)
+def test_a_frame_cannot_be_changed(settings: Settings) -> None:
+    simulation = start(settings)
+    for _ in range(3):
+        simulation.step()
+    arrays = list(arrays_of(simulation.frame(EVERY_PART)))
+    assert len(arrays) >= 11
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+@pytest.mark.parametrize("settings", KINDS, ids=lambda settings: settings.scene)
+def test_drawing_changes_no_state(settings: Settings) -> None:
+    simulation, painter, picture = start(settings), SoftwarePainter(SIZE), Picture()
+    camera = Camera(SIZE, simulation.view)
+    for tree in TreeView:
+        simulation.step()
+        before = simulation.save()
+        for by in ColourBy:
+            options = replace(EVERYTHING, tree=tree, colour_by=by)
+            picture.draw(painter, simulation.frame(EVERY_PART), camera, options)
+        assert simulation.save() == before

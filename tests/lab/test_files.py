@@ -1,0 +1,413 @@
+"""Scenes, pictures, tables, trajectories: written, read again, and refused where they are wrong."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+
+from jostle_lab.draw.view_options import ColourBy, TreeView
+from jostle_lab.session import Session
+from jostle_lab.simulate.packing import pack, seal, unpack, unseal
+from jostle_lab.simulate.settings import Group, Settings
+from jostle_lab.simulate.simulation import Attractor
+from jostle_lab.simulate.start import resume, start
+from jostle_lab.storage import exports, files
+from jostle_lab.storage.paths import new_path
+
+SCENES = [
+    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
+    Settings("emitters", 100),
+    Settings("springs", 100),
+    Settings("orbit", 100, on_touch="merge"),
+    Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
+    Settings("article", 40, method="article-quadtree"),
+    Settings("mixed", 40, method="article-brute"),
+]
+NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
+
+
+@pytest.fixture
+def session(tmp_path: Path):
+    session = Session(start(Settings("gas", 60)), (640, 360), synchronous=True)
+    session.files.folder = tmp_path / "out"
+    yield session
+    session.close()
+
+
+def wait(session: Session) -> None:
+    """Show the results of exports; in a synchronous session they are finished."""
+    session.advance(0.0)
+
+
+# ---- states --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
+    simulation = start(settings)
+    for _ in range(5):
+        simulation.step()
+    simulation.remove([2, 5])
+    simulation.attract((Attractor(3.0, (10.0, 20.0)), Attractor(2.0, tag=7)))
+    simulation.add([(50.0, 60.0)], [(1.0, 2.0)], 5.0, 2.0)
+    simulation.step()
+    again = resume(settings, simulation.save())
+    assert again.settings == simulation.settings == settings
+    assert again.view == simulation.view
+    for _ in range(10):
+        assert again.save() == simulation.save()
+        simulation.step()
+        again.step()
+    one, other = simulation.frame(), again.frame()
+    for name in ("positions", "velocities", "radii", "densities", "movable", "tags", "born"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert one.attractors == other.attractors
+    assert simulation.add([(9, 9)], [(0, 0)], 1.0) == again.add([(9, 9)], [(0, 0)], 1.0)
+
+
+def test_going_back_to_a_state_undoes_rules_and_particles() -> None:
+    simulation = start(Settings("gas", 50))
+    state = simulation.save()
+    simulation.adjust("gravity", (0.0, 100.0))
+    simulation.remove([0, 1, 2])
+    simulation.load(state)
+    assert (len(simulation), simulation.settings.gravity) == (50, None)
+    assert simulation.world.gravity == start(Settings("gas", 50)).world.gravity
+
+
+def test_other_bytes_leave_a_simulation_as_it_was() -> None:
+    simulation, other = (
+        start(Settings("gas", 5)),
+        start(Settings("article", 5, method="article-brute")),
+    )
+    before = simulation.save()
+    for wrong in (
+        b"",
+        b"words",
+        other.save(),
+        before[:-1],
+        before[: len(before) // 2],
+        before + b"x",
+    ):
+        with pytest.raises(ValueError, match=r"it is|its|data is"):
+            simulation.load(wrong)
+        assert simulation.save() == before
+
+
+def forged(state: bytes, kind: str, **changes: object) -> bytes:
+    """A state with other facts or columns."""
+    facts, columns = unpack(kind, state)
+    for name, value in changes.items():
+        (columns if isinstance(value, np.ndarray) else facts)[name] = value
+    return pack(kind, facts, columns)
+
+
+def test_attractors_of_older_files_stay_with_their_particles() -> None:
+    """In them tags are not the ids of the world."""
+    simulation = start(Settings("gas", 20))
+    simulation.attract((Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0))))
+    facts, columns = unpack("world", simulation.save())
+    facts["pulls"][0]["tag"], facts["next_tag"] = 57, 70
+    simulation.load(pack("world", facts, {**columns, "tags": columns["tags"] + 50}))
+    frame = simulation.frame()
+    assert frame.tags.tolist() == list(range(20))
+    assert frame.attractors == (Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0)))
+    simulation.attract(frame.attractors[:1])
+    simulation.step()
+    (force,) = simulation.world.forces
+    assert force.particle == 7
+    assert simulation.add([(9, 9)], [(0, 0)], 1.0).tolist() == [20]
+
+
+FORGED = {
+    "too few tags": {"tags": np.arange(5)},
+    "too few times": {"born": np.zeros(5)},
+    "falling tags": {"tags": np.arange(20)[::-1]},
+    "tags twice": {"tags": np.repeat(np.arange(10), 2)},
+    "tags below zero": {"tags": np.arange(20) - 1},
+    "tags to come": {"next_tag": 19},
+    "tags of another type": {"tags": np.arange(20.0)},
+    "no times": {"born": np.full(20, np.nan)},
+    "no attraction": {"pulls": [{"strength": float("nan"), "point": [0, 0], "tag": None,
+                                 "passing": False}]},
+    "nowhere": {"pulls": [{"strength": 1.0, "point": [0, float("inf")], "tag": None,
+                           "passing": False}]},
+}  # fmt: skip
+FORGED_WORLD = {
+    "less than no forces": {"own_forces": -1},
+    "more forces than there are": {"own_forces": 1},
+    "no view": {"view": [0, 0, float("nan"), 1]},
+    "view turned round": {"view": [1, 0, 0, 1]},
+    "half a drop too much": {"emitters": [20, 0, 1.5]},
+    "less than no drops": {"emitters": [-1, 0, 0.5]},
+    "other walls": {"home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "cone", "n": 3}},
+    "half a number": {
+        "home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "box", "n": 2.5}
+    },
+}
+FORGED_ARTICLE = {
+    "places nowhere": {"numbers": np.full((20, 4), np.nan)},
+    "before the first frame": {"frames": -1},
+}
+
+
+@pytest.mark.parametrize(
+    ("method", "changes"),
+    [
+        *(("quadtree", changes) for changes in (FORGED | FORGED_WORLD).values()),
+        *(("article-quadtree", changes) for changes in (FORGED | FORGED_ARTICLE).values()),
+    ],
+    ids=[*(FORGED | FORGED_WORLD), *(f"article, {name}" for name in FORGED | FORGED_ARTICLE)],
+)
+def test_a_forged_state_leaves_a_simulation_as_it_was(method: str, changes: dict) -> None:
+    simulation = start(Settings("gas", 20, method=method))
+    before = simulation.save()
+    kind = "article" if method.startswith("article") else "world"
+    assert forged(before, kind) == before
+    with pytest.raises(ValueError, match=r"\w+ \w+ \w+"):
+        simulation.load(forged(before, kind, **changes))
+    assert simulation.save() == before
+
+
+# ---- packing -------------------------------------------------------------------------------------
+
+
+def test_what_is_packed_comes_back() -> None:
+    arrays = {
+        "a": np.arange(6, dtype=">f4").reshape(2, 3),
+        "none": np.empty((0, 5), np.int64),
+        "b": np.array([True, False]),
+    }
+    facts, back = unpack("thing", pack("thing", {"x": [1, 2.5, None]}, arrays))
+    assert facts == {"x": [1, 2.5, None]}
+    for name, array in arrays.items():
+        np.testing.assert_array_equal(back[name], array)
+        assert back[name].shape == array.shape
+
+
+def test_every_cut_and_every_changed_byte_is_noticed() -> None:
+    whole = seal(pack("thing", {"x": 1}, {"a": np.arange(3)}))
+    assert unseal(whole) == whole[:-8]
+    for end in range(len(whole)):
+        with pytest.raises(ValueError, match="it is"):
+            unseal(whole[:end])
+        bent = bytearray(whole)
+        bent[end] ^= 4
+        with pytest.raises(ValueError, match="it is"):
+            unseal(bytes(bent))
+
+
+def test_objects_are_not_read() -> None:
+    bad = pack("thing", {}, {"a": np.arange(3)}).replace(b'"<i8"', b'"|O8"')
+    with pytest.raises(ValueError, match="it is cut off or damaged"):
+        unpack("thing", bad)
+
+
+# ---- scene files ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("settings", SCENES, ids=NAMES)
+def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, settings) -> None:
+    first = Session(start(settings), (640, 360), synchronous=True)
+    for _ in range(5):
+        first.engine.step()
+    first.camera.zoom_at((100, 100), 2.0)
+    first.view_options.tree, first.view_options.colour_by = TreeView.FILLED, ColourBy.MASS
+    first.view_options.velocities = True
+    first.files.save(tmp_path / "one.jostle")
+    second = Session(start(Settings("rain", 5)), (1280, 720), synchronous=True)
+    second.files.load(tmp_path / "one.jostle")
+    assert second.message == "Loaded one.jostle"
+    assert second.settings == first.settings
+    assert second.engine.simulation.save() == first.engine.simulation.save()
+    assert (second.view_options.tree, second.view_options.colour_by) == (
+        TreeView.FILLED,
+        ColourBy.MASS,
+    )
+    assert second.view_options.velocities
+    assert second.camera.scale == pytest.approx(2 * first.camera.scale)
+    assert second.camera.center == pytest.approx(first.camera.center)
+    for _ in range(3):
+        first.engine.step()
+        second.engine.step()
+    assert second.engine.simulation.save() == first.engine.simulation.save()
+
+
+def test_files_have_names_of_their_own_and_a_notice_says_where(session: Session) -> None:
+    for _ in range(3):
+        session.files.save()
+        session.files.screenshot()
+    names = {path.name for path in session.files.folder.iterdir()}
+    assert len(names) == 6
+    assert all(name.startswith("gas-") for name in names)
+    session.files.save()
+    assert session.message == f"Saved {session.files.scenes()[0]}"
+    assert len(session.files.scenes()) == 4
+
+
+def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
+    session.files.save(folder / "good.jostle")
+    good = (folder / "good.jostle").read_bytes()
+    bad = {
+        "empty.jostle": b"",
+        "picture.jostle": b"\x89PNG\r\n\x1a\n" + bytes(100),
+        "cut.jostle": good[: len(good) // 2],
+        "bent.jostle": good[:400] + bytes([good[400] ^ 1]) + good[401:],
+        "longer.jostle": good + b"x",
+        "world.jostle": session.engine.simulation.save(),
+        "unknown.jostle": seal(good[:-8].replace(b'"scene": "gas"', b'"scene": "gaz"')),
+        "setting.jostle": seal(good[:-8].replace(b'"seed": 0', b'"seeb": 0')),
+        "value.jostle": seal(good[:-8].replace(b'"seed": 0', b'"seed": []'[:9])),
+        "shown.jostle": seal(good[:-8].replace(b'"outline"', b'"outlime"')),
+        "camera.jostle": seal(good[:-8].replace(b'"at_home"', b'"at_hame"')),
+    }
+    facts, arrays = unpack("scene", unseal(good))
+    camera = facts["camera"]
+    for name, other in {
+        "scale": {"scale": float("nan")},
+        "scaled-to-nothing": {"scale": 0},
+        "scaled-beyond": {"scale": 1e308, "size": [1e-9, 1e-9]},
+        "turned": {"scale": -1.0},
+        "nowhere": {"center": [0, float("nan")], "at_home": False},
+        "no-screen": {"size": [0, 0]},
+        "words": {"scale": "wide"},
+    }.items():
+        facts["camera"] = camera | other
+        bad[f"{name}.jostle"] = seal(pack("scene", facts, arrays))
+    deep = b"[" * 100_000
+    bad["deep.jostle"] = seal(b"jostle scene 1\n" + len(deep).to_bytes(8, "little") + deep)
+    for name, data in bad.items():
+        (folder / name).write_bytes(data)
+    return {name: folder / name for name in (*bad, "missing.jostle")}
+
+
+def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
+    session: Session, tmp_path: Path
+) -> None:
+    for name, path in wrong_files(tmp_path, session).items():
+        before = session.engine.simulation, session.engine.simulation.save()
+        looks = session.camera.center, session.camera.scale, session.view_options.tree
+        session.messages.say("nothing")
+        session.files.load(path)
+        assert session.message.startswith(name), name
+        assert len(session.message) < 200
+        assert before == (session.engine.simulation, session.engine.simulation.save())
+        assert looks == (session.camera.center, session.camera.scale, session.view_options.tree)
+    session.files.load(tmp_path / "good.jostle")
+    assert session.message == "Loaded good.jostle"
+
+
+def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:
+    path = new_path(tmp_path, "../a b/c", ".png")
+    assert path.parent == tmp_path and path.name.startswith("-a-b-c-")
+
+
+# ---- pictures ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [None, (333, 211)])
+def test_a_screenshot_is_the_picture(session: Session, size) -> None:
+    session.files.screenshot(size=size)
+    (path,) = session.files.folder.glob("*.png")
+    picture = pygame.image.load(path)
+    assert picture.get_size() == (size or (640, 360))
+    assert len(np.unique(pygame.surfarray.array2d(picture))) > 30
+
+
+# ---- tables --------------------------------------------------------------------------------------
+
+
+def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None:
+    session.engine.edit(lambda simulation: simulation.remove([0, 5]))
+    for _ in range(60):
+        session.messages.now += 1 / 60
+        session.advance(1 / 60)
+    session.files.export_csv()
+    wait(session)
+    energies, positions = sorted(
+        session.files.folder.glob("*.csv"), key=lambda path: -len(path.name)
+    )
+    assert session.message == f"Saved {positions}"
+    with positions.open() as file:
+        rows = list(csv.DictReader(file))
+    frame = session.frame
+    assert list(rows[0]) == ["tag", "x", "y", "vx", "vy", "radius", "mass"]
+    table = np.array([[float(value) for value in row.values()] for row in rows], np.float32)
+    np.testing.assert_array_equal(table[:, 0], frame.tags)
+    np.testing.assert_array_equal(table[:, 1:3], frame.positions)
+    np.testing.assert_array_equal(table[:, 3:5], frame.velocities)
+    np.testing.assert_array_equal(table[:, 5:], np.stack([frame.radii, frame.masses], axis=1))
+    with energies.open() as file:
+        sums = list(csv.DictReader(file))
+    assert len(sums) == len(session.runner.statistics.sums) > 5
+    assert {"time", "kinetic", "potential", "momentum_x"} <= set(sums[0])
+    assert float(sums[-1]["kinetic"]) == session.runner.statistics.sums["kinetic"][-1]
+
+
+def test_csv_of_nothing(session: Session) -> None:
+    session.runner.begin(Settings("gas", 0))
+    session.files.export_csv()
+    wait(session)
+    positions = min(session.files.folder.glob("*.csv"), key=lambda path: len(path.name))
+    assert positions.read_text() == "tag,x,y,vx,vy,radius,mass\n"
+
+
+def test_gsd_is_read_again(session: Session) -> None:
+    import gsd.hoomd as gsd_hoomd
+
+    for step in range(60):
+        if step == 30:
+            session.engine.edit(lambda simulation: simulation.remove([0, 5]))
+        session.engine.step()
+    session.engine.edit(lambda simulation: simulation.change([7], movable=False))
+    session.files.export_gsd()
+    wait(session)
+    (path,) = session.files.folder.glob("*.gsd")
+    frame = session.frame
+    with gsd_hoomd.open(str(path), "r") as trajectory:
+        assert 9 <= len(trajectory) <= 12
+        counts = [snapshot.particles.N for snapshot in trajectory]
+        assert counts[0] == 60 and counts[-1] == 58
+        steps = [snapshot.configuration.step for snapshot in trajectory]
+        assert steps == sorted(steps) and steps[-1] == 60
+        last = trajectory[-1]
+        assert last.configuration.dimensions == 2
+        box, walls = last.configuration.box, frame.container
+        assert box[:2] == pytest.approx((walls.max_x - walls.min_x, walls.max_y - walls.min_y))
+        assert (np.abs(last.particles.position[:, :2]) <= box[:2] / 2).all()
+        middle = np.array([walls.min_x + walls.max_x, walls.min_y + walls.max_y]) / 2
+        flip = np.array([1, -1])
+        np.testing.assert_allclose(
+            last.particles.position[:, :2] * flip + middle, frame.positions, rtol=1e-5, atol=1e-3
+        )
+        np.testing.assert_array_equal(last.particles.velocity[:, :2] * flip, frame.velocities)
+        np.testing.assert_array_equal(last.particles.diameter, 2 * frame.radii)
+        np.testing.assert_array_equal(last.particles.mass, frame.masses)
+        np.testing.assert_array_equal(last.log["particles/tag"], frame.tags)
+        kinds = np.array(last.particles.types)[last.particles.typeid]
+        np.testing.assert_array_equal(kinds == "fixed", frame.tags == 7)
+
+
+def test_without_gsd_a_notice_says_what_brings_it(session: Session, monkeypatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "gsd", None)
+    monkeypatch.setitem(sys.modules, "gsd.hoomd", None)
+    session.files.export_gsd()
+    wait(session)
+    assert "pip install" in session.message and "gsd" in session.message
+    assert exports.GSD_MISSING in session.message
+
+
+def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(files, "write_positions", full)
+    session.files.export_csv()
+    wait(session)
+    assert "No space left" in session.message

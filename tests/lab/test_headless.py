@@ -1,0 +1,127 @@
+"""A run without a window: a playable video, a picture and a table."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pygame
+import pytest
+import rich.console as rich_console
+
+from jostle_lab import headless
+from jostle_lab.draw.palette import GROUND
+from jostle_lab.headless import default_steps, make_film
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
+from jostle_lab.storage.encoder import Encoder
+
+SIZE = (640, 360)
+
+
+@pytest.fixture
+def console():
+    return rich_console.Console(file=io.StringIO(), width=100)
+
+
+def frames_of(video: Path) -> list[np.ndarray]:
+    reader = imageio_ffmpeg.read_frames(str(video))
+    width, height = next(reader)["size"]
+    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
+
+
+@pytest.mark.parametrize(
+    ("method", "frames", "name"),
+    [("quadtree", 6, "article"), ("article-quadtree", 11, "article-2015-quadtree")],
+)
+def test_film_plays_and_has_a_frame_for_every_thirtieth_of_a_second(
+    tmp_path: Path, console, method: str, frames: int, name: str
+) -> None:
+    simulation = start(Settings("article", 60, method=method))
+    film = make_film(simulation, 10, tmp_path, console, SIZE)
+    assert (film.video, film.still) == (tmp_path / f"{name}.mp4", tmp_path / f"{name}.png")
+    pictures = frames_of(film.video)
+    assert len(pictures) == film.frames == frames
+    assert {picture.shape for picture in pictures} == {(360, 640, 3)}
+    assert (pictures[0] != pictures[-1]).any()
+    corner = pictures[0][-4:, -4:].reshape(-1, 3).mean(axis=0)
+    assert corner == pytest.approx(GROUND, abs=4)  # the film keeps the colours
+    still = pygame.image.load(film.still)
+    assert still.get_size() == SIZE
+    assert len(np.unique(pygame.surfarray.array2d(still))) > 50
+
+
+def test_film_of_nothing_and_of_one_step(tmp_path: Path, console) -> None:
+    film = make_film(start(Settings("pile", 0)), 1, tmp_path, console, SIZE)
+    assert film.frames == len(frames_of(film.video)) == 1
+
+
+def test_a_film_never_replaces_a_file(tmp_path: Path, console) -> None:
+    (tmp_path / "pile.mp4").write_bytes(b"first")
+    (tmp_path / "pile-2.png").write_bytes(b"second")
+    film = make_film(start(Settings("pile", 0)), 1, tmp_path, console, SIZE)
+    assert (film.video, film.still) == (tmp_path / "pile-3.mp4", tmp_path / "pile-3.png")
+    assert film.video.exists() and film.still.exists()
+    assert (tmp_path / "pile.mp4").read_bytes() == b"first"
+    assert (tmp_path / "pile-2.png").read_bytes() == b"second"
+
+
+def test_a_film_takes_ten_seconds_by_every_rule() -> None:
+    assert default_steps(start(Settings("article", 5))) == 600
+    assert default_steps(start(Settings("article", 5, method="article-brute"))) == 300
+
+
+def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
+    canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
+    with (
+        pytest.raises(KeyboardInterrupt),
+        Encoder(tmp_path / "film.mp4", SIZE) as recorder,
+    ):
+        for _ in range(3):
+            recorder.draw(canvas)
+        raise KeyboardInterrupt
+    assert len(frames_of(tmp_path / "film.mp4")) == 3
+
+
+def test_a_film_that_is_interrupted_before_its_first_frame_leaves_no_file(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), Encoder(tmp_path / "film.mp4", SIZE):
+        raise KeyboardInterrupt
+    assert not list(tmp_path.iterdir())
+
+
+def table_of(settings: Settings, tmp_path: Path, console) -> str:
+    simulation = start(settings)
+    film = make_film(simulation, 2, tmp_path, console, SIZE)
+    console.file = io.StringIO()
+    console.print(headless.film_report(simulation, film))
+    return console.file.getvalue()
+
+
+@pytest.mark.parametrize("method", ["quadtree", "brute", "article-brute"])
+def test_table_sets_the_methods_side_by_side(
+    tmp_path: Path, console, monkeypatch, method: str
+) -> None:
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
+    table = table_of(Settings("article", 50, method=method), tmp_path, console)
+    for words in ("particles", "50", "steps/s", "1,225", "touching", "quadtree",
+                  "brute force", "article's tree", "×"):  # fmt: skip
+        assert words in table
+
+
+def test_table_without_particles_compares_nothing(tmp_path: Path, console, monkeypatch) -> None:
+    monkeypatch.setattr(headless, "PATIENCE", 0.01)
+    table = table_of(Settings("gas", 0), tmp_path, console)
+    assert "nothing to compare" in table and "×" not in table
+
+
+def test_table_says_when_a_method_was_not_timed_in_full(
+    tmp_path: Path, console, monkeypatch
+) -> None:
+    for name, value in [
+        ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
+    ]:  # fmt: skip
+        monkeypatch.setattr(headless, name, value)
+    table = table_of(Settings("gas", 50), tmp_path, console)
+    assert "scaled from 10" in table and "with only 15 particles" in table

@@ -1,0 +1,157 @@
+"""Particle life in the app: the panel, the setting, colours and files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pygame
+import pytest
+from test_app_panels import Desk
+
+from jostle import life
+from jostle_lab.act.interaction import Tool
+from jostle_lab.draw.colouring import Colouring
+from jostle_lab.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS
+from jostle_lab.draw.view_options import ColourBy
+from jostle_lab.simulate.settings import SETTINGS, Settings
+from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.validation import read
+from jostle_lab.storage.config import ConfigError, read_config
+
+TWO = ((0.5, -1.0), (1.0, 0.0))
+
+
+def matrix_of(desk: Desk) -> np.ndarray:
+    matrix = desk.session.frame.matrix
+    assert matrix is not None
+    return matrix
+
+
+@pytest.fixture(scope="module")
+def desk() -> Desk:
+    return Desk(Settings("life", n=60))
+
+
+def right_click(desk: Desk, mark: str) -> None:
+    x, y = desk.place(mark)
+    for kind in (pygame.MOUSEMOTION, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP):
+        extra = {} if kind == pygame.MOUSEMOTION else {"button": 3}
+        desk.gui.handle(pygame.event.Event(kind, pos=(round(x), round(y)), **extra))
+        desk.frame()
+    desk.frame(2)
+
+
+def test_a_click_raises_an_attraction_and_a_right_click_lowers_it(desk: Desk) -> None:
+    before = matrix_of(desk)
+    desk.click("attraction 1 4")
+    changed = before.copy()
+    changed[1, 4] = round(before[1, 4] + 0.1, 1)
+    np.testing.assert_allclose(matrix_of(desk), changed, atol=1e-6)
+    right_click(desk, "attraction 1 4")
+    np.testing.assert_allclose(matrix_of(desk), before, atol=1e-6)
+    for _ in range(5):
+        desk.click("attraction 0 0")
+    assert matrix_of(desk)[0, 0] == 1.0
+
+
+def test_a_preset_is_chosen_and_named(desk: Desk) -> None:
+    desk.click("preset")
+    desk.click("preset: flowers")
+    np.testing.assert_array_equal(matrix_of(desk), life.MATRICES["flowers"])
+    assert desk.session.settings.matrix == "flowers"
+
+
+def test_random_matrices(desk: Desk) -> None:
+    desk.click("randomise")
+    first = matrix_of(desk)
+    desk.click("randomise")
+    assert (matrix_of(desk) != first).any()
+    desk.click("randomise symmetric")
+    assert (matrix_of(desk) == matrix_of(desk).T).all()
+
+
+def test_new_particles_have_the_chosen_kind(desk: Desk) -> None:
+    desk.click("kind 3")
+    assert desk.session.interaction.tool is Tool.BRUSH
+    n = len(desk.session.frame)
+    desk.session.interaction.commands.create((50.0, 50.0))
+    desk.frame(2)
+    frame = desk.session.frame
+    assert len(frame) == n + 1 and frame.kinds is not None and frame.kinds[-1] == 3
+    desk.session.interaction.commands.clone(frame.tags[[1, 2]])
+    desk.frame(2)
+    frame = desk.session.frame
+    assert frame.kinds is not None
+    assert sorted(frame.kinds[n + 1 :].tolist()) == sorted(frame.kinds[[1, 2]].tolist())
+
+
+def test_other_scenes_have_no_panel() -> None:
+    desk = Desk(Settings("gas", n=10))
+    assert "section Particle life" not in desk.gui.marks
+    simulation = start(Settings("gas", n=10))
+    assert "choose the scene life" in str(simulation.adjust("matrix", TWO))
+    assert simulation.settings.matrix is None
+
+
+def test_a_matrix_may_have_fewer_kinds() -> None:
+    simulation = start(Settings("life", n=9, matrix=TWO))
+    frame = simulation.frame()
+    assert frame.kinds is not None
+    assert frame.kinds.tolist() == [0, 1] * 4 + [0]
+    simulation.add([(1, 1), (2, 2)], [(0, 0)] * 2, [2.0, 2.0])
+    frame = simulation.frame()
+    assert frame.kinds is not None and frame.kinds[-2:].tolist() == [1, 0]
+
+
+def test_saved_scenes_continue_with_the_same_matrix() -> None:
+    simulation = start(Settings("life", n=50, matrix=TWO))
+    simulation.step()
+    again = resume(simulation.settings, simulation.save())
+    for one in (simulation, again):
+        one.step()
+    first, second = simulation.frame(), again.frame()
+    np.testing.assert_array_equal(first.positions, second.positions)
+    np.testing.assert_array_equal(first.matrix, second.matrix)
+
+
+def test_colours_are_those_of_the_kinds() -> None:
+    frame = start(Settings("life", n=12)).frame()
+    colouring = Colouring()
+    shades = colouring.shades(frame)
+    assert colouring.shows == "kind" and colouring.legend is None
+    assert shades.tolist() == [FIRST_KIND + k % 6 for k in range(12)]
+    assert colouring.shades(frame, ColourBy.VELOCITY).max() < FIXED_SHADE
+    plain = start(Settings("gas", n=5)).frame()
+    assert Colouring().shades(plain, ColourBy.KIND).tolist() == [FIRST_KIND] * 5
+    assert len({*KINDS}) == len(KINDS)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (
+            'scene = "life"\nmatrix = "chess"',
+            "line 2: matrix is 'chess'; it must be one of dragons",
+        ),
+        ('scene = "life"\nmatrix = [[1, 2], [0, 0]]', "line 2: matrix is [[1, 2], [0, 0]]"),
+        ('scene = "life"\nmatrix = [[1, 0]]', "line 2: matrix"),
+        ('scene = "life"\nmatrix = []', "line 2: matrix"),
+        ('method = "article-brute"\nmatrix = "cells"', "the article's rules are fixed"),
+    ],
+)
+def test_wrong_matrices_of_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as error:
+        read_config(path)
+    assert words in str(error.value)
+
+
+def test_a_file_sets_the_matrix(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text('scene = "life"\nn = 8\nmatrix = [[0.5, -1], [1, 0]]')
+    settings = read_config(path).settings
+    assert settings.matrix == TWO
+    np.testing.assert_allclose(start(settings).frame().matrix, TWO)
+    assert read({"scene": "life", "matrix": "wheels"}, SETTINGS).matrix == "wheels"

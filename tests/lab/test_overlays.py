@@ -1,0 +1,362 @@
+"""What is drawn over and under the discs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pygame
+import pytest
+from lab_overlays import (
+    SIZE,
+    Notes,
+    camera_of_pixels,
+    frame_of,
+    touching_of,
+)
+
+import jostle
+from jostle_lab.draw import marks
+from jostle_lab.draw.base_layers import draw_discs, draw_wall_discs
+from jostle_lab.draw.marks import Trails
+from jostle_lab.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE
+from jostle_lab.draw.picture import Picture
+from jostle_lab.draw.software import SoftwarePainter
+from jostle_lab.draw.subsampling import subset
+from jostle_lab.draw.tree_overlay import draw_heat, draw_outline
+from jostle_lab.draw.view_options import ColourBy, ViewOptions
+from jostle_lab.simulate.simulation import Attractor
+
+
+def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
+    return jostle.Nodes(
+        np.array(boxes, float), np.array(levels), np.array(counts), np.array(leaves, bool)
+    )
+
+
+def pixels(painter: SoftwarePainter) -> np.ndarray:
+    return pygame.surfarray.array3d(painter.canvas()).astype(int)
+
+
+# ---- the tree ------------------------------------------------------------------------------------
+
+
+def test_heat_is_warmer_where_leaves_are_fuller() -> None:
+    boxes = [(20, 20, 60, 60), (60, 20, 100, 60), (20, 60, 60, 100)]
+    painter = SoftwarePainter(SIZE)
+    painter.fill(STAGE)
+    tree = tree_of(boxes, [1, 1, 1], [0, 8, 4], [True] * 3)
+    legend = draw_heat(painter, tree, camera_of_pixels())
+    canvas = painter.canvas()
+    empty, full, half = (canvas.get_at(place)[:3] for place in ((40, 40), (80, 40), (40, 80)))
+    assert (empty, full) == (HEAT[0], HEAT[-1]) and half in HEAT[4:8]
+    assert legend is not None and (legend.low, legend.high) == ("0", "8")
+
+
+def test_an_edge_of_two_neighbours_is_drawn_once_and_small_boxes_are_fainter() -> None:
+    notes = Notes()
+    boxes = [(0, 0, 200, 200), (0, 0, 100, 100), (100, 0, 200, 100), (0, 0, 4, 4)]
+    draw_outline(notes, tree_of(boxes, [0, 1, 1, 2], [1] * 4, [False, True, True, True]),
+                 camera_of_pixels())  # fmt: skip
+    ends, colours = np.floor(notes.lines_drawn()), notes.colours_drawn()
+    assert len(ends) == 4 + 5 + 4  # what goes on is joined
+
+    def alpha(*edge: int) -> int:
+        return int(colours[(ends == edge).all(axis=1)][0, 3])
+
+    assert alpha(0, 200, 200, 200) > alpha(0, 100, 200, 100) > alpha(4, 0, 4, 4) > 0
+    assert set(ends[-4:, 3] - ends[-4:, 1]) == {0, 200}  # the root last, on top
+
+
+def test_a_translucent_edge_lets_the_disc_below_show_through() -> None:
+    painter = SoftwarePainter(SIZE)
+    painter.fill((200, 40, 40))
+    painter.lines(np.array([[10.0, 50, 200, 50]]), np.array([[0, 0, 255, 128]], np.uint8))
+    red, _, blue = painter.canvas().get_at((100, 50))[:3]
+    assert 80 < red < 120 and 120 < blue < 160
+
+
+# ---- contacts and velocities ---------------------------------------------------------------------
+
+
+def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
+    notes = Notes()
+    frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching_of((0, 1), (1, 0), [0.0]))
+    assert marks.draw_contacts(notes, frame, camera_of_pixels()) is None
+    ((x0, y0, x1, y1),) = notes.lines_drawn()
+    assert (x0 + x1) / 2 == pytest.approx(110) and y0 == y1 == pytest.approx(100)
+    assert 3 < x1 - x0 < 20
+
+
+def test_deeper_contacts_are_warmer() -> None:
+    notes = Notes()
+    pairs = touching_of([(0, 1), (0, 2)], [(1, 0), (0, 1)], [0.0, 4.0])
+    frame = frame_of([(100, 100), (120, 100), (100, 116)], 10.0, contacts=pairs)
+    marks.draw_contacts(notes, frame, camera_of_pixels())
+    calm, deep = notes.colours_drawn()[:, :3].astype(int)
+    assert deep[2] < calm[2] and deep[0] >= calm[0] - 10
+
+
+def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
+    many = marks.MOST_CONTACTS + 500
+    rng = np.random.default_rng(0)
+    frame = frame_of(
+        rng.uniform(10, 230, (many + 1, 2)),
+        contacts=touching_of(
+            np.column_stack([np.arange(many), np.arange(1, many + 1)]),
+            np.tile((1.0, 0.0), (many, 1)),
+            np.zeros(many),
+        ),
+    )
+    notes = Notes()
+    said = marks.draw_contacts(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == marks.MOST_CONTACTS
+    assert said is not None and f"{marks.MOST_CONTACTS:,} of" in said
+
+
+def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_widest() -> None:
+    pairs = touching_of(
+        [(0, 1), (1, 2)], [(1, 0), (1, 0)], [0.0, 0.0], [9.0, 1.0], walls=[(2, (-1, 0), 3.0)]
+    )
+    frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
+    notes = Notes()
+    assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
+    lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
+             for k in range(len(v[0]))]  # fmt: skip
+    np.testing.assert_allclose(
+        [line[:4] for line in lines],
+        [(120, 100, 140, 100), (140, 100, 150, 100), (100, 100, 120, 100)],
+    )
+    widths = [line[4] for line in lines]
+    assert widths == sorted(widths) and widths[-1] > widths[0]
+    brightness = notes.colours_drawn().astype(int).sum(axis=1)
+    assert (np.diff(brightness) > 0).all()
+
+
+def test_contacts_without_impulses_are_no_force_chains() -> None:
+    for touching in (touching_of([], [], []), touching_of((0, 1), (1, 0), [0.0], [0.0]), None):
+        frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching)
+        notes = Notes()
+        assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
+        assert len(notes.lines_drawn()) == 0
+
+
+def test_the_smallest_of_too_many_forces_are_left_out() -> None:
+    many = marks.MOST_CHAINS + 500
+    rng = np.random.default_rng(0)
+    frame = frame_of(
+        rng.uniform(10, 230, (many + 1, 2)),
+        contacts=touching_of(
+            np.column_stack([np.arange(many), np.arange(1, many + 1)]),
+            np.tile((1.0, 0.0), (many, 1)),
+            np.zeros(many),
+            rng.uniform(5, 6, many),
+        ),
+    )
+    notes = Notes()
+    said = marks.draw_force_chains(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == marks.MOST_CHAINS
+    assert said is not None and f"{marks.MOST_CHAINS:,} largest of" in said
+
+
+def test_sensors_are_rings_and_no_walls() -> None:
+    places = [(60 + 10 * k, 60) for k in range(5)]
+    frame = frame_of(places, 10.0, movable=[False] * 5, sensors=np.array([1, 1, 2, 1, 1], np.int8))
+    notes = Notes()
+    draw_wall_discs(notes, frame, camera_of_pixels())
+    assert len(notes.lines_drawn()) == 0
+    draw_discs(notes, frame, np.zeros(5, np.uint8), camera_of_pixels())
+    rings = [values for name, values, _ in notes.strokes if name == "circle"]
+    assert len(rings) == 5 and rings[2][2] != rings[0][2]
+    (discs,) = [values for name, values, _ in notes.strokes if name == "discs"]
+    assert len(discs[0]) == 0
+
+
+def test_radius_lines_show_the_angles_of_large_discs() -> None:
+    notes = Notes()
+    angles = np.array([0, np.pi / 2, 1, 1], np.float32)
+    places = [(50, 50), (150, 100), (250, 50), (200, 200)]
+    frame = frame_of(places, [10, 20, 1, 10], angles=angles, movable=[True, True, True, False])
+    marks.draw_spins(notes, frame, camera_of_pixels())
+    ends = notes.lines_drawn()
+    np.testing.assert_allclose(ends[:, 2:] - ends[:, :2], [(10, 0), (0, 20)], atol=1e-5)
+    marks.draw_spins(still := Notes(), frame_of(places, 10.0), camera_of_pixels())
+    assert len(still.lines_drawn()) == 0
+
+
+def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
+    notes = Notes()
+    frame = frame_of([(50, 50), (200, 200)], 10.0, velocities=[(60, 0), (0, -120)])
+    assert marks.draw_velocities(notes, frame, camera_of_pixels()) is None
+    ends = notes.lines_drawn()
+    shafts = ends[:2, 2:] - ends[:2, :2]
+    assert shafts[0, 0] > 5 and shafts[0, 1] == 0
+    assert shafts[1, 1] == pytest.approx(-2 * shafts[0, 0]) and shafts[1, 0] == 0
+    assert len(ends) == 6 and (ends[2:4, :2] == ends[:2, 2:]).all()  # heads begin at the tips
+
+
+def test_many_velocities_are_shown_sparsely_and_always_for_the_same_particles() -> None:
+    places = np.random.default_rng(1).uniform(10, 230, (3_000, 2))
+    frame = frame_of(places, velocities=np.tile((50.0, 0.0), (3_000, 1)))
+    notes, again = Notes(), Notes()
+    said = marks.draw_velocities(notes, frame, camera_of_pixels())
+    marks.draw_velocities(again, frame, camera_of_pixels())
+    assert said == f"velocities: {marks.MOST_ARROWS:,} of 3,000 shown"
+    assert (notes.lines_drawn() == again.lines_drawn()).all()
+
+
+def test_the_few_stay_the_same_when_others_go() -> None:
+    tags = np.arange(10_000)
+    chosen = set(subset(tags, 100).tolist())
+    left = np.delete(tags, [k for k in range(0, 10_000, 2) if k not in chosen])
+    assert {int(left[k]) for k in subset(left, 100)} == chosen
+    assert len(subset(np.arange(5), 100)) == 5
+
+
+# ---- springs, attractors, walls ------------------------------------------------------------------
+
+
+def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
+    springs = np.array([(0, 1), (1, 2)], np.int64)
+    places = [(10, 50), (40, 50), (300, 50)]
+    for container, count in [(None, 2), (jostle.Torus(320, 240), 1)]:
+        notes = Notes()
+        frame = frame_of(places, springs=springs, container=container)
+        marks.draw_springs(notes, frame, camera_of_pixels())
+        assert len(notes.lines_drawn()) == count
+        assert notes.lines_drawn()[0] == pytest.approx((10, 50, 40, 50))
+
+
+def test_attractors_are_rings_around_a_point_or_a_particle_that_is_there() -> None:
+    painter = SoftwarePainter(SIZE)
+    painter.fill(STAGE)
+    attractors = (Attractor(1.0, (60, 60)), Attractor(1.0, tag=1), Attractor(1.0, tag=99))
+    frame = frame_of([(200, 100), (250, 150)], 10.0, attractors=attractors)
+    marks.draw_attractors(painter, frame, camera_of_pixels())
+    assert painter.canvas().get_at((60, 60))[:3] == pytest.approx(ATTRACTOR, abs=30)
+    lit = (pixels(painter) != np.array(STAGE)).any(axis=2)
+    assert lit[40:80, 40:80].any() and lit[220:280, 120:180].any()
+    lit[30:90, 30:90] = lit[210:290, 110:190] = False
+    assert not lit.any()
+
+
+def test_immovable_discs_in_a_row_are_one_wall_and_apart_they_are_not() -> None:
+    painter = SoftwarePainter(SIZE)
+    places = [(100 + 8 * k, 100) for k in range(6)] + [(100, 200), (130, 200)]
+    frame = frame_of(places, 4.0, movable=False)
+    Picture().draw(painter, frame, camera_of_pixels(), ViewOptions())
+    canvas = painter.canvas()
+    between = [canvas.get_at((x, 103))[:3] for x in (104, 112, 128)]  # a notch of the string
+    assert all(colour == pytest.approx(FIXED, abs=12) for colour in between)
+    assert canvas.get_at((115, 200))[:3] == STAGE
+
+
+def test_walls_are_asked_for_again_when_they_have_moved() -> None:
+    camera = camera_of_pixels()
+    near = frame_of([(100, 100), (108, 100)], 4.0, movable=False)
+    apart = frame_of([(100, 100), (150, 100)], 4.0, movable=False)
+    for frame, count in [(near, 1), (apart, 0), (near, 1)]:
+        notes = Notes()
+        draw_wall_discs(notes, frame, camera)
+        assert len(notes.lines_drawn()) == count
+
+
+# ---- trails --------------------------------------------------------------------------------------
+
+
+def walk(path: Trails, steps: int, *, tags=(0, 1), begin: int = 0) -> Notes:
+    """Two particles that go to the right; return what the last picture draws."""
+    notes = Notes()
+    for step in range(begin, begin + steps):
+        places = [(20 + 2 * step, 50 + 40 * k) for k in range(len(tags))]
+        frame = frame_of(places, 2.0, time=step / 30, tags=tags)
+        notes = Notes()
+        path.draw(notes, frame, np.full(len(tags), 12, np.uint8), camera_of_pixels())
+    return notes
+
+
+def test_trails_lead_to_the_particles_and_fade_with_age() -> None:
+    notes = walk(Trails(), 40)
+    ends, alpha = notes.lines_drawn(), notes.colours_drawn()[:, 3].astype(int)
+    assert ends[:, 2].max() == pytest.approx(20 + 2 * 39)
+    oldest = ends[:, 0].min()
+    assert 20 + 2 * (39 - 30) - 4 <= oldest <= 20 + 2 * (39 - 30) + 6  # one second of the way
+    assert alpha[np.argmax(ends[:, 2])] > 2 * alpha[np.argmin(ends[:, 0])]
+
+
+def test_trails_rest_in_a_pause_and_can_be_cleared() -> None:
+    path = Trails()
+    walk(path, 30)
+    frame = frame_of([(80, 50), (80, 90)], 2.0, time=1.0)
+    counts = []
+    for _ in range(50):
+        notes = Notes()
+        path.draw(notes, frame, np.zeros(2, np.uint8), camera_of_pixels())
+        counts.append(len(notes.lines_drawn()))
+    assert counts[0] == counts[-1] > 0
+    path.clear()
+    notes = Notes()
+    path.draw(notes, frame, np.zeros(2, np.uint8), camera_of_pixels())
+    assert all(x0 == x1 and y0 == y1 for x0, y0, x1, y1 in notes.lines_drawn())
+
+
+def test_a_trail_follows_its_particle_when_rows_move_up() -> None:
+    path = Trails()
+    walk(path, 20)
+    notes = walk(path, 20, tags=(1,), begin=20)  # now in the first row, at its height
+    ends = notes.lines_drawn()
+    assert np.abs(ends[:, 1] - ends[:, 3]).max() == pytest.approx(40, abs=1)  # it moved there
+    assert len(np.unique(ends[:, 1])) == 2
+
+
+def test_trails_show_as_many_as_are_cheap() -> None:
+    places = np.random.default_rng(2).uniform(10, 230, (1_000, 2))
+    path, notes = Trails(), Notes()
+    said = path.draw(notes, frame_of(places), np.zeros(1_000, np.uint8), camera_of_pixels())
+    assert said == f"trails: {marks.MOST_TRAILS:,} of 1,000 shown"
+
+
+def test_going_back_in_time_begins_trails_anew() -> None:
+    path = Trails()
+    walk(path, 30)
+    notes = walk(path, 1)
+    assert all(x0 == x1 for x0, _, x1, _ in notes.lines_drawn())
+
+
+# ---- labels and cards ----------------------------------------------------------------------------
+
+
+def test_labels_stand_on_discs_that_are_large_enough() -> None:
+    notes = Notes()
+    frame = frame_of([(60, 60), (150, 60), (240, 60)], [30.0, 8.0, 2.0])
+    assert marks.draw_labels(notes, frame, camera_of_pixels()) is None
+    places = notes.sheets_drawn()
+    assert len(places) == 3  # tag and speed on the large one, the tag on the other
+    assert all(x < 160 for x, _ in places)
+
+
+def test_labels_say_when_they_are_too_small_or_too_many() -> None:
+    notes = Notes()
+    small = frame_of([(60, 60)], 1.0)
+    assert marks.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to see them"
+    many = frame_of(np.random.default_rng(3).uniform(10, 230, (300, 2)), 8.0)
+    assert marks.draw_labels(notes, many, camera_of_pixels()) == "labels: 200 of 300 shown"
+    assert len(notes.sheets_drawn()) == marks.MOST_LABELS
+
+
+def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:
+    shown = ViewOptions(contacts=True, velocities=True, trails=True, labels=True)
+    for places in ([], [(100, 100)]):
+        painter, picture = SoftwarePainter((800, 600)), Picture()
+        for colour_by in ColourBy:
+            shown.colour_by = colour_by
+            picture.draw(painter, frame_of(places), camera_of_pixels(), shown)
+        assert pixels(painter).any()
+
+
+def test_a_part_of_the_canvas_is_drawn_and_the_rest_is_left() -> None:
+    painter = SoftwarePainter(SIZE)
+    Picture().draw(
+        painter, frame_of([(80, 120), (240, 120)], 20.0), camera_of_pixels(), ViewOptions(),
+        pygame.Rect(0, 0, 160, 240),
+    )  # fmt: skip
+    picture = pixels(painter)
+    assert picture[80, 120].any() and not picture[160:].any()

@@ -1,0 +1,214 @@
+"""Two methods side by side on the same scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pygame
+import pytest
+
+from jostle_lab import race as racing
+from jostle_lab.draw.view_options import TreeView
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
+from jostle_lab.window import Window
+
+FRAME = 1 / 60
+
+
+@pytest.fixture
+def open_window() -> Iterator:
+    windows = []
+
+    def make(settings: Settings, *, synchronous: bool = True) -> Window:
+        window = Window(start(settings), (1280, 720), synchronous=synchronous)
+        pygame.event.clear()
+        windows.append(window)
+        return window
+
+    yield make
+    for window in windows:
+        window.session.close()
+    pygame.display.quit()
+
+
+def run(window: Window, frames: int) -> None:
+    """Show frames, and wait for steps on worker threads, so that nothing depends on the machine."""
+    for _ in range(frames):
+        window.frame(FRAME)
+        for contestant in window.session.runner.race.contestants:
+            contestant.engine.wait()
+
+
+def halves(window: Window) -> tuple[np.ndarray, np.ndarray]:
+    """What the two columns show, without headings and the readout."""
+    picture = pygame.surfarray.array3d(window.painter.canvas())
+    camera = window.session.camera
+    edge, end, width = (
+        round(at) for at in (camera.column_edge(1), camera.column_edge(2), camera.column_width)
+    )
+    return picture[edge - width + 2 : edge - 2, 120:600], picture[edge + 2 : end - 2, 120:600]
+
+
+def test_both_have_the_same_scene_and_stay_together_where_answers_are_the_same(open_window) -> None:
+    window = open_window(Settings("gas", 400, seed=3))
+    run_before = window.session.engine
+    for _ in range(5):
+        window.frame(FRAME)
+    window.session.runner.toggle_race("brute")
+    left, right = (contestant.engine for contestant in window.session.runner.race.contestants)
+    assert left is run_before and left.frame.stats.time == right.frame.stats.time == 0
+    run(window, 12)
+    assert right.settings.method == "brute" and left.settings.method == "quadtree"
+    assert right.frame.stats.pairs_tested == 400 * 399 // 2 > left.frame.stats.pairs_tested
+    steps = min(contestant.steps for contestant in window.session.runner.race.contestants)
+    assert steps > 5
+    for contestant in window.session.runner.race.contestants:
+        while contestant.steps < 15:
+            contestant.engine.step()
+    assert window.session.runner.race.contestants[0].steps == right.steps == 15
+    assert (left.frame.positions == right.frame.positions).all()
+
+
+def test_the_picture_has_two_halves_that_move_together(open_window) -> None:
+    window = open_window(Settings("gas", 200))
+    window.session.runner.toggle_race("brute")
+    window.session.view_options.tree = TreeView.OFF
+    window.session.runner.paused = True
+    session = window.session
+    for move in (lambda: None, lambda: session.camera.zoom_at((500, 400), 3.0),
+                 lambda: session.camera.pan((30, -20))):  # fmt: skip
+        move()
+        window.frame(0.0)
+        left, right = halves(window)
+        width = min(len(left), len(right))
+        assert (left != left[0, 0]).any()
+        differing = (left[:width] != right[:width]).any(axis=2).mean()
+        assert differing < 0.02  # but for places between two pixels
+
+
+def test_nothing_of_the_left_half_reaches_into_the_right_one(open_window) -> None:
+    window = open_window(Settings("gas", 200))
+    window.session.runner.toggle_race("brute")
+    window.session.runner.paused = True
+    window.session.camera.pan((-2_000, 0))  # both scenes far to the right
+    window.frame(0.0)
+    left, _ = halves(window)
+    assert len(np.unique(left.reshape(-1, 3), axis=0)) <= 2
+
+
+def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_window) -> None:
+    window = open_window(Settings("gas", 300), synchronous=False)
+    window.session.runner.toggle_race("article-quadtree")
+    window.session.runner.loader.wait()
+    window.frame(0.0)
+    right = window.session.runner.race.engine
+    release = _held_up(right.simulation)
+    try:
+        left_contestant, right_contestant = window.session.runner.race.contestants
+        for _ in range(30):
+            window.frame(FRAME)  # would never end if it waited for the current step
+            left_contestant.engine.wait()  # one step per frame on any machine
+        assert right.busy and right_contestant.steps == 0
+        assert (
+            left_contestant.steps > 10 and left_contestant.stats.time > right_contestant.stats.time
+        )
+    finally:
+        release()
+
+
+def _held_up(simulation):
+    """Let the simulation's steps wait until the answer is called."""
+    import threading
+
+    gate, step = threading.Event(), simulation.step
+
+    def waiting() -> None:
+        gate.wait(30)
+        step()
+
+    simulation.step = waiting
+    return gate.set
+
+
+def test_the_race_ends_and_the_scene_goes_on_alone(open_window) -> None:
+    window = open_window(Settings("gas", 100))
+    session = window.session
+    session.runner.toggle_race("brute")
+    assert session.camera.columns == 2
+    run(window, 3)
+    session.runner.toggle_race("brute")
+    assert session.runner.race is None and session.camera.columns == 1
+    before = session.frame.stats.time
+    for _ in range(5):
+        window.frame(FRAME)
+        session.engine.wait()
+    assert session.frame.stats.time > before
+
+
+def test_a_changed_setting_begins_both_anew(open_window) -> None:
+    window = open_window(Settings("gas", 100))
+    session = window.session
+    session.runner.toggle_race("brute")
+    run(window, 5)
+    session.runner.adjust("restitution", 0.5)
+    left, right = (contestant.engine for contestant in session.runner.race.contestants)
+    assert left.settings.restitution == right.settings.restitution == 0.5
+    assert left.frame.stats.time == right.frame.stats.time == 0
+    assert right.settings.method == "brute" and session.camera.columns == 2
+    run(window, 5)
+    session.runner.restart()
+    assert all(
+        contestant.stats.time == 0 and contestant.steps == 0
+        for contestant in session.runner.race.contestants
+    )
+
+
+def test_pause_and_single_steps_hold_for_both(open_window) -> None:
+    window = open_window(Settings("gas", 100))
+    session = window.session
+    session.runner.toggle_race("brute")
+    session.runner.single_step()
+    for _ in range(3):
+        window.frame(FRAME)
+    assert [contestant.steps for contestant in session.runner.race.contestants] == [1, 1]
+
+
+def test_a_race_of_the_article_looks_at_the_same_part_of_the_world(open_window) -> None:
+    window = open_window(Settings("orbit", 60))
+    window.session.runner.toggle_race("article-brute")
+    window.session.runner.paused = True
+    window.session.view_options.tree = TreeView.OFF
+    window.frame(0.0)
+    left, right = halves(window)
+    inks = [np.argwhere((half != half[0, 0]).any(axis=2)).mean(axis=0) for half in (left, right)]
+    assert inks[0] == pytest.approx(inks[1], abs=12)
+
+
+def test_what_cannot_race_is_refused_in_a_sentence(open_window) -> None:
+    assert "two methods" in racing.refusal("brute", "brute", 10)
+    assert "30,000" in racing.refusal("quadtree", "brute", 30_001)
+    assert racing.refusal("quadtree", "brute", 30_000) is None
+    assert "1,500" in racing.refusal("article-brute", "quadtree", 2_000)
+    window = open_window(Settings("gas", 100))
+    window.session.runner.toggle_race("quadtree")
+    assert window.session.runner.race is None and "two methods" in window.session.message
+
+
+def test_another_size_of_window_divides_it_anew(open_window) -> None:
+    window = open_window(Settings("gas", 100))
+    window.session.runner.toggle_race("brute")
+    for size in [(900, 500), (1, 1), (1280, 720)]:
+        pygame.display.set_mode(size, pygame.RESIZABLE)
+        pygame.event.post(pygame.event.Event(pygame.VIDEORESIZE, size=size, w=size[0], h=size[1]))
+        window.frame(FRAME)
+    left, right = halves(window)
+    assert (left != left[0, 0]).any() and (right != right[0, 0]).any()
+
+
+def test_b_does_not_end_a_race(open_window) -> None:
+    window = open_window(Settings("gas", 100))
+    window.session.runner.toggle_race()
+    window.session.runner.switch_method()
+    assert window.session.runner.race is not None and "Q ends" in window.session.message

@@ -1,0 +1,404 @@
+"""The statistics: ring buffers, requests for sums, and the change of energy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import jostle
+from jostle_lab.measure import EVERY, Series, Statistics, Traces
+from jostle_lab.session import Session
+from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Energies, Frame, StepStats
+from jostle_lab.simulate.start import start
+from jostle_lab.simulate.world_simulation import WorldSimulation
+
+FRAME = 1 / 60
+
+
+def state(
+    time: float, kinetic: float, potential: float = 0.0, momentum: tuple[float, float] = (0, 0)
+) -> Frame:
+    """Two discs of mass 1 with sums as a test likes them."""
+    ones = np.ones(2, np.float32)
+    return Frame(
+        positions=np.zeros((2, 2), np.float32),
+        velocities=np.zeros((2, 2), np.float32),
+        radii=ones,
+        densities=ones,
+        movable=ones > 0,
+        tags=np.arange(2),
+        born=np.zeros(2),
+        stats=StepStats(
+            time=time, pairs_tested=7, touching=3, stage_times={"build": 2.0, "pairs": 3}
+        ),
+        energies=Energies(kinetic, potential, momentum),
+    )
+
+
+def seen(*states: Frame) -> Statistics:
+    statistics = Statistics()
+    for k, frame in enumerate(states):
+        statistics.follow(frame, k * EVERY, EVERY, running=True)
+    return statistics
+
+
+# ---- the ring ------------------------------------------------------------------------------------
+
+
+def test_a_series_keeps_its_newest_rows_in_order() -> None:
+    series = Series(("a", "b"), 3)
+    assert series["a"].tolist() == []
+    for k in range(8):
+        series.add(k, -k)
+        assert series["a"].tolist() == list(range(max(0, k - 2), k + 1))
+    assert series.table.tolist() == [[5, 6, 7], [-5, -6, -7]]
+
+
+def test_a_column_is_a_view_without_a_copy() -> None:
+    series = Series(("a",), 3)
+    for k in range(5):
+        series.add(k)
+    assert np.shares_memory(series["a"], series.table)
+    assert series["a"].flags.c_contiguous
+
+
+@pytest.mark.parametrize("written", range(2, 9))
+def test_rows_can_be_dropped_and_written_again(written: int) -> None:
+    series = Series(("a",), 4)
+    for k in range(written):
+        series.add(k)
+    series.drop(2)
+    series.add(100)
+    kept = list(range(max(0, written - 4), written - 2))
+    assert series["a"].tolist() == [*kept, 100]
+    series.drop(50)
+    assert len(series) == 0
+
+
+# ---- sums and drift ------------------------------------------------------------------------------
+
+
+def test_every_state_with_sums_gets_one_row() -> None:
+    first = state(0.0, 10.0, -4.0, (1, 2))
+    statistics = seen(first, first, state(0.1, 9.0, -3.0))
+    rows = statistics.sums
+    assert rows["time"].tolist() == [0.0, 0.1]
+    assert rows["total"].tolist() == [6.0, 6.0]
+    assert rows["momentum_y"].tolist() == [2.0, 0.0]
+    assert rows["pairs_tested"].tolist() == [7.0, 7.0]
+    assert len(seen(replace(first, energies=None)).sums) == 0
+
+
+def test_energy_that_doubles_has_drifted_by_all_of_it() -> None:
+    statistics = seen(state(0, 50.0), state(0.1, 75.0), state(0.2, 100.0))
+    assert statistics.sums["drift"].tolist() == [0.0, 50.0, 100.0]
+    assert statistics.energy_drift == pytest.approx(1.0)
+
+
+def test_drift_does_not_depend_on_the_zero_of_height() -> None:
+    for zero in (0.0, -1e6, 25.0):
+        falling = [state(0, 0, zero), state(0.1, 20, zero - 20), state(0.2, 20, zero - 40)]
+        assert seen(*falling).energy_drift == pytest.approx(-0.5)
+
+
+def test_momentum_is_compared_with_all_flying_one_way() -> None:
+    # Mass 2 and energy 4: all at speed 2, so the momentum could be 4 at most.
+    statistics = seen(state(0, 4.0, momentum=(1, 0)), state(0.1, 4.0, momentum=(1, 2)))
+    assert statistics.momentum_drift == pytest.approx(0.5)
+
+
+def test_nothing_that_moves_has_no_drift() -> None:
+    statistics = seen(state(0, 0.0), state(0.1, 0.0))
+    assert statistics.energy_drift == 0 and statistics.momentum_drift == 0
+
+
+def test_time_that_is_turned_back_takes_its_rows_along() -> None:
+    statistics = seen(*(state(k / 10, 10.0 + k) for k in range(5)), state(0.2, 77.0))
+    assert statistics.sums["time"].tolist() == [0.0, 0.1, 0.2]
+    assert statistics.sums["kinetic"].tolist() == [10.0, 11.0, 77.0]
+
+
+def test_drift_can_be_measured_from_now_on() -> None:
+    statistics = seen(state(0, 50.0), state(0.1, 75.0))
+    statistics.reset_reference()
+    statistics.follow(state(0.2, 75.0), 1.0, FRAME, running=True)
+    assert statistics.energy_drift == 0.0
+
+
+def with_tags(frame: Frame, *tags: int) -> Frame:
+    return replace(frame, tags=np.array(tags))
+
+
+def test_drift_begins_anew_when_particles_come_or_go() -> None:
+    before, after = state(0.1, 50.0, -100.0), with_tags(state(0.2, 90.0, -10.0), 0, 2)
+    statistics = seen(state(0.0, 50.0, -100.0), before, after)
+    assert statistics.changing and statistics.energy_drift == 0.0
+    assert statistics.sums["total"].tolist() == [-50, -50, 80], "the sums themselves go on"
+    for time in (1.0, 1.3):
+        statistics.follow(with_tags(state(time, 99.0, -10.0), 0, 2), time, EVERY, running=True)
+        assert statistics.changing == (time - 0.2 < 1)
+    assert statistics.energy_drift == pytest.approx(0.1)
+    assert statistics.measured == pytest.approx(1.1)
+
+
+def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
+    statistics = seen(*(state(k / 10, 10.0) for k in range(5)))
+    statistics.reset_reference()
+    statistics.follow(state(0.5, 20.0), 1.0, FRAME, running=True)
+    statistics.follow(state(0.2, 10.0), 1.1, FRAME, running=True)
+    assert statistics.reference.time == statistics.origin.time == pytest.approx(0.2)
+    assert statistics.energy_drift == 0.0
+
+
+def test_a_run_is_remembered_since_drift_began() -> None:
+    statistics = seen(state(0.0, 10.0), with_tags(state(0.1, 40.0), 0, 2))
+    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, running=True)
+    statistics.remember("it")
+    times, drift = statistics.runs["it"]
+    assert times.tolist() == pytest.approx([0, 0.1]) and drift.tolist() == [0.0, -50.0]
+
+
+# ---- times ---------------------------------------------------------------------------------------
+
+
+def test_times_have_a_row_a_frame() -> None:
+    statistics = Statistics()
+    statistics.measure(draw=4.0, panels=1.0)
+    statistics.follow(state(0, 1.0), 0.5, 0.016, running=True)
+    statistics.follow(state(0, 1.0), 0.6, 0.1, running=False)
+    assert statistics.stages == ("build", "pairs", "draw", "panels")
+    assert statistics.times["frame"].tolist() == pytest.approx([16.0, 100.0])
+    assert statistics.times.table[2:].T.tolist() == [[2, 3, 4, 1], [0, 0, 4, 1]]
+
+
+def test_sums_are_asked_for_ten_times_a_second_at_most() -> None:
+    session, asked = Session(start(Settings("gas", 100)), (640, 360), synchronous=True), 0
+    for _ in range(60):
+        session.messages.now += FRAME
+        session.advance(FRAME)
+        asked += session.engine.request.energies
+    assert 5 <= asked <= 11
+    session.close()
+
+
+def test_no_picture_is_taken_just_to_begin_drift_again(monkeypatch) -> None:
+    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
+    run(session, 0.2)
+    looks = []
+    monkeypatch.setattr(session.engine, "refresh", lambda: looks.append(1))
+    for k in range(5):
+        session.runner.adjust("gravity", (0.0, 10.0 * k))
+        run(session, FRAME)
+    assert not looks
+    assert session.runner.statistics.reference is not None
+    session.close()
+
+
+def test_drift_begins_again_also_in_a_pause() -> None:
+    session = Session(start(Settings("pile", 100)), (640, 360), synchronous=True)
+    run(session, 0.5)
+    session.runner.paused = True
+    assert session.runner.statistics.energy_drift != 0
+    session.runner.statistics.reset_reference()
+    run(session, FRAME)
+    assert session.runner.statistics.energy_drift == 0
+    session.close()
+
+
+def test_slow_steps_are_summed_up_less_often() -> None:
+    statistics = Statistics()
+    statistics.follow(state(0, 1.0), 0.0, 0.3, running=True, step_seconds=0.3)
+    assert not statistics.energies_due(0.8)
+    assert statistics.energies_due(0.95)
+
+
+def test_lines_are_renewed_by_turns_a_part_a_frame() -> None:
+    session = Session(start(Settings("gas", 100)), (640, 360), synchronous=True)
+    traces, renewed = session.traces, []
+    for k in range(120):
+        before = [traces.frames.copy(), traces.stats, traces.energies, traces.momenta]
+        session.messages.now += FRAME
+        session.advance(FRAME)
+        traces.refresh(session.frame, session.messages.now)
+        after = [traces.frames, traces.stats, traces.energies, traces.momenta]
+        changed = [not np.array_equal(old, new) for old, new in zip(before, after, strict=True)]
+        if k > 0:
+            renewed.append(changed)
+    parts = np.array(renewed)
+    assert parts.sum(axis=1).max() == 1
+    assert (parts.sum(axis=0) >= 5).all()
+    session.close()
+
+
+def test_the_stack_of_times_adds_up() -> None:
+    statistics = Statistics()
+    traces = Traces(statistics)
+    statistics.measure(draw=4.0, panels=1.0)
+    for k in range(60):
+        statistics.follow(state(k / 60, 1.0), k / 60, 0.016, running=True)
+    traces.refresh(state(1.0, 1.0), 59 / 60)
+    assert traces.stacked[:, -1].tolist() == pytest.approx([0, 2, 5, 9, 10])
+    assert (np.diff(traces.stacked, axis=0) >= 0).all()
+    assert traces.stacked[-1, :50].tolist() == [0.0] * 50, "there was nothing yet"
+    assert traces.top == 20.0 and traces.means["pairs"] == pytest.approx(3.0)
+
+
+def test_one_hitch_does_not_set_the_scale_of_times() -> None:
+    statistics = Statistics()
+    traces = Traces(statistics)
+    for k in range(300):
+        elapsed = 0.4 if k == 200 else 0.016
+        statistics.follow(state(k / 60, 1.0), k / 60, elapsed, running=True)
+    traces.refresh(state(5.0, 1.0), 299 / 60)
+    assert traces.frames.max() > 90.0 and traces.top == 20.0
+    slow = Statistics()
+    for k in range(12):
+        slow.follow(state(k / 3, 1.0), k / 3, 0.4, running=True)
+    traces = Traces(slow)
+    traces.refresh(state(4.0, 1.0), 11 / 3)
+    assert traces.top == 500.0, "where all are slow, the scale says so"
+
+
+def test_lines_of_energy_begin_where_the_rules_changed() -> None:
+    statistics = seen(state(0.0, 5.0, -100.0), state(0.1, 5.0, -100.0))
+    traces = Traces(statistics)
+    traces.refresh(state(0.1, 5.0), 0.1)
+    assert traces.energies[:, -1].tolist() == [0.1, 5.0, 5.0, 0.0]
+    statistics.reset_reference()
+    traces.refresh(state(0.1, 5.0), 5.0)
+    assert traces.energies.shape == (4, 2), "the old lines stay until there is a new sum"
+    statistics.follow(state(0.2, 5.0, 7000.0), 5.1, FRAME, running=True)
+    for now in (5.2, 5.4, 5.6, 5.8, 6.0):
+        traces.refresh(state(0.2, 5.0), now)
+    assert traces.energies.T.tolist() == [[0.2, 5.0, 5.0, 0.0]]
+    assert traces.momenta.shape == (3, 1)
+
+
+# ---- in a session --------------------------------------------------------------------------------
+
+
+def run(session: Session, seconds: float) -> None:
+    for _ in range(round(seconds / FRAME)):
+        session.messages.now += FRAME
+        session.advance(FRAME)
+
+
+def test_a_gas_keeps_its_energy() -> None:
+    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
+    run(session, 1.0)
+    statistics = session.runner.statistics
+    assert statistics.sums["time"][0] == 0.0, "drift begins with the first state"
+    assert statistics.sums["time"][-1] > 0.8
+    assert abs(statistics.energy_drift) < 1e-3
+    session.close()
+
+
+def test_merging_is_no_drift() -> None:
+    session = Session(start(Settings("stars", 300)), (640, 360), synchronous=True)
+    before = len(session.frame)
+    for _ in range(40):
+        run(session, 0.25)
+        assert abs(session.runner.statistics.energy_drift) < 0.02
+    assert len(session.frame) < before
+    session.close()
+
+
+def test_fountains_have_no_drift() -> None:
+    session = Session(start(Settings("emitters", 300)), (640, 360), synchronous=True)
+    for _ in range(8):
+        run(session, 0.5)
+        session.traces.refresh(session.frame, session.messages.now)
+        assert session.runner.statistics.changing
+        assert abs(session.runner.statistics.energy_drift) < 0.1
+    session.close()
+
+
+def test_the_rules_of_the_article_lose_energy() -> None:
+    session = Session(
+        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
+    )
+    run(session, 2.0)
+    assert session.runner.statistics.energy_drift < -0.05
+    session.close()
+
+
+def test_a_new_beginning_starts_the_statistics_afresh() -> None:
+    session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
+    run(session, 0.5)
+    session.runner.choose_scene("pile")
+    assert session.runner.statistics.sums["time"].tolist() == [0.0]
+    run(session, 0.3)
+    assert (
+        session.runner.statistics.sums["time"][0] == 0.0 and len(session.runner.statistics.sums) > 1
+    )
+    session.close()
+
+
+def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
+    session = Session(
+        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
+    )
+    assert session.runner.other_change is None
+    run(session, 1.5)
+    half = float(
+        np.interp(0.75, *(session.runner.statistics.sums[name] for name in ("time", "drift")))
+    )
+    session.runner.choose_method("quadtree")
+    run(session, 0.75)
+    assert session.runner.other_change == pytest.approx(half / 100, abs=0.03)
+    assert session.runner.other_change < -0.05 < session.runner.statistics.energy_drift
+    session.runner.choose_scene("pile")
+    run(session, 0.2)
+    assert session.runner.other_change is None, "another scene is another matter"
+    session.close()
+
+
+# ---- what else the panels ask of a session -------------------------------------------------------
+
+
+def test_scenes_follow_each_other_in_a_circle() -> None:
+    session = Session(start(Settings("article", 20, method="brute")), (640, 360), synchronous=True)
+    session.runner.next_scene(-1)
+    assert session.engine.scene == jostle.scenes.names()[-1]
+    session.runner.next_scene()
+    assert session.engine.scene == "article"
+    assert session.settings.n is None and session.settings.method == "brute"
+    session.close()
+
+
+def test_particles_stay_where_they_are_when_the_rules_change() -> None:
+    session = Session(start(Settings("orbit", 100)), (640, 360), synchronous=True)
+    run(session, 0.5)
+    before, view = session.frame, session.engine.view
+    session.runner.choose_method("article-brute")
+    assert isinstance(session.engine.simulation, ArticleSimulation)
+    there = before.positions - np.array(view[:2])
+    assert session.frame.positions == pytest.approx(there, abs=1e-2)
+    assert session.frame.velocities == pytest.approx(before.velocities, abs=1e-2)
+    session.runner.choose_method("quadtree")
+    assert isinstance(session.engine.simulation, WorldSimulation)
+    assert session.frame.positions == pytest.approx(before.positions, abs=1e-2)
+    session.close()
+
+
+def test_too_many_particles_for_the_article_are_refused_in_a_sentence() -> None:
+    session = Session(start(Settings("gas", 5000)), (640, 360), synchronous=True)
+    session.runner.choose_method("article-quadtree")
+    assert session.settings.method == "quadtree"
+    assert "4,000" in session.message
+    session.close()
+
+
+def test_open_choices_are_filled_in_with_what_holds() -> None:
+    pile = start(Settings("pile", 50))
+    assert pile.settings.gravity is None
+    assert pile.effective_settings.gravity == (0.0, 900.0) and pile.effective_settings.substeps == 4
+    article = start(Settings("article", 50, method="article-quadtree"))
+    assert (
+        article.effective_settings.gravity == (0.0, 450.0)
+        and article.effective_settings.leaf_capacity == 3
+    )

@@ -1,0 +1,177 @@
+"""Sweeps: plans, tables that are continued, and the same rows for every number of processes."""
+
+import contextlib
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from mpi_ranks import needs_mpi, run_ranks
+
+from jostle_lab.sweep.plan import PlanError, parse, plan
+from jostle_lab.sweep.run import do
+from jostle_lab.sweep.table import Table, TableError
+
+OPTIONS = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", "--steps", "20"]
+
+
+def sweep(out: Path, *more: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "jostle_lab", "sweep", *OPTIONS, "--out", str(out), *more]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a table without the time, sorted."""
+    with path.open(encoding="utf-8", newline="") as file:
+        found = list(csv.DictReader(file))
+    for row in found:
+        del row["seconds"]
+    return sorted(found, key=str)
+
+
+def test_ranges_include_both_ends() -> None:
+    assert parse("restitution=0.5:1.0:6") == ("restitution", [0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
+    assert parse("n=100,200") == ("n", [100, 200])
+    assert parse("drag=0") == ("drag", [0.0])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["restitution", "weight=1", "drag=", "drag=1:2", "drag=0:1:1", "n=1.5", "n=0", "drag=a,b"],
+)
+def test_settings_that_are_not_understood_are_refused(text: str) -> None:
+    with pytest.raises(PlanError, match="--set is"):
+        parse(text)
+    with pytest.raises(PlanError, match="twice"):
+        plan("gas", 10, ["drag=1", "drag=2"], 1, 1, 0, ["energy"])
+
+
+def test_a_plan_has_each_combination_with_each_seed() -> None:
+    runs = plan("gas", None, ["n=50,60", "drag=0:1:3"], 4, 10, 0, ["energy"])
+    assert len(runs) == 2 * 3 * 4 == len({tuple(run.key.items()) for run in runs})
+    assert {run.n for run in runs} == {50, 60}
+
+
+def test_measures_are_right() -> None:
+    names = ["energy", "pressure", "height", "hexatic", "cluster", "collisions"]
+    (run,) = plan("gas", 400, [], 1, 100, 0, names)
+    row = do(run)
+    found = {name: float(row[name]) for name in names}
+    # An ideal gas has p A = N kT, with the mean energy kT in two dimensions; discs have more.
+    import jostle
+
+    world = jostle.scenes.create("gas", n=400, seed=0)
+    box = world.container
+    area = (box.max_x - box.min_x) * (box.max_y - box.min_y)
+    assert 1 < found["pressure"] * area / (400 * found["energy"]) < 3
+    assert found["energy"] == pytest.approx(world.kinetic_energy / 400, rel=1e-5)
+    assert box.min_y < found["height"] < box.max_y
+    assert 0 < found["hexatic"] < 0.5 and 0 < found["cluster"] < 1 and found["collisions"] > 0
+    assert row["hash"] == do(run)["hash"]
+
+
+def test_a_sweep_writes_one_row_for_each_run(tmp_path: Path) -> None:
+    done = sweep(tmp_path / "one.csv", "--workers", "1")
+    assert done.returncode == 0, done.stderr
+    table = rows(tmp_path / "one.csv")
+    assert len(table) == 6
+    assert list(table[0]) == [
+        *("scene", "n", "seed", "steps", "restitution", "energy", "pressure", "hash")
+    ]
+    assert sweep(tmp_path / "two.csv", "--workers", "2").returncode == 0
+    assert rows(tmp_path / "two.csv") == table
+
+
+def test_a_sweep_continues_its_table(tmp_path: Path) -> None:
+    out = tmp_path / "table.csv"
+    assert sweep(out, "--workers", "1").returncode == 0
+    whole = out.read_text(encoding="utf-8")
+    lines = whole.splitlines(keepends=True)
+    # As if it had been killed while it wrote the fourth row.
+    out.write_text("".join(lines[:3]) + lines[3][:7], encoding="utf-8")
+    done = sweep(out, "--workers", "1")
+    assert done.returncode == 0 and "2 of 6 runs are in" in " ".join(done.stdout.split())
+    assert out.read_text(encoding="utf-8").startswith("".join(lines[:3]))
+    assert len(rows(out)) == 6
+    # Nothing is left to do.
+    before = out.read_text(encoding="utf-8")
+    assert sweep(out).returncode == 0
+    assert out.read_text(encoding="utf-8") == before
+
+
+def test_a_table_of_another_sweep_is_refused(tmp_path: Path) -> None:
+    out = tmp_path / "table.csv"
+    out.write_text("a,b\n1,2\n", encoding="utf-8")
+    with pytest.raises(TableError, match="other columns"):
+        Table(out, plan("gas", 10, [], 1, 1, 0, ["energy"]))
+    done = sweep(out)
+    assert done.returncode == 2 and "other columns" in done.stderr
+    assert out.read_text(encoding="utf-8") == "a,b\n1,2\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--measure", "colour"], "--measure is 'colour'"),
+        (["--set", "weight=1"], "--set is 'weight=1'"),
+        (["--seeds", "0"], "--seeds is 0"),
+        (["--workers", "0"], "--workers is 0"),
+    ],
+)
+def test_wrong_options_are_refused(tmp_path: Path, options: list[str], message: str) -> None:
+    done = sweep(tmp_path / "table.csv", *options)
+    assert done.returncode == 2 and message in done.stderr
+    assert not (tmp_path / "table.csv").exists()
+
+
+def test_a_run_that_fails_ends_the_sweep_with_its_message(tmp_path: Path) -> None:
+    done = sweep(tmp_path / "table.csv", "--set", "drag=-1", "--workers", "1")
+    assert done.returncode == 2 and "drag" in done.stderr
+
+
+@needs_mpi
+def test_ranks_write_the_rows_of_one_process(tmp_path: Path) -> None:
+    assert sweep(tmp_path / "one.csv", "--workers", "1").returncode == 0
+    out = tmp_path / "ranks.csv"
+    run_ranks(3, "-m", "jostle_lab", "sweep", *OPTIONS, "--out", out)
+    assert rows(out) == rows(tmp_path / "one.csv")
+    assert os.path.getsize(out) > 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="it reads /proc")
+def test_ctrl_c_ends_the_processes_of_a_sweep(tmp_path: Path) -> None:
+    """Also if the signal reaches the first process alone, as from `kill -INT`."""
+    out, said = tmp_path / "out.csv", tmp_path / "said"
+    command = [sys.executable, "-m", "jostle_lab", "sweep", "gas", "-n", "100"]
+    with said.open("w") as file:
+        process = subprocess.Popen(
+            [*command, "--steps", "1000000", "--workers", "2", "--out", str(out)],
+            stdout=file,
+            stderr=file,
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+    patience = time.monotonic() + 60
+    while not out.exists() or count_of_group(process.pid) < 3:  # a worker and another process
+        assert process.poll() is None and time.monotonic() < patience
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(60) == 130
+    while count_of_group(process.pid):
+        assert time.monotonic() < patience
+        time.sleep(0.05)
+    assert "Stopped." in said.read_text() and "leaked" not in said.read_text()
+
+
+def count_of_group(group: int) -> int:
+    """Return the number of processes of a group that run."""
+    count = 0
+    for place in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, found = place.read_text().rpartition(")")[2].split()[:3]
+            count += int(found) == group and state != "Z"
+    return count

@@ -1,0 +1,413 @@
+"""The threads of the window: jobs, edits, loading, and their order."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import pygame
+import pytest
+from lab_interaction import Driver, world_of
+
+import jostle
+from jostle_lab.act.interaction import DragTool
+from jostle_lab.simulate import scene_loader, start
+from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.world_simulation import WorldSimulation
+
+MANY = 200_000
+TWO = [(200, 250), (600, 250)]
+
+
+@pytest.fixture(autouse=True)
+def closed() -> Iterator[None]:
+    yield
+    pygame.display.quit()
+
+
+def held_up(driver: Driver) -> Callable[[], None]:
+    """Continue until a step is in progress, which waits until the returned function is called."""
+    simulation = driver.session.engine.simulation
+    gate, begun, step = threading.Event(), threading.Event(), simulation.step
+
+    def waiting() -> None:
+        begun.set()
+        gate.wait(30)
+        step()
+
+    simulation.step = waiting
+    for _ in range(3_000):
+        driver.frames(1)
+        if begun.wait(0.01):
+            break
+    assert driver.session.engine.busy
+    return gate.set
+
+
+def settled(driver: Driver) -> None:
+    """Wait for the current jobs, and show their results."""
+    driver.session.runner.loader.wait()
+    driver.frames(1, 0.0)
+    driver.session.engine.wait()
+
+
+# ---- dragging during a step ----------------------------------------------------------------------
+
+
+def test_a_throw_has_the_speed_of_its_release_and_the_next_grab_holds() -> None:
+    driver = Driver(world_of(TWO), synchronous=False)
+    release = held_up(driver)
+    driver.down(TWO[0])
+    for x in range(210, 310, 10):
+        driver.move(driver.pixel((x, 250)))
+        driver.frames(1)
+    pygame.event.post(
+        pygame.event.Event(pygame.MOUSEBUTTONUP, pos=driver.pixel((300, 250)), button=1, mod=0)
+    )
+    driver.frames(1, 0.0)
+    driver.down(TWO[1])
+    for _ in range(30):
+        driver.frames(1)
+    assert driver.session.interaction.drag_tool.held == 1
+    release()
+    driver.session.runner.paused = True
+    driver.session.engine.wait()
+    assert driver.session.interaction.drag_tool.held == 1
+    assert driver.world.velocities[0, 0] > 200
+    driver.window.close()
+
+
+def test_the_drag_state_of_a_step_never_changes() -> None:
+    drag_tool = DragTool()
+    drag_tool.grab(3, (0.0, 0.0), 0.0)
+    before = drag_tool.state
+    drag_tool.follow((10.0, 0.0), 0.02)
+    assert before is not None and before.point == (0.0, 0.0) and before.velocity == (0.0, 0.0)
+    assert drag_tool.state.velocity[0] == pytest.approx(500.0)
+    thrown = drag_tool.release()
+    drag_tool.grab(4, (50.0, 0.0), 0.03)
+    assert thrown.tag == 3 and drag_tool.state.tag == 4
+
+
+def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
+    driver = Driver(world_of(TWO), synchronous=False)
+    driver.session.runner.paused = True
+    gate = threading.Event()
+    driver.session.engine.edit(lambda simulation: gate.wait(30) and None)
+    driver.down(TWO[0])
+    for x in (220, 240, 260):
+        driver.move(driver.pixel((x, 250)))
+        driver.frames(3)
+    moved, change = [], WorldSimulation.change
+    monkeypatch.setattr(
+        WorldSimulation, "change", lambda *what, **named: moved.append(change(*what, **named))
+    )
+    gate.set()
+    driver.session.engine.wait()
+    assert len(moved) == 1
+    assert driver.world.positions[0] == pytest.approx((260, 250), abs=2)
+    driver.window.close()
+
+
+# ---- refusals ------------------------------------------------------------------------------------
+
+
+def refusing(driver: Driver) -> WorldSimulation:
+    """Let steps be refused while there is gravity."""
+    simulation = driver.session.engine.simulation
+    step = simulation.step
+
+    def refused() -> None:
+        if simulation.world.gravity != (0.0, 0.0):
+            raise ValueError("That is too fast.")
+        step()
+
+    simulation.step = refused
+    return simulation
+
+
+@pytest.mark.parametrize("synchronous", [True, False])
+def test_a_refused_step_pauses_and_another_setting_goes_on(synchronous: bool) -> None:
+    driver = Driver(world_of(TWO), synchronous=synchronous)
+    session = driver.session
+    refusing(driver)
+    session.runner.adjust("gravity", (0.0, 100.0))
+    session.engine.wait()
+    for _ in range(3):
+        driver.frames(1)
+        session.engine.wait()
+    driver.frames(1)
+    assert session.runner.paused and session.message == "That is too fast."
+    assert session.engine.steps == 0
+    session.runner.single_step()
+    session.engine.wait()
+    driver.frames(1)
+    assert session.runner.paused and session.engine.steps == 0
+    session.runner.adjust("gravity", (0.0, 0.0))
+    session.engine.wait()
+    session.runner.toggle_pause()
+    for _ in range(3):
+        driver.frames(1)
+        session.engine.wait()
+    assert session.engine.steps > 0 and not session.runner.paused
+    driver.window.close()
+
+
+def test_an_absurd_gravity_of_a_torus_is_refused_and_can_be_gone_back_from() -> None:
+    driver = Driver(world_of(TWO, container=jostle.Torus(800.0, 500.0)))
+    driver.frames(5)
+    steps, session = driver.session.engine.steps, driver.session
+    session.runner.adjust("gravity", (0.0, 1e9))
+    driver.frames(20)
+    assert session.runner.paused and session.message
+    session.runner.step_back()
+    assert driver.world.gravity == (0.0, 0.0)
+    session.runner.toggle_pause()
+    driver.frames(5)
+    assert session.engine.steps > steps and not session.runner.paused
+
+
+def test_a_run_without_a_window_hears_of_a_refusal() -> None:
+    simulation = world_of(TWO, container=jostle.Torus(800.0, 500.0), gravity=(0.0, 1e12))
+    engine = Engine(simulation, synchronous=True)
+    with pytest.raises(ValueError, match=r"\w"):
+        for _ in range(100):
+            engine.step()
+
+
+# ---- closing -------------------------------------------------------------------------------------
+
+
+def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
+    driver = Driver(world_of(TWO))
+    closed: list[str] = []
+
+    def fail() -> None:
+        closed.append("engine")
+        raise RuntimeError("lost")
+
+    monkeypatch.setattr(driver.session.engine, "close", fail)
+    for name, part in [
+        ("files", driver.session.files),
+        ("background", driver.window.background),
+        ("screen", driver.window.screen),
+    ]:
+        close = part.close
+        monkeypatch.setattr(
+            part, "close", lambda name=name, close=close: (closed.append(name), close())
+        )
+    with pytest.raises(RuntimeError, match="lost"):
+        driver.window.close()
+    assert closed == ["files", "engine", "background", "screen"]
+
+
+# ---- edits that are shown later ------------------------------------------------------------------
+
+
+def test_drift_begins_again_when_the_new_gravity_is_there() -> None:
+    driver = Driver(world_of(TWO), synchronous=False)
+    session = driver.session
+    session.runner.paused = True
+    driver.frames(2)
+    session.engine.wait()
+    driver.frames(2)
+    beginning = session.runner.statistics.reference
+    assert beginning is not None
+    gate = threading.Event()
+    session.engine.edit(lambda simulation: gate.wait(30) and None)
+    session.runner.adjust("gravity", (0.0, 100.0))
+    driver.frames(5)
+    assert session.runner.statistics.reference is beginning  # nothing has changed yet
+    gate.set()
+    session.engine.wait()
+    for _ in range(3):
+        driver.frames(1)
+        session.engine.wait()
+    driver.frames(1)
+    assert session.runner.statistics.reference.energies.potential != beginning.energies.potential
+    assert session.runner.statistics.energy_drift == 0
+
+
+def test_no_wall_is_lost() -> None:
+    driver = Driver(world_of(TWO), synchronous=False)
+    session = driver.session
+    for y in (50, 100, 150):
+        session.interaction.commands.wall((100, y), (160, y))
+        driver.frames(1)
+    session.engine.wait()
+    driver.frames(1)
+    assert session.interaction.commands.drawn_walls.tolist() == [0, 1, 2]
+
+
+def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    session = driver.session
+    session.runner.paused = True
+    gate, asked = threading.Event(), []
+    adjust = session.engine.simulation.adjust
+    session.engine.simulation.adjust = lambda name, value: (
+        asked.append(value),
+        adjust(name, value),
+    )[1]
+    session.engine.edit(lambda simulation: gate.wait(30) and None)
+    for n in (19, 18, 17):
+        session.runner.adjust("n", n)
+        driver.frames(1)
+    gate.set()
+    session.engine.wait()
+    assert asked == [17] and len(session.frame) == 17
+    driver.window.close()
+
+
+# ---- another simulation --------------------------------------------------------------------------
+
+
+def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch) -> None:
+    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    session, gate = driver.session, threading.Event()
+    make = scene_loader.load
+
+    def slowly(create, request):
+        gate.wait(30)
+        return make(create, request)
+
+    monkeypatch.setattr(scene_loader, "load", slowly)
+    session.runner.begin(Settings("pile", 30))
+    driver.frames(2)
+    assert session.message == "Preparing 30 particles …" and session.engine.scene == "gas"
+    session.runner.begin(Settings("gas", 40))  # the first one is cancelled
+    session.runner.adjust("leaf_capacity", 7)
+    gate.set()
+    settled(driver)
+    assert session.engine.scene == "gas" and len(session.frame) == 40
+    assert not session.message.startswith("Preparing")
+    driver.window.close()
+
+
+def test_what_cannot_be_prepared_leaves_the_old_scene() -> None:
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver.session.runner.begin(Settings("no such scene", 30))
+    settled(driver)
+    assert driver.session.engine.scene == "gas" and "no such scene" in driver.session.message
+    driver.window.close()
+
+
+def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    session, path = driver.session, tmp_path / "saved.jostle"
+    session.files.save(path)
+    session.camera.zoom_at((300, 300), 2.0)
+    session.runner.begin(Settings("pile", 30))
+    settled(driver)
+    session.files.load(path)
+    assert session.message == "Loading saved.jostle …" and session.engine.scene == "pile"
+    settled(driver)
+    assert session.message == "Loaded saved.jostle"
+    assert session.engine.scene == "gas" and len(session.frame) == 20
+    path.write_bytes(b"nothing")
+    session.files.load(path)
+    settled(driver)
+    assert session.message.startswith("saved.jostle is not") and len(session.frame) == 20
+
+
+def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> None:
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)))
+    session, path = driver.session, tmp_path / "saved.jostle"
+    session.files.save(path)
+    session.runner.toggle_race("brute")
+    session.runner.restart()
+    assert session.runner.race is not None
+    session.files.load(path)
+    assert session.runner.race is None and len(session.frame) == 20
+    driver.window.close()
+
+
+def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> None:
+    before = threading.enumerate()
+    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    session, old = driver.session, driver.session.engine.simulation
+    release = held_up(driver)
+    new = (thread for thread in threading.enumerate() if thread not in before)
+    abandoned = [thread for thread in new if thread.name.startswith("jostle-step")]
+    assert abandoned
+    history = session.runner.history
+    session.runner.restart()
+    session.runner.loader.wait()
+    session.runner.paused = True
+    driver.frames(1)
+    assert session.engine.simulation is not old and not session.engine.busy
+    release()
+    for thread in abandoned:
+        thread.join(30)
+    driver.frames(2)
+    assert session.engine.steps == 0 and session.frame.stats.time == 0
+    assert len(session.runner.history.moments) == 1 < len(history.moments)
+    driver.window.close()
+
+
+# ---- a window on very many -----------------------------------------------------------------------
+
+
+def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_path) -> None:
+    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    driver = Driver(start.start(Settings("gas", MANY)), synchronous=False)
+    session, window = driver.session, threading.current_thread()
+    session.files.folder = tmp_path
+    calls: list[tuple[str, bool]] = []
+
+    def watch(owner: object, name: str) -> None:
+        original = getattr(owner, name)
+
+        def watched(*given, **named):
+            calls.append((name, threading.current_thread() is window))
+            return original(*given, **named)
+
+        monkeypatch.setattr(owner, name, watched)
+
+    for name in ("step", "frame", "save", "adjust", "change", "attract"):
+        watch(WorldSimulation, name)
+    watch(jostle.scenes, "create")
+
+    def rest() -> None:
+        """Wait for the current jobs, without applying their results."""
+        session.runner.loader.wait()
+        while session.engine.busy:
+            time.sleep(0.001)
+        driver.window.background.wait()
+        driver.frames(2)
+
+    driver.frames(3)
+    driver.down((100, 100))
+    driver.move((300, 300))
+    driver.frames(2)
+    driver.up((200, 200))
+    rest()
+    driver.key(pygame.K_SPACE, up=False)
+    driver.frames(2)
+    driver.key_up(pygame.K_SPACE)
+    rest()
+    driver.key(pygame.K_p)
+    assert session.runner.paused
+    driver.key(pygame.K_o)
+    driver.frames(2)
+    rest()
+    rest()
+    session.runner.adjust("n", MANY + 10)
+    rest()
+    rest()
+    assert len(session.frame) == MANY + 10
+    session.files.screenshot()
+    driver.key(pygame.K_r)
+    assert session.message.startswith("Preparing")
+    before = session.engine.simulation
+    rest()
+    assert session.engine.simulation is not before
+    in_the_window = [name for name, here in calls if here]
+    assert in_the_window == []
+    assert {"step", "frame", "adjust", "create"} <= {name for name, _ in calls}
+    driver.window.close()
+    assert list(tmp_path.glob("*.png"))

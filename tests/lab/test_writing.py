@@ -1,0 +1,156 @@
+"""Files are whole: after an error the old file is as before, and nothing else is left."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import signal
+import stat
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pygame
+import pytest
+from machine import Results
+
+from jostle.writing import NewFile, append, write
+from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.start import start
+from jostle_lab.storage import encoder, exports
+from jostle_lab.sweep.plan import plan
+from jostle_lab.sweep.table import Table
+
+MOST = 200  # bytes of a file on the disk that is full
+
+
+@contextlib.contextmanager
+def full_disk() -> Iterator[None]:
+    """Let no file become larger than `MOST`, as on a full disk."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (MOST, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+
+
+def picture(path: Path) -> None:
+    surface = pygame.Surface((64, 64), 0, 32)
+    for x in range(64):
+        surface.fill((x, 255 - x, x * x % 256), (x, x // 2, 1, 30))
+    encoder.write_png(surface, path)
+
+
+def film(path: Path) -> None:
+    with encoder.Encoder(path, (64, 48)) as recorder:
+        for shade in range(30):
+            recorder.add(bytes([shade * 7, 30, 255 - shade, 0]) * (64 * 48))
+
+
+def particles(path: Path) -> None:
+    exports.write_positions(path, start(Settings("gas", 50)).frame())
+
+
+def trajectory(path: Path) -> None:
+    simulation = start(Settings("gas", 50))
+    exports.write_gsd(path, [simulation.frame()], simulation.view, 1 / 60)
+
+
+def plot(path: Path) -> None:
+    from jostle_lab.tune import pictures
+
+    pictures._save(pictures._figure(3, 2), path)
+
+
+WRITERS = [picture, film, particles, trajectory, plot]
+SUFFIXES = {film: ".mp4"}
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.__name__)
+def test_a_full_disk_leaves_the_old_file(
+    writer: Callable[[Path], None], is_there: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / ("file" + SUFFIXES.get(writer, ""))
+    if is_there:
+        path.write_bytes(b"old")
+    with full_disk(), pytest.raises(OSError):
+        writer(path)
+    assert [*tmp_path.iterdir()] == ([path] if is_there else [])
+    assert not is_there or path.read_bytes() == b"old"
+    writer(path)
+    assert path.stat().st_size > MOST
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_rows_that_do_not_fit_are_not_there_in_part(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    results = Results(path)
+    with full_disk(), pytest.raises(OSError):
+        results.add([{"name": "n" * MOST}])
+    assert not [*tmp_path.iterdir()]
+    results = Results(path)
+    results.add([{"name": "n"}])
+    before = path.read_bytes()
+    with full_disk(), pytest.raises(OSError):
+        results.add([{"name": "n" * MOST}])
+    assert path.read_bytes() == before
+
+
+def test_a_sweep_goes_on_after_a_full_disk(tmp_path: Path) -> None:
+    runs = plan("gas", 20, [], 3, 5, 0, ["energy"])
+    path = tmp_path / "table.csv"
+    table = Table(path, runs)
+    row = dict.fromkeys(path.read_text().strip().split(","), "1")
+    before = path.read_bytes()
+    with full_disk(), pytest.raises(OSError):
+        for _ in range(MOST):
+            table.add(row)
+    after = path.read_bytes()
+    assert after.startswith(before) and after.endswith(b"\n")
+    assert len(Table(path, runs).left) == 3
+
+
+def test_a_new_file_has_the_permissions_and_the_place_of_the_old_one(tmp_path: Path) -> None:
+    path, link = tmp_path / "old", tmp_path / "link"
+    path.write_bytes(b"old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    write(link, b"new")
+    assert link.is_symlink() and path.read_bytes() == b"new"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    before = os.umask(0o027)
+    try:
+        write(tmp_path / "new", b"new")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
+    with pytest.raises(FileNotFoundError):
+        write(tmp_path / "nowhere" / "new", b"new")
+
+
+def test_a_device_is_written_and_stays(tmp_path: Path) -> None:
+    write(Path("/dev/null"), b"new")
+    append(Path("/dev/null"), b"new")
+    assert not Path("/dev/null").is_file()
+    with pytest.raises(OSError, match="No space"):
+        write(Path("/dev/full"), b"new")
+    assert Path("/dev/full").exists()
+
+
+def test_an_interruption_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "old"
+    write(path, b"old")
+    with pytest.raises(KeyboardInterrupt), NewFile(path) as new:
+        new.path.write_bytes(b"half")
+        raise KeyboardInterrupt
+    assert [*tmp_path.iterdir()] == [path] and path.read_bytes() == b"old"
+
+
+def test_a_name_need_not_be_utf_8(tmp_path: Path) -> None:
+    path = tmp_path / os.fsdecode(b"x\xff\xfe.png")
+    picture(path)
+    assert path.stat().st_size > MOST

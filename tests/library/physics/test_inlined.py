@@ -1,0 +1,29 @@
+"""The vector instructions of the kernels are inlined in the build of `make setup`.
+
+A function that is generic over `Simd` does not have the CPU features of the function that calls
+it. If it is not inlined into that function, each of its vector instructions becomes a call, which
+makes pairs four times as slow. Closures and `array::map` are the usual cause.
+"""
+
+from __future__ import annotations
+
+import platform
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+LIBRARIES = Path(__file__).parents[3] / "target/local/deps"
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="the kernels are for x86-64")
+def test_no_vector_instruction_is_a_call() -> None:
+    built = sorted(LIBRARIES.glob("libjostle-*.rlib"), key=lambda path: path.stat().st_mtime)
+    if not built or not shutil.which("nm"):
+        pytest.skip("needs the build of `make setup` and nm of binutils")
+    listing = subprocess.run(["nm", str(built[-1])], capture_output=True, text=True).stdout
+    names = [line.split()[-1] for line in listing.splitlines() if line.strip()]
+    assert any("with_avx2" in name for name in names), "the kernels are not in this library"
+    outlined = [name for name in names if "core_arch" in name and "_mm" in name]
+    assert not outlined, "vector instructions that are calls"
