@@ -98,12 +98,8 @@ impl Simulation<'_> {
         let Event { time, code, pair: discs, .. } = *event;
         let mut predicted = std::mem::take(&mut self.scratch.predicted);
         predicted.clear();
-        let both = |k: usize| Turned {
-            index: discs[k],
-            now: &now[k],
-            new: &new[k],
-            count: counts[k],
-        };
+        let both =
+            |k: usize| Turned { index: discs[k], now: &now[k], new: &new[k], count: counts[k] };
         let both = [both(0), both(1)];
         // The impacts of the two with each other are predicted once.
         let partners = [Partner::Predicted(&both[1], code), Partner::Known(discs[0])];

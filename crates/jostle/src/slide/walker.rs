@@ -67,10 +67,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// leave it no room on the way, it stays where it was, if it is free there.
     pub fn carry(&mut self, displacement: [T; 2]) {
         let start = self.body;
+        let was_inside = self.overlap(T::ONE).is_some_and(|(_, depth, close)| depth > close);
         self.follow(displacement);
-        if self.overlap().is_some() {
+        if !was_inside && self.overlap(T::ZERO).is_some() {
             let end = std::mem::replace(&mut self.body, start);
-            if self.overlap().is_some() {
+            if self.overlap(T::ZERO).is_some() {
                 self.body = end;
             }
         }
@@ -101,7 +102,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// and, if another obstacle stops it, along the surface of that one.
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
-            let Some((normal, depth)) = self.overlap() else { return };
+            let Some((normal, depth, _)) = self.overlap(T::ZERO) else { return };
             let out = -(depth + self.slop(depth));
             let out = [normal[0] * out, normal[1] * out];
             if let Some((share, hit)) = self.shift(out)
@@ -112,20 +113,19 @@ impl<'a, T: Scalar> Walker<'a, T> {
         }
     }
 
-    /// The deepest overlap with an obstacle where it is: the unit normal towards the obstacle, and
-    /// the depth.
-    fn overlap(&mut self) -> Option<([T; 2], T)> {
+    /// The deepest overlap with an obstacle, before the share `left` of its motion: as
+    /// [`deepest`](Self::deepest).
+    fn overlap(&mut self, left: T) -> Option<([T; 2], T, T)> {
         self.look([T::ZERO; 2]);
         let (rules, period, close) = (self.rules, self.period, self.slop(T::ZERO));
         // By rounding, its floor may have moved it into the floor itself, which must still stop it.
         let is_solid = |near: &Obstacle<T>| {
-            near.facing((&period, T::ZERO), &self.body, |body, solid| {
+            near.facing((&period, left), &self.body, |body, solid| {
                 let ledge = solid.shape_of(rules.one_way);
                 ledge.is_none_or(|shape| is_above(rules, body, shape, close))
             })
         };
-        let (normal, depth, _) = self.deepest(&self.body, T::ZERO, &is_solid)?;
-        Some((normal, depth))
+        self.deepest(&self.body, left, &is_solid)
     }
 
     /// Moves it by a displacement that is not its own, up to the first obstacle. It does not leave
