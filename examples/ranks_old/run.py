@@ -30,10 +30,10 @@ from jostle_lab.headless import (
     sheet_of,
 )
 from jostle_lab.simulate.containers import bounds
+from jostle_lab.simulate.frame import Rect
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Rect
+from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import TIME_STEP, WorldSimulation
 from jostle_lab.storage.encoder import Encoder, write_png
 from jostle_lab.storage.paths import free_name
 from ranks_old.composite import Composite
@@ -137,7 +137,7 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
             core, view = part_of(whole.world, rank, size), whole.view
         else:
             own = create_scene_part(settings.scene, settings.n, settings.seed, rank, size)
-            simulation = WorldSimulation(settings, view, own)
+            simulation = Simulation(settings, view, own)
             simulation.add_own_walls(settings.walls)
             core, view = simulation.world, simulation.view
         core.threads = threads

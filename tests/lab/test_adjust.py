@@ -7,11 +7,10 @@ import pytest
 
 import jostle
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle_lab.simulate.settings import Group, Polyline, Settings
+from jostle_lab.simulate.simulation import MOST_AT_ONCE, ArticleSimulation, Simulation
 from jostle_lab.simulate.start import resume, start
-from jostle_lab.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
 
 CONTAINERS = [
     jostle.Box(-10, 0, 90, 50),
@@ -21,13 +20,13 @@ CONTAINERS = [
 ]
 
 
-def gas(n: int = 200, **settings) -> WorldSimulation:
+def gas(n: int = 200, **settings) -> Simulation:
     simulation = start(Settings("gas", n, **settings))
-    assert isinstance(simulation, WorldSimulation)
+    assert isinstance(simulation, Simulation)
     return simulation
 
 
-def is_inside(simulation: WorldSimulation) -> bool:
+def is_inside(simulation: Simulation) -> bool:
     frame = simulation.frame()
     radii = frame.radii.astype(np.float64)
     places = frame.positions.astype(np.float64)
@@ -305,11 +304,11 @@ def test_the_article_begins_anew_with_another_number() -> None:
 # ---- the rules -----------------------------------------------------------------------------------
 
 
-def switch(session: Session, *methods: str) -> WorldSimulation:
+def switch(session: Session, *methods: str) -> Simulation:
     for method in methods:
         session.runner.choose_method(method)
         assert session.settings.method == method
-    assert isinstance(session.engine.simulation, WorldSimulation)
+    assert isinstance(session.engine.simulation, Simulation)
     return session.engine.simulation
 
 

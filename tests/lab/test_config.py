@@ -12,13 +12,13 @@ import pytest
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.settings import (
     RULES,
     Group,
     Polyline,
     Settings,
 )
-from jostle_lab.simulate.simulation import Attractor
 from jostle_lab.simulate.start import resume, start
 from jostle_lab.simulate.validation import rules_of
 from jostle_lab.simulate.wall_segments import clear_of

@@ -14,11 +14,10 @@ from jostle_lab.act.view import draw_explanation
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.simulation import ArticleSimulation, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 from jostle_lab.window import Window
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
@@ -29,7 +28,7 @@ def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[F
     rules = Settings("some discs", **settings)
     zeros = np.zeros((len(places), 2))
     world = jostle.World(places, zeros, radii, container=container, movable=movable)
-    simulation = WorldSimulation(rules, VIEW, world)
+    simulation = Simulation(rules, VIEW, world)
     return simulation.frame(TREE), rules
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.session import Session
+from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.packing import pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
-from jostle_lab.simulate.simulation import Attractor
 from jostle_lab.simulate.start import resume, start
 from jostle_lab.storage import exports, files
 from jostle_lab.storage.paths import new_path

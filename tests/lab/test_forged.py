@@ -23,9 +23,9 @@ import jostle
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.session import Session
+from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.packing import blob, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
-from jostle_lab.simulate.simulation import Attractor, FrameRequest
 from jostle_lab.simulate.start import start
 
 SIZE = (160, 90)

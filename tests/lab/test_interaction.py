@@ -13,11 +13,10 @@ from lab_interaction import FRAME, VIEW, Driver, article_with, tags, world_of
 
 import jostle
 from jostle_lab.act.commands import scatter, usual
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Attractor, FrameRequest
+from jostle_lab.simulate.simulation import ArticleSimulation, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 
 BOTH = [world_of, article_with]
 
@@ -424,7 +423,7 @@ def test_time_goes_slower_and_faster(make) -> None:
 
 
 def test_attractors_and_selection_do_not_survive_another_scene() -> None:
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 30)))
+    driver = Driver(Simulation.of_scene(Settings("gas", 30)))
     driver.session.interaction.attractors.place((0.0, 0.0))
     driver.session.interaction.commands.wall((10, 10), (40, 10))
     driver.key(pygame.K_RIGHTBRACKET)
@@ -515,7 +514,7 @@ def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
         def __len__(self) -> int:
             return len(world)
 
-    simulation = WorldSimulation(Settings("gas", 5), VIEW, ReadOnly())
+    simulation = Simulation(Settings("gas", 5), VIEW, ReadOnly())
     session = Driver(simulation).session
     session.interaction.commands.create((50.0, 50.0))
     session.interaction.commands.clone(session.frame.tags[:2])

@@ -16,8 +16,8 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.panels import settings_panel
 from jostle_lab.panels.sliders import Range
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
 from jostle_lab.simulate.settings import RULES, Settings
+from jostle_lab.simulate.simulation import ArticleSimulation
 from jostle_lab.simulate.start import start
 
 FRAME = 1 / 60

@@ -10,11 +10,10 @@ import pytest
 import jostle
 from jostle_lab.measure import EVERY, Series, Statistics, Traces
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Energies, Frame, StepStats
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Energies, Frame, StepStats
+from jostle_lab.simulate.simulation import ArticleSimulation, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 
 FRAME = 1 / 60
 
@@ -380,7 +379,7 @@ def test_particles_stay_where_they_are_when_the_rules_change() -> None:
     assert session.frame.positions == pytest.approx(there, abs=1e-2)
     assert session.frame.velocities == pytest.approx(before.velocities, abs=1e-2)
     session.runner.choose_method("quadtree")
-    assert isinstance(session.engine.simulation, WorldSimulation)
+    assert isinstance(session.engine.simulation, Simulation)
     assert session.frame.positions == pytest.approx(before.positions, abs=1e-2)
     session.close()
 

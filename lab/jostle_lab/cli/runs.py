@@ -13,8 +13,8 @@ import typer
 
 from jostle_lab import interrupt
 from jostle_lab.extras import remedy
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 
 from .refusals import INSTALL, check_extra, console, refuse, tell

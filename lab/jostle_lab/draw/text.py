@@ -27,7 +27,6 @@ Place = tuple[int, int]
 
 def video_name(scene: str, method: str) -> str:
     """Return the name of a video: the scene, and the method if it is not the default."""
-    method = method.replace("article-", "2015-")  # the year of the article and its two programs
     return scene if method == "quadtree" else f"{scene}-{method}"
 
 

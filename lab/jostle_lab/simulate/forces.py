@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
-from jostle_lab.simulate.simulation import Attractor, Tags
+from jostle_lab.simulate.frame import Attractor, Tags
 from jostle_lab.simulate.world_frame import Forces, ParticleTable, pair_force
 
 Attractors = tuple[Attractor, ...]

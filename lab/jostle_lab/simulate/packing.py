@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jostle_lab.simulate.simulation import Attractor, Tags
+from jostle_lab.simulate.frame import Attractor, Tags
 from jostle_lab.simulate.validation import FARTHEST, Many, fields_of, whole
 
 Array = NDArray[Any]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
-from jostle_lab.simulate.simulation import (
+from jostle_lab.simulate.frame import (
     Energies,
     Frame,
     FrameContacts,

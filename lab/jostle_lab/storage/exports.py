@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from jostle.writing import NewFile
 from jostle_lab.extras import remedy
 from jostle_lab.simulate.containers import bounds
-from jostle_lab.simulate.simulation import Frame, Rect
+from jostle_lab.simulate.frame import Frame, Rect
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # distinguishes any two numbers of single precision

@@ -21,10 +21,10 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.engine import message_of
+from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import resume
 from jostle_lab.simulate.worker import Worker
 from jostle_lab.storage.encoder import write_png

@@ -10,9 +10,9 @@ from typing import Any
 
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ViewOptions, option_rules
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.packing import blob, bytes_of, is_of, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import SETTINGS, TRUTH, unknown_scene
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import resume
 from jostle_lab.simulate.validation import Fields, each, read, real, whole
 
