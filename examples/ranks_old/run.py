@@ -59,13 +59,6 @@ class Stopped(Exception):
     """Ctrl-C was pressed; the message says what there is."""
 
 
-def refusal(settings: Settings) -> str | None:
-    """Return why a run over ranks cannot have the settings, or None."""
-    if settings.by_article:
-        return "method is the article's, which runs on one rank only"
-    return None
-
-
 def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
     """Run a scene on all ranks; the first writes the video and prints.
 

@@ -95,13 +95,11 @@ def run_on_ranks(
     if importlib.util.find_spec("mpi4py") is None:
         refuse(f"a run over ranks needs mpi4py, which is not installed; {remedy('mpi')}")
     from mpi4py import MPI
-    from ranks_old.run import DEFAULT_STEPS, Plan, Stopped, leave_together, refusal, run
+    from ranks_old.run import DEFAULT_STEPS, Plan, Stopped, leave_together, run
 
     from jostle.mpi import RankError
     from jostle_lab.headless import SIZE
 
-    if why := refusal(settings):
-        refuse(why)
     size = config.size or SIZE
     plan = Plan(settings, steps or DEFAULT_STEPS, out, checkpoint, resume, size)
     try:
