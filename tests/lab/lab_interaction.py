@@ -9,7 +9,7 @@ import pygame
 
 import jostle
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import ArticleSimulation, Simulation
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.window import Window
 
 FRAME = 1 / 60
@@ -26,13 +26,6 @@ def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> 
     rules.setdefault("container", jostle.Box(*VIEW))
     world = jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
     return Simulation(Settings("test"), VIEW, world)
-
-
-def article_with(places: Sequence[Point]) -> ArticleSimulation:
-    """The article's program over discs of radius 10 at rest."""
-    simulation = ArticleSimulation(Settings("article", 0, method="article-brute"))
-    simulation.add(places, (0, 0), 10, 1)
-    return simulation
 
 
 class Driver:

@@ -91,7 +91,6 @@ def test_version(monkeypatch, capsys) -> None:
         (["run", "--seed", "-4"], "--seed is -4"),
         (["run", "--leaf-capacity", "0"], "--leaf-capacity is 0"),
         (["run", "--max-depth", "-1"], "--max-depth is -1"),
-        (["run", "--method", "article-brute", "--max-depth", "3"], "the article's are fixed"),
         (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
         (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
         (["run", "--speed", "3"], "--speed"),

@@ -34,7 +34,6 @@ KINDS = [
     Settings("springs", 40),
     Settings("galton", 30),
     Settings("brownian", 30, container="torus"),
-    Settings("article", 40, method="article-quadtree"),
 ]
 
 

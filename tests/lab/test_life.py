@@ -137,7 +137,6 @@ def test_colours_are_those_of_the_kinds() -> None:
         ('scene = "life"\nmatrix = [[1, 2], [0, 0]]', "line 2: matrix is [[1, 2], [0, 0]]"),
         ('scene = "life"\nmatrix = [[1, 0]]', "line 2: matrix"),
         ('scene = "life"\nmatrix = []', "line 2: matrix"),
-        ('method = "article-brute"\nmatrix = "cells"', "the article's rules are fixed"),
     ],
 )
 def test_wrong_matrices_of_files_are_refused(tmp_path: Path, text: str, words: str) -> None:
