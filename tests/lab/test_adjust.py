@@ -10,7 +10,7 @@ from jostle_lab.session import Session
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
-from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.start import start
 
 CONTAINERS = [
     jostle.Box(-10, 0, 90, 50),
@@ -230,7 +230,7 @@ def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
     simulation.add_wall(Polyline(((0.0, 8.0), (9.0, 8.0))))
     expected = np.float32([0.1, 0.75, 0.75])
     np.testing.assert_array_equal(simulation.world.wall_friction, expected)
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     assert again.effective_settings.wall_friction == 0.75
     np.testing.assert_array_equal(again.world.wall_friction, expected)
     again.remove_walls([0])
@@ -249,7 +249,7 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
     for _ in range(60):
         simulation.step()
     assert (simulation.world.angular_velocities != 0).any()
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     assert again.settings.friction == 0.5
     np.testing.assert_array_equal(again.frame().angles, simulation.frame().angles)
     assert "friction" in str(simulation.adjust("friction", -1.0))

@@ -19,7 +19,8 @@ from jostle_lab.simulate.settings import (
     Polyline,
     Settings,
 )
-from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import rules_of
 from jostle_lab.simulate.wall_segments import clear_of
 from jostle_lab.storage.config import (
@@ -310,7 +311,7 @@ temperature = 4
     assert isinstance(attractor, jostle.Attractor)
     simulation.attract(())
     assert simulation.world.forces == (motor, only)
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     for one in (simulation, again):
         one.step()
     assert again.world.state_hash() == simulation.world.state_hash()

@@ -15,7 +15,8 @@ from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.packing import pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
-from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.start import start
 from jostle_lab.storage import exports, files
 from jostle_lab.storage.paths import new_path
 
@@ -55,7 +56,7 @@ def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     simulation.attract((Attractor(3.0, (10.0, 20.0)), Attractor(2.0, tag=7)))
     simulation.add([(50.0, 60.0)], [(1.0, 2.0)], 5.0, 2.0)
     simulation.step()
-    again = resume(settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     assert again.settings == simulation.settings == settings
     assert again.view == simulation.view
     for _ in range(10):
@@ -103,31 +104,9 @@ def forged(state: bytes, **changes: object) -> bytes:
     return pack("world", facts, columns)
 
 
-def test_attractors_of_older_files_stay_with_their_particles() -> None:
-    """In them tags are not the ids of the world."""
-    simulation = start(Settings("gas", 20))
-    simulation.attract((Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0))))
-    facts, columns = unpack("world", simulation.save())
-    facts["pulls"][0]["tag"], facts["next_tag"] = 57, 70
-    simulation.load(pack("world", facts, {**columns, "tags": columns["tags"] + 50}))
-    frame = simulation.frame()
-    assert frame.tags.tolist() == list(range(20))
-    assert frame.attractors == (Attractor(4.0, tag=7), Attractor(2.0, (1.0, 2.0)))
-    simulation.attract(frame.attractors[:1])
-    simulation.step()
-    (force,) = simulation.world.forces
-    assert force.particle == 7
-    assert simulation.add([(9, 9)], [(0, 0)], 1.0).tolist() == [20]
-
-
 FORGED = {
-    "too few tags": {"tags": np.arange(5)},
     "too few times": {"born": np.zeros(5)},
-    "falling tags": {"tags": np.arange(20)[::-1]},
-    "tags twice": {"tags": np.repeat(np.arange(10), 2)},
-    "tags below zero": {"tags": np.arange(20) - 1},
-    "tags to come": {"next_tag": 19},
-    "tags of another type": {"tags": np.arange(20.0)},
+    "times of another type": {"born": np.arange(20)},
     "no times": {"born": np.full(20, np.nan)},
     "no attraction": {"pulls": [{"strength": float("nan"), "point": [0, 0], "tag": None,
                                  "passing": False}]},

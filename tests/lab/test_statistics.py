@@ -152,14 +152,6 @@ def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
     assert statistics.energy_drift == 0.0
 
 
-def test_a_run_is_remembered_since_drift_began() -> None:
-    statistics = seen(state(0.0, 10.0), with_tags(state(0.1, 40.0), 0, 2))
-    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, running=True)
-    statistics.remember("it")
-    times, drift = statistics.runs["it"]
-    assert times.tolist() == pytest.approx([0, 0.1]) and drift.tolist() == [0.0, -50.0]
-
-
 # ---- times ---------------------------------------------------------------------------------------
 
 

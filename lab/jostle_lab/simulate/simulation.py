@@ -21,7 +21,7 @@ from jostle_lab.simulate.containers import (
     moved_inside,
 )
 from jostle_lab.simulate.emitters import STATE, Emitters
-from jostle_lab.simulate.forces import AttractorForces, kind_count, renamed, set_matrix
+from jostle_lab.simulate.forces import AttractorForces, kind_count, set_matrix
 from jostle_lab.simulate.frame import (
     Attractor,
     Frame,
@@ -35,12 +35,13 @@ from jostle_lab.simulate.packing import (
     COUNT,
     blob,
     bytes_of,
+    column,
     pack,
-    particles_of,
     unpack,
+    within,
 )
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
-from jostle_lab.simulate.validation import Fields, fields_of, or_none, read, rect, shown
+from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
 from jostle_lab.simulate.wall_segments import WallSegments
 from jostle_lab.simulate.world_frame import ParticleTable, frame_of
 
@@ -66,7 +67,6 @@ STATE_FIELDS = Fields(
     {
         "settings": SETTINGS,
         "view": rect(),
-        "next_tag": COUNT,
         "own_forces": COUNT,
         "pulls": ATTRACTORS,
         "home": fields_of(InitialRegion),
@@ -108,6 +108,13 @@ class Simulation:
         simulation = cls(settings, jostle.scenes.view(scene, n), world)
         if scene == "emitters":
             simulation.emitters = Emitters(n, seed)
+        return simulation
+
+    @classmethod
+    def resume(cls, state: bytes) -> Simulation:
+        """Return the simulation that continues from a state, as `save` returns it."""
+        simulation = cls.__new__(cls)
+        simulation.load(state)
         return simulation
 
     def __len__(self) -> int:
@@ -205,7 +212,7 @@ class Simulation:
     def _add_copies(self, rows: NDArray[np.intp], count: int) -> bool:
         """Add copies of random rows at random free positions; return whether there are enough."""
         columns, world = self._columns, self.world
-        rng = np.random.default_rng([self.settings.seed, columns.next_tag])
+        rng = np.random.default_rng([self.settings.seed, int(columns.tags[-1])])
         rows = rng.choice(rows, count)
         radii = columns.radii[rows]
         places, found = free_positions(
@@ -330,7 +337,6 @@ class Simulation:
         facts = {
             "settings": asdict(self.settings),
             "view": self.view,
-            "next_tag": columns.next_tag,
             "own_forces": self._attractions.own,
             "pulls": [asdict(attractor) for attractor in self.attractors],
             "home": asdict(self._initial),
@@ -338,12 +344,12 @@ class Simulation:
             "own_walls": self._segments.own,
         }
         snapshot = blob(self.world.snapshot())
-        return pack("world", facts, {"tags": columns.tags, "born": columns.born, "world": snapshot})
+        return pack("world", facts, {"born": columns.born, "world": snapshot})
 
     def load(self, state: bytes) -> None:
         """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
         facts, arrays = unpack("world", state)
-        facts = read({"own_walls": 0, **facts}, STATE_FIELDS)  # older files have no walls
+        facts = read(facts, STATE_FIELDS)
         world = jostle.World.restore(bytes_of(arrays, "world"))
         settings, initial = facts["settings"], facts["home"]
         if world.method != settings.method:
@@ -352,11 +358,11 @@ class Simulation:
             if facts[name] > there:
                 what = name.removeprefix("own_")
                 raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
-        tags, born = particles_of(arrays, len(world), facts["next_tag"])
+        born = column(arrays, "born", "<f8", (len(world),))
+        within("born", born, -FARTHEST, FARTHEST)
         emitters = _emitters_of(facts["emitters"], initial.n, settings)
-        columns = ParticleTable(world, born, facts["next_tag"])
-        attractors = renamed(facts["pulls"], tags, columns.tags)  # in older files tags are not ids
-        self._attractions = AttractorForces(world, columns, facts["own_forces"], attractors)
+        columns = ParticleTable(world, born)
+        self._attractions = AttractorForces(world, columns, facts["own_forces"], facts["pulls"])
         self._segments = WallSegments(world, facts["own_walls"])
         self.settings, self.view, self._initial = settings, facts["view"], initial
         self.world, self._columns, self.emitters = world, columns, emitters

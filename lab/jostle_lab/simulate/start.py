@@ -1,9 +1,8 @@
-"""Making a simulation from settings or from a saved state."""
+"""Making a simulation from settings: the scene, and the walls and particles of a file."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -29,14 +28,6 @@ def start(settings: Settings) -> Simulation:
         except ValueError as error:
             raise ValueError(f"{name} cannot be added: {error}") from error
     return simulation
-
-
-def resume(settings: Settings, state: bytes) -> Simulation:
-    """Return the simulation that continues from a state of one with these settings."""
-    # The state contains its own particles and walls.
-    empty = start(replace(settings, n=0, particles=(), walls=()))
-    empty.load(state)
-    return empty
 
 
 def _require_space(name: str, group: Group, container: Container) -> None:
