@@ -14,7 +14,7 @@ import numpy as np
 import pygame
 
 from jostle_lab.draw.palette import ACCENT, GROUND, TEXT
-from jostle_lab.simulate.simulation import Point
+from jostle_lab.simulate.frame import Point
 from jostle_lab.window import Window
 
 FRAME = 1 / 60  # seconds

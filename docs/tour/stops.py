@@ -10,8 +10,8 @@ import pygame
 
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.input import ZOOM_STEP
+from jostle_lab.simulate.frame import Frame, Point
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, Point
 from tour.scripted_user import LEFT, RIGHT, ScriptedUser
 
 SHIFT = pygame.KMOD_SHIFT
@@ -42,10 +42,9 @@ def pile(user: ScriptedUser) -> None:
 
 
 def rules(user: ScriptedUser) -> None:
-    """Exact physics first, then the article's rules with the same particles."""
-    user.wait(8)
-    user.session.runner.choose_method("article-quadtree")
-    user.wait(8)
+    """Exact physics and the article's rules with the same particles, side by side."""
+    user.session.runner.toggle_race("article-quadtree")
+    user.live(8)
 
 
 def race(user: ScriptedUser) -> None:
@@ -210,7 +209,7 @@ STOPS = (
     Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
          Settings("mixed"), waiting(3), tree=TreeView.OUTLINE),
     Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
-    Stop("rules", "A gas with the article's rules: change of its energy, also with exact physics.",
+    Stop("rules", "A gas with exact physics, and beside it with the article's rules.",
          Settings("gas", 500), rules),
     Stop("race", "Brute force and quadtree side by side.",
          Settings("clusters", 12_000, threads=1), race),

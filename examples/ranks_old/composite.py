@@ -12,7 +12,7 @@ from jostle_lab.draw.base_layers import draw_container, draw_discs, draw_walls
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.colouring import Colouring, Statistics
 from jostle_lab.draw.software import SoftwarePainter
-from jostle_lab.simulate.simulation import Frame, Rect
+from jostle_lab.simulate.frame import Frame, Rect
 
 _DRAWN = np.uint32(0xFF000000)  # the bits of a pixel that a rank has drawn
 

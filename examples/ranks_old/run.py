@@ -30,10 +30,10 @@ from jostle_lab.headless import (
     sheet_of,
 )
 from jostle_lab.simulate.containers import bounds
+from jostle_lab.simulate.frame import Rect
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Rect
+from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import TIME_STEP, WorldSimulation
 from jostle_lab.storage.encoder import Encoder, write_png
 from jostle_lab.storage.paths import free_name
 from ranks_old.composite import Composite
@@ -57,13 +57,6 @@ class Plan:
 
 class Stopped(Exception):
     """Ctrl-C was pressed; the message says what there is."""
-
-
-def refusal(settings: Settings) -> str | None:
-    """Return why a run over ranks cannot have the settings, or None."""
-    if settings.by_article:
-        return "method is the article's, which runs on one rank only"
-    return None
 
 
 def run(comm: MPI.Intracomm, plan: Plan, console: Console) -> None:
@@ -137,7 +130,7 @@ def _world(comm: MPI.Intracomm, plan: Plan) -> tuple[jostle.mpi.World, Rect]:
             core, view = part_of(whole.world, rank, size), whole.view
         else:
             own = create_scene_part(settings.scene, settings.n, settings.seed, rank, size)
-            simulation = WorldSimulation(settings, view, own)
+            simulation = Simulation(settings, view, own)
             simulation.add_own_walls(settings.walls)
             core, view = simulation.world, simulation.view
         core.threads = threads

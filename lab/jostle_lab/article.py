@@ -1,8 +1,8 @@
 """The two programs of the article of 2015 in plain Python, with all their faults.
 
 `Simulation` runs the article's brute force or its quadtree with the article's own formulas, for
-comparison with `jostle.World`. Units are pixels and frames, and y grows downwards. An angle of 0 is
-up, and positive angles are clockwise. It needs neither NumPy nor a window.
+comparison with `jostle.World`; examples/article opens a window on each. Units are pixels and
+frames, and y grows downwards. An angle of 0 is up, and positive angles are clockwise.
 
 Each of its eleven faults, demonstrated:
 
@@ -113,49 +113,29 @@ import random
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import combinations
-from numbers import Real
-from operator import index
-
-__all__ = ["Particle", "Simulation", "add_vectors", "collide", "overlaps", "quarters"]
 
 Vector = tuple[float, float]  # angle, length
 Box = tuple[int, int, int, int]  # x, y, width, height
 Leaf = tuple[int, int, int, int, int]  # x, y, width, height, level
 
+WIDTH, HEIGHT = 800, 500  # of the window
+FRAME_RATE = 30  # frames per second
+GRAVITY: Vector = (math.pi, 0.5)
 AIR_MASS = 0.2
 ELASTICITY = 0.75
-GRAVITY: Vector = (math.pi, 0.5)
 MOUSE_PULL = 0.1
 MAX_PER_BOX = 3
 MAX_LEVEL = 4  # the whole display is level 0
-SMALLEST_SIDE = 32  # a smaller one would be halved to no pixels
-METHODS = ("brute", "quadtree")
+SMALLEST_SIDE = 32  # of a display; a smaller one would be halved to no pixels
+
+
+# Particles
 
 
 @dataclass(slots=True, eq=False)
 class Particle:
-    """A ball of the article, with gravity, air drag and walls.
+    """A ball with gravity, air drag and walls; its mass is density × radius².
 
-    Parameters
-    ----------
-    x, y : float
-        The centre, in pixels.
-    radius, density : int
-        At least 1; random integers from 5 to 10 and from 1 to 20 in the article.
-    speed, angle : float
-        Pixels per frame; radians clockwise from up.
-
-    Attributes
-    ----------
-    mass : int
-        density * radius ** 2.
-    drag : float
-        Factor of the speed in each frame.
-    rectangle : tuple of int
-        x, y, width and height when the tree was last built, truncated to whole pixels.
-
-    Examples
-    --------
     >>> ball = Particle(50.9, 40.0, radius=5, density=2)
     >>> ball.mass, ball.rectangle
     (50, (45, 35, 10, 10))
@@ -168,17 +148,13 @@ class Particle:
     y: float
     radius: int
     density: int
-    speed: float = 0.0
+    speed: float = 0.0  # pixels per frame
     angle: float = 0.0
     mass: int = field(init=False)
-    drag: float = field(init=False)
-    rectangle: Box = field(init=False)
+    drag: float = field(init=False)  # factor of the speed in each frame
+    rectangle: Box = field(init=False)  # as the tree was built with, in whole pixels
 
     def __post_init__(self) -> None:
-        for name in ("x", "y", "speed", "angle"):
-            setattr(self, name, _check_finite(name, getattr(self, name)))
-        for name in ("radius", "density"):
-            setattr(self, name, _check_integer(name, getattr(self, name), least=1))
         self.mass = self.density * self.radius**2
         self.drag = (self.mass / (self.mass + AIR_MASS)) ** self.radius
         self.update_rectangle()
@@ -193,10 +169,7 @@ class Particle:
     def bounce(self, width: int, height: int) -> None:
         """Reflect off the walls of the display, once along each axis; right and bottom come first.
 
-        Parameters
-        ----------
-        width, height : int
-            Size of the display, in pixels.
+        The whole velocity loses a quarter, not only its part towards the wall.
         """
         near, right, bottom = self.radius, width - self.radius, height - self.radius
         if self.x > right:
@@ -213,213 +186,29 @@ class Particle:
         self.speed *= ELASTICITY
 
     def head_for(self, x: float, y: float) -> None:
-        """Set the velocity towards a point: the speed is a tenth of the distance per frame.
-
-        Parameters
-        ----------
-        x, y : float
-            The point, in pixels.
-        """
+        """Set the velocity towards a point: a tenth of the distance per frame."""
         self.angle = _direction(x - self.x, y - self.y)
         self.speed = MOUSE_PULL * math.hypot(x - self.x, y - self.y)
 
     def update_rectangle(self) -> None:
-        """Compute the rectangle that the tree uses from the position."""
+        """Compute the rectangle that the tree uses from the position (fault 2: truncated)."""
         side = 2 * self.radius
         self.rectangle = int(self.x - self.radius), int(self.y - self.radius), side, side
 
 
-class Simulation:
-    """One of the article's two programs, without its window.
-
-    Parameters
-    ----------
-    n : int
-        Number of random particles; the article has 10 (brute force) or 500 (quadtree).
-    method : {"brute", "quadtree"}, default "brute"
-        The program. It may be changed between frames.
-    seed : int, default 0
-        The same seed and display give the same particles for both methods.
-    width, height : int, default 800 and 500
-        Size of the display in pixels, each at least 32.
-
-    Attributes
-    ----------
-    particles : list of Particle
-        The results depend on their order.
-    held : Particle or None
-        The particle that the mouse drags.
-    tests, repeats, hits : int
-        Of the last frame: tests of pairs, repeated tests of the same pair, overlaps found.
-    leaves : list of tuple
-        Leaves of the last frame's tree: x, y, width, height, level. Empty for brute force.
-    tested : set of tuple
-        Pairs of list indices that the last frame's tree tested. Empty for brute force.
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of range.
-
-    See Also
-    --------
-    jostle.World : The same with right physics.
-
-    Examples
-    --------
-    >>> simulation = Simulation(10, "brute", seed=1)
-    >>> simulation.frame()
-    >>> simulation.tests, simulation.repeats
-    (45, 0)
-    """
-
-    def __init__(
-        self, n: int, method: str = "brute", seed: int = 0, width: int = 800, height: int = 500
-    ) -> None:
-        if method not in METHODS:
-            raise ValueError(f"method must be 'brute' or 'quadtree', not {method!r}")
-        self.method = method
-        self.width = _check_integer("width", width, least=SMALLEST_SIDE)
-        self.height = _check_integer("height", height, least=SMALLEST_SIDE)
-        rng = random.Random(_check_integer("seed", seed, least=0))
-        count = _check_integer("n", n, least=0)
-        self.particles = [_random_particle(rng, self.width, self.height) for _ in range(count)]
-        self.held: Particle | None = None
-        self._cursor = (0.0, 0.0)
-        self._clear_counters()
-
-    @classmethod
-    def of(
-        cls,
-        particles: Iterable[Particle],
-        method: str = "brute",
-        width: int = 800,
-        height: int = 500,
-    ) -> Simulation:
-        """Return a simulation of given particles, without copying them.
-
-        Parameters
-        ----------
-        particles : iterable of Particle
-            In the order of the list.
-        method : {"brute", "quadtree"}, default "brute"
-            The program.
-        width, height : int, default 800 and 500
-            Size of the display in pixels, each at least 32.
-
-        Returns
-        -------
-        Simulation
-            A simulation of these particles.
-
-        Examples
-        --------
-        >>> pair = Simulation.of([Particle(50, 50, 10, 1), Particle(60, 50, 10, 1)])
-        >>> pair.frame()
-        >>> pair.hits
-        1
-        """
-        simulation = cls(0, method, 0, width, height)
-        simulation.particles = list(particles)
-        return simulation
-
-    def frame(self) -> None:
-        """Advance by one frame. The velocity of a held particle is first set towards the cursor."""
-        self._clear_counters()
-        if self.held is not None:
-            self.held.head_for(*self._cursor)
-        {"brute": self._brute_frame, "quadtree": self._quadtree_frame}[self.method]()
-
-    def grab(self, x: float, y: float) -> Particle | None:
-        """Drag the first particle of the list that is under the cursor, if there is one.
-
-        Parameters
-        ----------
-        x, y : float
-            Position of the cursor, in pixels.
-
-        Returns
-        -------
-        Particle or None
-            The particle that is held.
-        """
-        self.drag_to(x, y)
-        under = (p for p in self.particles if math.hypot(x - p.x, y - p.y) <= p.radius)
-        self.held = next(under, None)
-        return self.held
-
-    def drag_to(self, x: float, y: float) -> None:
-        """Move the cursor, which the held particle follows in each frame.
-
-        Parameters
-        ----------
-        x, y : float
-            Position of the cursor, in pixels.
-        """
-        self._cursor = _check_finite("x", x), _check_finite("y", y)
-
-    def release(self) -> None:
-        """Release the held particle; it keeps its velocity."""
-        self.held = None
-
-    def _clear_counters(self) -> None:
-        self.tests = self.repeats = self.hits = 0
-        self.leaves: list[Leaf] = []
-        self.tested: set[tuple[int, int]] = set()
-
-    def _brute_frame(self) -> None:
-        for i, particle in enumerate(self.particles):
-            particle.move()
-            particle.bounce(self.width, self.height)
-            others = self.particles[i + 1 :]
-            self.tests += len(others)
-            self.hits += sum(collide(particle, other) for other in others)
-        for particle in self.particles:
-            particle.update_rectangle()  # used only if the method is changed
-
-    def _quadtree_frame(self) -> None:
-        self._build((0, 0, self.width, self.height), 0, list(range(len(self.particles))))
-        self.repeats = self.tests - len(self.tested)
-        for particle in self.particles:
-            particle.move()
-            particle.bounce(self.width, self.height)
-            particle.update_rectangle()
-
-    def _build(self, box: Box, level: int, members: list[int]) -> None:
-        """Split the box into quarters, or collide all pairs in it."""
-        particles = self.particles
-        if len(members) > MAX_PER_BOX and level <= MAX_LEVEL:
-            for quarter in quarters(box):
-                inside = [i for i in members if _boxes_overlap(quarter, particles[i].rectangle)]
-                self._build(quarter, level + 1, inside)
-            return
-        pairs = list(combinations(members, 2))
-        self.leaves.append((*box, level))
-        self.tests += len(pairs)
-        self.tested.update(pairs)
-        self.hits += sum(collide(particles[i], particles[j]) for i, j in pairs)
+def random_particle(rng: random.Random, width: int, height: int) -> Particle:
+    """Return a random particle within the display."""
+    radius, density = rng.randint(5, 10), rng.randint(1, 20)
+    x, y = rng.uniform(radius, width - radius), rng.uniform(radius, height - radius)
+    return Particle(x, y, radius, density, rng.random(), rng.uniform(0, 2 * math.pi))
 
 
 def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -> bool:
-    """Change the velocities of two particles that overlap, and move them one pixel apart.
+    """Change the velocities of two particles that overlap; return whether they do.
 
-    The direction between the centres comes from ``atan2``, which returns 0 for coincident ones:
-    these are moved apart along x, the first to the right.
+    They are also moved apart, to a gap of one pixel. Coincident ones are moved apart along x, the
+    first to the right. The result depends on the order of the two (faults 1 and 7).
 
-    Parameters
-    ----------
-    first, second : Particle
-        The result depends on their order.
-    elasticity : float, default 0.75
-        Factor of both speeds; the default is the article's.
-
-    Returns
-    -------
-    bool
-        Whether they overlapped.
-
-    Examples
-    --------
     >>> first, second = Particle(50, 50, 10, 1), Particle(60, 50, 10, 1)
     >>> collide(first, second), first.x, second.x
     (True, 44.5, 65.5)
@@ -433,6 +222,7 @@ def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -
     first.angle, first.speed = add_vectors(
         (first.angle, kept * first.speed), (normal, 2 * second.mass / total * second.speed)
     )
+    # Fault 1: the speed of the first is the new one here.
     second.angle, second.speed = add_vectors(
         (second.angle, -kept * second.speed), (normal, -2 * first.mass / total * first.speed)
     )
@@ -447,20 +237,8 @@ def collide(first: Particle, second: Particle, elasticity: float = ELASTICITY) -
 
 
 def add_vectors(first: Vector, second: Vector) -> Vector:
-    """Add two vectors, each an angle and a length.
+    """Return the sum of two vectors, each an angle and a length.
 
-    Parameters
-    ----------
-    first, second : tuple of float
-        Angle, in radians clockwise from up, and length.
-
-    Returns
-    -------
-    tuple of float
-        Angle and length of the sum.
-
-    Examples
-    --------
     >>> angle, length = add_vectors((0, 3), (math.pi / 2, 4))
     >>> round(math.degrees(angle), 1), length
     (53.1, 5.0)
@@ -471,21 +249,122 @@ def add_vectors(first: Vector, second: Vector) -> Vector:
     return math.pi / 2 - math.atan2(y, x), math.hypot(x, y)
 
 
+def _direction(dx: float, dy: float) -> float:
+    """Return the angle of a vector, clockwise from up; y grows downwards."""
+    return math.pi / 2 + math.atan2(dy, dx)
+
+
+# The two programs
+
+
+class Simulation:
+    """One of the article's two programs, without its window.
+
+    `method` is "brute" or "quadtree", and may be changed between frames. The same seed and display
+    give the same particles for both.
+
+    >>> simulation = Simulation(10, "brute", seed=1)
+    >>> simulation.frame()
+    >>> simulation.tests, simulation.repeats
+    (45, 0)
+    """
+
+    def __init__(
+        self,
+        n: int,
+        method: str = "brute",
+        seed: int = 0,
+        width: int = WIDTH,
+        height: int = HEIGHT,
+    ) -> None:
+        self.method, self.width, self.height = method, width, height
+        rng = random.Random(seed)
+        self.particles = [random_particle(rng, width, height) for _ in range(n)]
+        self.held: Particle | None = None  # the particle that the mouse drags
+        self._cursor = (0.0, 0.0)
+        self._clear_counters()
+
+    @classmethod
+    def of(
+        cls,
+        particles: Iterable[Particle],
+        method: str = "brute",
+        width: int = WIDTH,
+        height: int = HEIGHT,
+    ) -> Simulation:
+        """Return a simulation of given particles, without copying them."""
+        simulation = cls(0, method, 0, width, height)
+        simulation.particles = list(particles)
+        return simulation
+
+    def frame(self) -> None:
+        """Advance by one frame. The velocity of a held particle is first set towards the cursor."""
+        self._clear_counters()
+        if self.held is not None:
+            self.held.head_for(*self._cursor)
+        if self.method == "brute":
+            self._brute_frame()
+        else:
+            self._quadtree_frame()
+
+    def grab(self, x: float, y: float) -> Particle | None:
+        """Drag the first particle of the list that is under the cursor, if there is one."""
+        self.drag_to(x, y)
+        under = (p for p in self.particles if math.hypot(x - p.x, y - p.y) <= p.radius)
+        self.held = next(under, None)
+        return self.held
+
+    def drag_to(self, x: float, y: float) -> None:
+        """Move the cursor, which the held particle follows in each frame."""
+        self._cursor = x, y
+
+    def release(self) -> None:
+        """Release the held particle; it keeps its velocity."""
+        self.held = None
+
+    def _clear_counters(self) -> None:
+        """Forget the numbers of the last frame."""
+        self.tests = self.repeats = self.hits = 0  # tests of pairs, repeated ones, overlaps
+        self.leaves: list[Leaf] = []  # of the tree
+        self.tested: set[tuple[int, int]] = set()  # the pairs of list indices, with the tree
+
+    def _brute_frame(self) -> None:
+        for i, particle in enumerate(self.particles):
+            particle.move()
+            particle.bounce(self.width, self.height)
+            others = self.particles[i + 1 :]
+            self.tests += len(others)
+            self.hits += sum(collide(particle, other) for other in others)
+        for particle in self.particles:
+            particle.update_rectangle()  # used only if the method is changed
+
+    def _quadtree_frame(self) -> None:
+        # Fault 7: the tree is built over the rectangles of the last frame.
+        self._build((0, 0, self.width, self.height), 0, list(range(len(self.particles))))
+        self.repeats = self.tests - len(self.tested)
+        for particle in self.particles:
+            particle.move()
+            particle.bounce(self.width, self.height)
+            particle.update_rectangle()
+
+    def _build(self, box: Box, level: int, members: list[int]) -> None:
+        """Split the box into quarters, or collide all pairs in it."""
+        particles = self.particles
+        if len(members) > MAX_PER_BOX and level <= MAX_LEVEL:  # fault 4: one level too many
+            for quarter in quarters(box):
+                inside = [i for i in members if _boxes_overlap(quarter, particles[i].rectangle)]
+                self._build(quarter, level + 1, inside)
+            return
+        pairs = list(combinations(members, 2))
+        self.leaves.append((*box, level))
+        self.tests += len(pairs)
+        self.tested.update(pairs)
+        self.hits += sum(collide(particles[i], particles[j]) for i, j in pairs)
+
+
 def quarters(box: Box) -> list[Box]:
-    """Split a box into four of half its sides, truncated to whole pixels, row by row.
+    """Split a box into four of half its sides, truncated to whole pixels (fault 2), row by row.
 
-    Parameters
-    ----------
-    box : tuple of int
-        Its x, y, width and height, in pixels.
-
-    Returns
-    -------
-    list of tuple of int
-        The four boxes.
-
-    Examples
-    --------
     >>> quarters((0, 0, 10, 5))
     [(0, 0, 5, 2), (5, 0, 5, 2), (0, 2, 5, 2), (5, 2, 5, 2)]
     """
@@ -493,21 +372,15 @@ def quarters(box: Box) -> list[Box]:
     return [(x + i * width, y + j * height, width, height) for j in (0, 1) for i in (0, 1)]
 
 
+def _boxes_overlap(first: Box, second: Box) -> bool:
+    x1, y1, width1, height1 = first
+    x2, y2, width2, height2 = second
+    return x1 < x2 + width2 and x2 < x1 + width1 and y1 < y2 + height2 and y2 < y1 + height1
+
+
 def overlaps(particles: Iterable[Particle]) -> dict[tuple[int, int], float]:
-    """Find every pair that overlaps, also those that the article's tree does not find.
+    """Return the depth of every overlap by list indices, also of those that the tree misses.
 
-    Parameters
-    ----------
-    particles : iterable of Particle
-        The particles.
-
-    Returns
-    -------
-    dict of tuple of int to float
-        The depth of the overlap in pixels, for each pair of list indices.
-
-    Examples
-    --------
     >>> overlaps([Particle(50, 50, 10, 1), Particle(90, 50, 10, 1), Particle(60, 50, 10, 1)])
     {(0, 2): 10.0}
     """
@@ -517,33 +390,3 @@ def overlaps(particles: Iterable[Particle]) -> dict[tuple[int, int], float]:
         if distance < first.radius + second.radius:
             depths[i, j] = first.radius + second.radius - distance
     return depths
-
-
-def _random_particle(rng: random.Random, width: int, height: int) -> Particle:
-    """Return a random particle within the display."""
-    radius, density = rng.randint(5, 10), rng.randint(1, 20)
-    x, y = rng.uniform(radius, width - radius), rng.uniform(radius, height - radius)
-    return Particle(x, y, radius, density, rng.random(), rng.uniform(0, 2 * math.pi))
-
-
-def _direction(dx: float, dy: float) -> float:
-    """Return the angle of a vector, clockwise from up; y grows downwards."""
-    return math.pi / 2 + math.atan2(dy, dx)
-
-
-def _boxes_overlap(first: Box, second: Box) -> bool:
-    x1, y1, width1, height1 = first
-    x2, y2, width2, height2 = second
-    return x1 < x2 + width2 and x2 < x1 + width1 and y1 < y2 + height2 and y2 < y1 + height1
-
-
-def _check_finite(name: str, value: object) -> float:
-    if not isinstance(value, Real) or not math.isfinite(value):
-        raise ValueError(f"{name} must be a finite number, not {value!r}")
-    return float(value)
-
-
-def _check_integer(name: str, value: object, least: int) -> int:
-    if isinstance(value, bool) or not hasattr(value, "__index__") or index(value) < least:
-        raise ValueError(f"{name} must be an integer of at least {least}, not {value!r}")
-    return index(value)

@@ -35,11 +35,11 @@ from jostle_lab.draw.text import (
     write,
 )
 from jostle_lab.draw.view_options import TreeView, ViewOptions
-from jostle_lab.simulate.article_simulation import Simulation, article_of
+from jostle_lab.race import article_of
 from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.frame import Frame, Rect
 from jostle_lab.simulate.settings import METHODS, Settings
-from jostle_lab.simulate.simulation import Frame, Rect
-from jostle_lab.simulate.world_simulation import TIME_STEP, WorldSimulation
+from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.storage.encoder import Encoder, write_png
 from jostle_lab.storage.paths import free_name
 
@@ -229,8 +229,7 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     settings, n, state = simulation.settings, len(simulation), simulation.frame()
     facts = state.stats
     every_pair = pairs_of(n)
-    if isinstance(simulation, WorldSimulation):
-        simulation.world.sleeping = False  # the time of a step in which all are awake
+    simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
     table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
     table.show_header = False
@@ -259,16 +258,12 @@ def film_report(simulation: Simulation, film: Film) -> Table:
 
 def _comparison(simulation: Simulation, state: Frame) -> list[TableRow]:
     """Return a row for each method, all at the same state."""
-    settings, view = simulation.settings, simulation.view
-    if not isinstance(simulation, WorldSimulation):
-        settings = replace(settings, method="quadtree", sleeping=False)
-        simulation = WorldSimulation.of_scene(settings)
-    world = simulation.world
+    settings, world = simulation.settings, simulation.world
     ours, our_pairs = _time_world(world, "quadtree")
     return [
         ("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs"),
         _brute_row(world, settings, ours, our_pairs),
-        _article_row(state, view, settings, ours),
+        _article_row(state, simulation.view, settings, ours),
     ]
 
 
@@ -286,7 +281,7 @@ def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: 
 def _article_row(state: Frame, view: Rect, settings: Settings, ours: float) -> TableRow:
     name = "article's tree, per frame"
     if len(state.radii) > ARTICLE_LIMIT:
-        sample = WorldSimulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
+        sample = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
         needed = _milliseconds(article_of(sample.frame(), sample.view, "quadtree").frame)
         return name, _ms(needed), f"with only {ARTICLE_LIMIT:,} particles"
     needed = _milliseconds(article_of(state, view, "quadtree").frame)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle_lab.simulate.simulation import Energies, Frame, StepStats, Tags
+from jostle_lab.simulate.frame import Energies, Frame, StepStats, Tags
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +73,6 @@ class Statistics:
     """Collects measurements of every frame, and sums of a few states per second."""
 
     def __init__(self) -> None:
-        self.runs: dict[str, tuple[Floats, Floats]] = {}  # by name: times, changes of energy
         self._drawing = {"draw": 0.0, "panels": 0.0}
         self.restart()
 
@@ -86,22 +85,9 @@ class Statistics:
         self.reset_reference()
         self._due = 0.0
 
-    def remember(self, name: str) -> None:
-        """Store the change of energy of this run under a name, for comparison."""
-        if self.reference is not None and len(self.sums):
-            since = self.sums["time"] - self.reference.time
-            self.runs[name] = since[since >= 0], self.sums["drift"][since >= 0]
-
-    def drift_of(self, name: str) -> float | None:
-        """Return the relative change that an earlier run had after the same time."""
-        run, reference = self.runs.get(name), self.reference
-        if run is None or reference is None or not len(self.sums):
-            return None
-        return float(np.interp(self.sums["time"][-1] - reference.time, *run)) / 100
-
     def reset_reference(self) -> None:
         """Use the next state as the reference."""
-        self.origin: Reference | None = None  # the first state with the present rules
+        self.origin: Reference | None = None  # the first state with the present settings
         # The first state with these particles: adding, removing and merging changes the energy.
         self.reference: Reference | None = None
         self.changing = False  # whether the particles changed just before: no drift is shown

@@ -16,13 +16,13 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.measure import Statistics
 from jostle_lab.race import Race, refusal
-from jostle_lab.simulate.article_simulation import NO_WALLS, Simulation
 from jostle_lab.simulate.engine import Engine, Hooks, Then
+from jostle_lab.simulate.frame import FrameRequest
 from jostle_lab.simulate.history import History
 from jostle_lab.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
-from jostle_lab.simulate.settings import METHODS, RULES, Settings, other_method
-from jostle_lab.simulate.simulation import Frame, FrameRequest
-from jostle_lab.simulate.start import start, switch_rules
+from jostle_lab.simulate.settings import METHODS, RULES, Settings
+from jostle_lab.simulate.simulation import ADJUSTABLE, Simulation
+from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import check
 
 # Settings whose change does work on the particles, or shifts the zero of their energy.
@@ -42,7 +42,6 @@ class Runner:
         self.picture, self.statistics = Picture(), Statistics()  # of the present simulation
         self.race: Race | None = None  # the comparison with another method
         self.paused = False
-        self._before_switch: Frame | None = None  # the last one under the other rules
         self._begin_history(engine.simulation)
 
     # Scenes
@@ -118,9 +117,7 @@ class Runner:
     def _continue_with(self, new: LoadedScene, then: Then | None) -> None:
         moved = new.simulation.view != self.engine.view
         self.end_race()
-        self._before_switch = None
         self._interaction.reset()
-        self.statistics.remember(self._run_name())
         self.engine.request = self._first_request
         self.engine.take(new.simulation, new.frame)
         self._begin_history(new.simulation, new.state)
@@ -132,14 +129,6 @@ class Runner:
         if then is not None:
             then()
 
-    def _run_name(self, *, other: bool = False) -> str:
-        return f"{self.engine.scene} {self.engine.settings.by_article != other}"
-
-    @property
-    def other_change(self) -> float | None:
-        """Return the change of energy after the same time under the other rules, if they ran."""
-        return self.statistics.drift_of(self._run_name(other=True))
-
     # Settings
 
     def adjust(self, name: str, value: Any) -> None:
@@ -147,7 +136,7 @@ class Runner:
         if wrong := check(name, value, RULES[name]):
             self._messages.say(wrong)
             return
-        live = name in self.engine.adjustable and (name == "time_scale" or not self.race)
+        live = name in ADJUSTABLE and (name == "time_scale" or not self.race)
         if live and name == "n":
             self._set_count(value)
         elif live:
@@ -174,39 +163,17 @@ class Runner:
             key="n",
         )
 
-    def choose_method(self, method: str) -> None:
-        """Change the method; if the rules change, too, the particles stay the same."""
-        settings = replace(self.engine.settings, method=method)
-        if self.race or settings.by_article == self.engine.settings.by_article:
-            self.adjust("method", method)
-        else:
-            # After the current step, whose result is kept.
-            self.engine.edit(
-                lambda simulation: None,
-                changes=False,
-                then=lambda: self._switch_rules(settings),
-                key="rules",
-            )
-
-    def _switch_rules(self, settings: Settings) -> None:
-        if settings.by_article and len(self.engine.frame.walls):
-            self._messages.say(f"{NO_WALLS} They are removed.")
-        frame = self.engine.frame
-        create = partial(switch_rules, settings, frame, self.engine.view, self._before_switch)
-
-        def then() -> None:
-            self._before_switch = frame
-
-        self.replace(create, "Switching the rules …", then)
-
     def switch_method(self) -> None:
-        """Switch between brute force and quadtree, with the same rules."""
+        """Switch between brute force and quadtree."""
         if self.race:
             self._messages.say("Both methods run side by side; Q ends that.")
             return
-        method = other_method(self.engine.settings.method)
-        self._messages.say(f"Method: {METHODS[method]}")  # before an error message
-        self.adjust("method", method)
+        self._messages.say(f"Method: {METHODS[self._other_method]}")  # before an error message
+        self.adjust("method", self._other_method)
+
+    @property
+    def _other_method(self) -> str:
+        return "brute" if self.engine.settings.method == "quadtree" else "quadtree"
 
     # Comparison of two methods
 
@@ -215,7 +182,7 @@ class Runner:
         if self.race:
             self.end_race()
             return
-        method = method or other_method(self.engine.settings.method)
+        method = method or self._other_method
         count = max(len(self.engine.frame), expected(self._next_settings))
         if reason := refusal(self.engine.settings.method, method, count):
             self._messages.say(reason)

@@ -16,10 +16,10 @@ from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.measure import Traces
 from jostle_lab.runner import Runner
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.engine import Engine
+from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.files import Files
 
 

@@ -18,7 +18,7 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.gui.input import Input
 from jostle_lab.gui.style import arrange
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import Simulation
+from jostle_lab.simulate.simulation import Simulation
 
 SIZE = (1280, 720)
 FRAME_RATE = 60  # frames per second

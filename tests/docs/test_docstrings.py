@@ -14,7 +14,6 @@ from doctests import run_examples
 import jostle
 import jostle.pyqtree
 import jostle.scenes
-import jostle_lab.article
 
 # An adapter is tested if the library after which it is named is installed.
 ADAPTERS = {
@@ -22,7 +21,7 @@ ADAPTERS = {
     "jostle.mpi": "mpi4py",
 }
 MODULES = [
-    *(jostle, jostle.scenes, jostle.life, jostle_lab.article, jostle.pyqtree),
+    *(jostle, jostle.scenes, jostle.life, jostle.pyqtree),
     *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
 ]
 

@@ -158,7 +158,7 @@ def test_the_command_lists_the_stops_and_refuses_what_it_cannot_do(tmp_path, mon
 # What must hold when the user has done everything that they do at a stop.
 ENDS: dict[str, Callable[[Session], bool]] = {
     "rules": lambda session: (
-        session.settings.by_article and session.runner.other_change is not None
+        session.runner.race is not None and session.runner.race.method == "article-quadtree"
     ),
     "springs": lambda session: (
         session.interaction.drag_tool.held is None and session.camera.at_home

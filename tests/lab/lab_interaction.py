@@ -8,9 +8,8 @@ import numpy as np
 import pygame
 
 import jostle
-from jostle_lab.simulate.article_simulation import ArticleSimulation, Simulation
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.world_simulation import WorldSimulation
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.window import Window
 
 FRAME = 1 / 60
@@ -21,19 +20,12 @@ LEFT, MIDDLE, RIGHT = 1, 2, 3
 Point = tuple[float, float]
 
 
-def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> WorldSimulation:
+def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> Simulation:
     """Discs at rest in a box of 800 by 500, without gravity."""
     speeds = np.zeros((len(places), 2))
     rules.setdefault("container", jostle.Box(*VIEW))
     world = jostle.World(np.array(places).reshape(-1, 2), speeds, radii, **rules)
-    return WorldSimulation(Settings("test"), VIEW, world)
-
-
-def article_with(places: Sequence[Point]) -> ArticleSimulation:
-    """The article's program over discs of radius 10 at rest."""
-    simulation = ArticleSimulation(Settings("article", 0, method="article-brute"))
-    simulation.add(places, (0, 0), 10, 1)
-    return simulation
+    return Simulation(Settings("test"), VIEW, world)
 
 
 class Driver:

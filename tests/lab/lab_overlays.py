@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from jostle_lab.draw.camera import Camera
-from jostle_lab.simulate.simulation import Frame, FrameContacts, StepStats
+from jostle_lab.simulate.frame import Frame, FrameContacts, StepStats
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)

@@ -7,11 +7,10 @@ import pytest
 
 import jostle
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
 from jostle_lab.simulate.containers import InitialRegion, bounds, moved_inside
 from jostle_lab.simulate.settings import Group, Polyline, Settings
-from jostle_lab.simulate.start import resume, start
-from jostle_lab.simulate.world_simulation import MOST_AT_ONCE, WorldSimulation
+from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
+from jostle_lab.simulate.start import start
 
 CONTAINERS = [
     jostle.Box(-10, 0, 90, 50),
@@ -21,13 +20,13 @@ CONTAINERS = [
 ]
 
 
-def gas(n: int = 200, **settings) -> WorldSimulation:
+def gas(n: int = 200, **settings) -> Simulation:
     simulation = start(Settings("gas", n, **settings))
-    assert isinstance(simulation, WorldSimulation)
+    assert isinstance(simulation, Simulation)
     return simulation
 
 
-def is_inside(simulation: WorldSimulation) -> bool:
+def is_inside(simulation: Simulation) -> bool:
     frame = simulation.frame()
     radii = frame.radii.astype(np.float64)
     places = frame.positions.astype(np.float64)
@@ -231,7 +230,7 @@ def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:
     simulation.add_wall(Polyline(((0.0, 8.0), (9.0, 8.0))))
     expected = np.float32([0.1, 0.75, 0.75])
     np.testing.assert_array_equal(simulation.world.wall_friction, expected)
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     assert again.effective_settings.wall_friction == 0.75
     np.testing.assert_array_equal(again.world.wall_friction, expected)
     again.remove_walls([0])
@@ -250,7 +249,7 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
     for _ in range(60):
         simulation.step()
     assert (simulation.world.angular_velocities != 0).any()
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     assert again.settings.friction == 0.5
     np.testing.assert_array_equal(again.frame().angles, simulation.frame().angles)
     assert "friction" in str(simulation.adjust("friction", -1.0))
@@ -278,75 +277,3 @@ def test_what_the_library_refuses_is_said_and_changes_nothing() -> None:
     said = simulation.adjust("leaf_capacity", 0)
     assert "leaf_capacity" in said and simulation.settings.leaf_capacity is None
     simulation.step()
-
-
-def test_the_article_has_the_number_and_the_display_asked_for() -> None:
-    simulation = ArticleSimulation(
-        Settings("article", 70, method="article-quadtree", world_size=1.5)
-    )
-    assert len(simulation) == 70 and simulation.view == (0, 0, 1200, 750)
-    lent = ArticleSimulation(
-        Settings("gas", 70, method="article-brute", world_size=2.0, container="circle")
-    )
-    plain = ArticleSimulation(Settings("gas", 70, method="article-brute"))
-    assert lent.view[2] == pytest.approx(2 * plain.view[2], abs=2)
-
-
-def test_the_article_begins_anew_with_another_number() -> None:
-    session = Session(
-        start(Settings("article", 40, method="article-quadtree")), (800, 600), synchronous=True
-    )
-    session.engine.step()
-    session.runner.adjust("n", 60)
-    assert len(session.frame) == 60 and session.frame.stats.time == 0
-    session.close()
-
-
-# ---- the rules -----------------------------------------------------------------------------------
-
-
-def switch(session: Session, *methods: str) -> WorldSimulation:
-    for method in methods:
-        session.runner.choose_method(method)
-        assert session.settings.method == method
-    assert isinstance(session.engine.simulation, WorldSimulation)
-    return session.engine.simulation
-
-
-def test_filters_and_immovable_particles_outlast_the_rules_of_the_article() -> None:
-    session = Session(gas(60), (800, 600), synchronous=True)
-    tags = session.frame.tags
-    session.interaction.commands.fix(tags[:2], movable=False)
-    for column in ("categories", "masks"):
-        session.interaction.commands.set_bit(tags[3:5], column, 6, on=column == "categories")
-    before = session.frame
-    assert before.categories is not None and before.masks is not None
-    world = switch(session, "article-quadtree", "article-brute", "quadtree").world
-    assert world.categories.tolist() == before.categories.tolist() == [1] * 3 + [65] * 2 + [1] * 55
-    assert world.masks.tolist() == before.masks.tolist()
-    assert world.movable.tolist() == [False] * 2 + [True] * 58
-    again = switch(session, "article-brute", "quadtree").world
-    assert again.masks.tolist() == before.masks.tolist()
-    session.close()
-
-
-def test_a_scene_that_begins_again_under_the_other_rules_has_its_own_filters() -> None:
-    session = Session(gas(60), (800, 600), synchronous=True)
-    session.interaction.commands.set_bit(session.frame.tags, "categories", 6, on=True)
-    session.runner.choose_method("article-quadtree")
-    session.runner.restart()
-    assert (switch(session, "quadtree").world.categories == 1).all()
-    session.close()
-
-
-def test_immovable_particles_stand_still_after_the_rules_of_the_article() -> None:
-    session = Session(start(Settings("galton", 60)), (800, 600), synchronous=True)
-    fixed = ~session.frame.movable
-    assert fixed.any()
-    session.runner.choose_method("article-quadtree")
-    for _ in range(3):
-        session.engine.step()
-    assert session.frame.velocities[fixed].any()
-    world = switch(session, "quadtree").world
-    assert (world.movable == ~fixed).all() and not world.velocities[fixed].any()
-    session.close()

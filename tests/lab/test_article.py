@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 import re
 from collections.abc import Callable
@@ -38,6 +39,7 @@ def test_every_fault_has_a_demonstration() -> None:
     faults = re.split(r"^\*\*(?=\d+\. )", article.__doc__ or "", flags=re.MULTILINE)[1:]
     assert [int(fault.split(".")[0]) for fault in faults] == list(range(1, 12))
     assert all(">>> " in fault for fault in faults)
+    assert doctest.testmod(article).failed == 0
 
 
 # Particles
@@ -283,69 +285,3 @@ def test_a_held_particle_follows_the_cursor_until_it_is_thrown(method: str) -> N
     simulation.frame()
     assert particle.x == pytest.approx(120 + 20 * particle.drag)
     assert particle.speed == pytest.approx(speed, rel=0.05)
-
-
-# Errors
-
-
-@pytest.mark.parametrize("n", [-1, 2.0, math.nan, "3", None, True])
-def test_bad_n(n: Any) -> None:
-    with pytest.raises(ValueError, match=f"n must be an integer of at least 0, not {n!r}"):
-        Simulation(n)
-
-
-@pytest.mark.parametrize("name", ["width", "height"])
-@pytest.mark.parametrize("value", [31, 0, -800, 800.0, math.nan, math.inf, "wide"])
-def test_bad_display(name: str, value: Any) -> None:
-    message = re.escape(f"{name} must be an integer of at least 32, not {value!r}")
-    with pytest.raises(ValueError, match=message):
-        Simulation(3, **{name: value})
-    with pytest.raises(ValueError, match=message):
-        Simulation.of([ball(50)], **{name: value})
-
-
-@pytest.mark.parametrize("seed", [-1, 0.5, None, "x"])
-def test_bad_seed(seed: Any) -> None:
-    with pytest.raises(ValueError, match=f"seed must be an integer of at least 0, not {seed!r}"):
-        Simulation(3, seed=seed)
-
-
-@pytest.mark.parametrize("method", ["", "tree", None, 3])
-def test_bad_method(method: Any) -> None:
-    with pytest.raises(ValueError, match=f"method must be 'brute' or 'quadtree', not {method!r}"):
-        Simulation(3, method)
-
-
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("x", math.nan),
-        ("y", math.inf),
-        ("speed", "fast"),
-        ("angle", None),
-        ("radius", 0),
-        ("radius", 5.5),
-        ("density", -1),
-        ("density", math.nan),
-    ],
-)
-def test_bad_particle(name: str, value: Any) -> None:
-    fields = {"x": 1.0, "y": 1.0, "radius": 5, "density": 1, name: value}
-    with pytest.raises(ValueError, match=f"{name} must be .*, not {value!r}"):
-        Particle(**fields)
-
-
-def test_bad_cursor() -> None:
-    simulation = Simulation(3)
-    with pytest.raises(ValueError, match="y must be a finite number, not nan"):
-        simulation.drag_to(3, math.nan)
-    with pytest.raises(ValueError, match="x must be a finite number, not inf"):
-        simulation.grab(math.inf, 3)
-
-
-def test_anything_that_counts_as_an_integer_is_taken() -> None:
-    class Three:
-        def __index__(self) -> int:
-            return 3
-
-    assert len(Simulation(Three()).particles) == 3  # type: ignore[arg-type]

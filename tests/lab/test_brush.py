@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
-from lab_interaction import Driver, article_with, world_of
+from lab_interaction import Driver, world_of
 
 import jostle
 from jostle_lab.act.commands import REACH
@@ -28,9 +28,8 @@ def closed() -> Iterator[None]:
     pygame.display.quit()
 
 
-@pytest.mark.parametrize("make", [world_of, article_with])
-def test_a_drag_adds_particles_within_reach_of_its_path(make) -> None:
-    driver = Driver(make([(400, 250)]))
+def test_a_drag_adds_particles_within_reach_of_its_path() -> None:
+    driver = Driver(world_of([(400, 250)]))
     driver.key(pygame.K_4)
     driver.drag(*LINE)
     frame = driver.session.frame

@@ -12,14 +12,15 @@ import pytest
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.settings import (
     RULES,
     Group,
     Polyline,
     Settings,
 )
-from jostle_lab.simulate.simulation import Attractor
-from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import rules_of
 from jostle_lab.simulate.wall_segments import clear_of
 from jostle_lab.storage.config import (
@@ -189,10 +190,6 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
             "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
             "line 2: walls[0].bounce is not a property of walls",
         ),
-        (
-            'method = "article-brute"\n[[walls]]\npoints = [[0, 0], [1, 2]]',
-            "walls cannot be set here: the article's rules are fixed",
-        ),
         ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
         (
             "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
@@ -215,14 +212,10 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
         ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
         (
-            'method = "article-quadtree"\ngravity = [0, 1]',
-            "line 2: gravity cannot be set here: the article's rules are fixed",
+            'method = "article-quadtree"',
+            "line 1: method is 'article-quadtree'; it must be one of quadtree, brute",
         ),
         ('scene = "gases"', "line 1: gases is not a scene; did you mean gas?"),
-        (
-            'method = "article-brute"\nmax_depth = 3',
-            "line 2: max_depth cannot be set here: the article's rules are fixed",
-        ),
         ('scene = "pile\nn = 2', "scene.toml, line 1: a quotation mark is missing at the end"),
         ("n = 1\nn = 2", "scene.toml, line 2: the entry is given twice"),
         ("n =\nseed = 1", "scene.toml, line 1: "),
@@ -235,7 +228,6 @@ def test_what_is_wrong_is_refused_by_name_and_line(
     assert sentence in refusal(tmp_path, text)
 
 
-@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
@@ -251,9 +243,9 @@ def test_what_is_wrong_is_refused_by_name_and_line(
     ],
 )
 def test_a_group_that_cannot_be_between_the_walls_is_refused(
-    tmp_path: Path, method: str, text: str, sentence: str
+    tmp_path: Path, text: str, sentence: str
 ) -> None:
-    text = f'scene = "gas"\nn = 0\nmethod = "{method}"\n[[particles]]\n[[particles]]\n{text}'
+    text = f'scene = "gas"\nn = 0\n[[particles]]\n[[particles]]\n{text}'
     with pytest.raises(ValueError) as caught:
         start(read(tmp_path, text).settings)
     assert sentence in str(caught.value)
@@ -319,7 +311,7 @@ temperature = 4
     assert isinstance(attractor, jostle.Attractor)
     simulation.attract(())
     assert simulation.world.forces == (motor, only)
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     for one in (simulation, again):
         one.step()
     assert again.world.state_hash() == simulation.world.state_hash()
@@ -453,13 +445,6 @@ def test_filters_of_a_file_are_saved_with_the_scene(tmp_path: Path) -> None:
     assert again.world.state_hash() == simulation.world.state_hash()
 
 
-def test_the_article_refuses_filters(tmp_path: Path) -> None:
-    text = FILTERS.replace("n = 40", 'n = 0\nmethod = "article-brute"')
-    settings = read(tmp_path, text).settings
-    with pytest.raises(ValueError, match=r"^particles\[0\] .* no collision filter"):
-        start(settings)
-
-
 def test_a_group_may_fill_the_walls_and_overlap_them(tmp_path: Path) -> None:
     text = "[[particles]]\nradius = 10\nregion = [15, 15, 99, 99]"
     simulation = start(read(tmp_path, f'scene = "gas"\nn = 0\n{text}').settings)
@@ -589,6 +574,3 @@ def test_a_group_of_sensors_reports_and_does_not_push(tmp_path) -> None:
     frame = simulation.frame()
     assert frame.sensors is not None
     assert frame.sensors.tolist() == [0] * 300 + [2]  # gas flows through it
-    with pytest.raises(ValueError, match="cannot be sensors"):
-        path.write_text('method = "article-quadtree"\n[[particles]]\nsensor = true\n')
-        start(read_config(path).settings)

@@ -9,12 +9,13 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 
+import moderngl
 import numpy as np
 import pygame
 import pytest
 
 import jostle
-from jostle_lab.draw import background_render, screen
+from jostle_lab.draw import background_render
 from jostle_lab.draw.background_render import LONG, BackgroundRenderer
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import GROUND
@@ -22,8 +23,8 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.frame import FrameContacts, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import FrameContacts, FrameRequest
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 
@@ -34,7 +35,6 @@ KINDS = [
     Settings("springs", 40),
     Settings("galton", 30),
     Settings("brownian", 30, container="torus"),
-    Settings("article", 40, method="article-quadtree"),
 ]
 
 
@@ -109,16 +109,7 @@ def test_software_opengl_is_used_only_when_it_is_asked_for(
     assert Screen(SIZE, "software").painter.name == "software"
 
 
-def test_without_moderngl_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(screen, "_MODERNGL", False)
-    assert Screen(SIZE, "auto").painter.name == "software"
-    with pytest.raises(NoRendererError, match="moderngl, which is not installed"):
-        Screen(SIZE, "opengl")
-
-
 def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch) -> None:
-    moderngl = pytest.importorskip("moderngl")
-
     def fail() -> None:
         raise moderngl.Error("no card")
 

@@ -14,11 +14,10 @@ from jostle_lab.act.view import draw_explanation
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 from jostle_lab.window import Window
 
 VIEW = (0.0, 0.0, 100.0, 100.0)
@@ -29,7 +28,7 @@ def frame_of(places, radii, container=None, movable=None, **settings) -> tuple[F
     rules = Settings("some discs", **settings)
     zeros = np.zeros((len(places), 2))
     world = jostle.World(places, zeros, radii, container=container, movable=movable)
-    simulation = WorldSimulation(rules, VIEW, world)
+    simulation = Simulation(rules, VIEW, world)
     return simulation.frame(TREE), rules
 
 
@@ -152,18 +151,6 @@ def test_one_that_is_gone_has_no_answer() -> None:
     frame, settings = frame_of([(0, 0), (1, 1)], 1.0)
     assert explain(frame, 0, 2, settings) is None
     assert explain(frame, 1, 1, settings) is None
-
-
-def test_the_article_tests_what_shares_a_leaf() -> None:
-    simulation = ArticleSimulation(Settings("article", 80, method="article-quadtree"))
-    simulation.step()
-    frame, tested = simulation.frame(TREE), 0
-    for i in range(30):
-        for j in range(i + 1, 30):
-            why = explain(frame, i, j, simulation.settings)
-            assert ("the pair is tested" in why.lines[3]) == why.compared
-            tested += why.compared
-    assert 0 < tested < 30 * 29 / 2
 
 
 def test_a_session_answers_for_two_selected_until_it_is_taken_back() -> None:

@@ -25,7 +25,6 @@ from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.session import Session
 from jostle_lab.simulate.packing import blob, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
-from jostle_lab.simulate.simulation import Attractor, FrameRequest
 from jostle_lab.simulate.start import start
 
 SIZE = (160, 90)
@@ -40,8 +39,7 @@ SCENES = [
     Settings("galton", 12),
     Settings("thermostat", 12, container="torus"),
     Settings("brownian", 12, container="none"),
-    Settings("article", 8, method="article-quadtree"),
-    Settings("mixed", 8, method="article-brute"),
+    Settings("mixed", 8, method="brute"),
 ]
 
 VALUES: list[Any] = [
@@ -50,7 +48,7 @@ VALUES: list[Any] = [
     *(1e-320, 1e18, 1e30, 1e300, -1e300, float("inf"), float("-inf"), float("nan")),
     *([0, 0], [1, 1], [1e300, 1e300], [float("nan"), 0], [0, 0, 0, 0], [0, 0, 1e-300, 1e-300]),
     *([-1e18, -1e18, 1e18, 1e18], [1, 1, 0, 0], [1] * 100, ["x"] * 4),
-    *("quadtree", "brute", "article-quadtree", "article-brute", "emitters", "article", "galton"),
+    *("quadtree", "brute", "article-quadtree", "emitters", "article", "galton"),
 ]
 
 Change = tuple[str, str, Any]  # which of the three parts of a file, where, and to what
@@ -118,8 +116,7 @@ class File:
     def __init__(self, data: bytes) -> None:
         self.scene, arrays = unpack("scene", unseal(data))
         state = arrays["state"].tobytes()
-        self.kind = "world" if state.startswith(b"jostle world") else "article"
-        self.state, self.arrays = unpack(self.kind, state)
+        self.state, self.arrays = unpack("world", state)
 
     def changes(self) -> Iterator[Change]:
         """Every change."""
@@ -138,7 +135,7 @@ class File:
         parts = copy.deepcopy({"scene": self.scene, "state": self.state, "arrays": self.arrays})
         for part, path, value in changes:
             put(parts[part], path, value)
-        state = pack(self.kind, parts["state"], parts["arrays"])
+        state = pack("world", parts["state"], parts["arrays"])
         return seal(pack("scene", parts["scene"], {"state": blob(state)}))
 
 
@@ -203,11 +200,11 @@ def test_a_forged_file_is_refused_or_runs(files: list[File], tmp_path: Path) -> 
 
 
 NAMED: list[tuple[str, tuple[Any, ...], Any, str]] = [
-    ("scene", ("settings", "particles"), ["x"], "settings.particles[0] is 'x'; it must be a table"),
-    ("scene", ("settings", "method"), None, "settings.method is None; it must be one of quadtree"),
-    ("scene", ("settings", "n"), 10**400, "settings.n is 1000000"),
-    ("scene", ("settings",), "gas", "settings is 'gas'; it must be a table"),
-    ("scene", ("settings", "seeb"), 0, "settings.seeb is not a setting; did you mean seed?"),
+    ("state", ("settings", "particles"), ["x"], "settings.particles[0] is 'x'; it must be a table"),
+    ("state", ("settings", "method"), None, "settings.method is None; it must be one of quadtree"),
+    ("state", ("settings", "n"), 10**400, "settings.n is 1000000"),
+    ("state", ("settings",), "gas", "settings is 'gas'; it must be a table"),
+    ("state", ("settings", "seeb"), 0, "settings.seeb is not a setting; did you mean seed?"),
     ("scene", ("camera", "scale"), REMOVED, "camera.scale is missing"),
     ("scene", ("camera", "center"), [0, float("nan")], "camera.center is [0, nan]; it must be [x,"),
     ("scene", ("shown", "labels"), "yes", "shown.labels is 'yes'; it must be true or false"),
@@ -216,9 +213,8 @@ NAMED: list[tuple[str, tuple[Any, ...], Any, str]] = [
     ("state", ("home", "kind"), "cone", "home.kind is 'cone'; it must be one of box, circle"),
     ("state", ("view",), [1, 0, 0, 1], "view is [1, 0, 0, 1]; it must be [min_x, min_y, max_x"),
     ("state", ("own_forces",), 99, "own_forces is 99; its world has"),
-    ("state", ("next_tag",), 3, "tags[3] is 3; it must be from 0 to 2"),
     ("arrays", ("born",), np.zeros(3), "born is an array (3,) of <f8; it must be ("),
-    ("arrays", ("tags",), REMOVED, "tags is missing"),
+    ("arrays", ("born",), REMOVED, "born is missing"),
 ]
 
 
@@ -230,19 +226,6 @@ def test_a_refusal_names_the_field_and_the_value(
 ) -> None:
     said = Trial(tmp_path).load(files[0].forged((part, path, value)))
     assert said.startswith(f"forged.jostle cannot be loaded: {words}"), said
-
-
-def test_a_step_of_the_article_that_goes_too_far_is_not_made() -> None:
-    """Its rules have no limit of speed; numbers without one end as infinite and as NaN."""
-    simulation = start(Settings("article", 8, method="article-quadtree"))
-    simulation.attract((Attractor(1e6, (100.0, 100.0)),))
-    with pytest.raises(ValueError, match=r"^Particle \d would be at .*; the step was not made\.$"):
-        for _ in range(1_000):
-            before = simulation.save()
-            simulation.step()
-    assert simulation.save() == before
-    simulation.load(before)  # what is saved can be loaded
-    assert np.isfinite(simulation.frame(FrameRequest(energies=True)).energies.kinetic)
 
 
 def try_all(folder: Path, seconds: Callable[[], float]) -> None:

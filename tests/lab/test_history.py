@@ -19,17 +19,13 @@ SCENES = [
     Settings("emitters", 200),
     Settings("orbit", 200),
     Settings("springs", 200),
-    Settings("article", 60, method="article-quadtree"),
-    Settings("mixed", 60, method="article-brute"),
+    Settings("mixed", 60, method="brute"),
 ]
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
 def fingerprint(session: Session) -> object:
-    simulation = session.engine.simulation
-    if hasattr(simulation, "world"):
-        return simulation.world.state_hash(), session.frame.tags.tobytes()
-    return simulation.frame().positions.tobytes(), simulation.frame().velocities.tobytes()
+    return session.engine.simulation.world.state_hash(), session.frame.tags.tobytes()
 
 
 @pytest.fixture(autouse=True)

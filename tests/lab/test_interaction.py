@@ -9,17 +9,14 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
-from lab_interaction import FRAME, VIEW, Driver, article_with, tags, world_of
+from lab_interaction import FRAME, VIEW, Driver, tags, world_of
 
 import jostle
 from jostle_lab.act.commands import scatter, usual
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Attractor, FrameRequest
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
-
-BOTH = [world_of, article_with]
 
 
 @pytest.fixture(autouse=True)
@@ -31,9 +28,8 @@ def closed() -> Iterator[None]:
 # ---- dragging ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_a_held_particle_that_vanishes_is_dropped(make) -> None:
-    driver = Driver(make([(200, 250), (600, 250)]))
+def test_a_held_particle_that_vanishes_is_dropped() -> None:
+    driver = Driver(world_of([(200, 250), (600, 250)]))
     driver.down((200, 250))
     assert driver.session.interaction.drag_tool.held == 0
     driver.session.engine.edit(lambda simulation: simulation.remove([0]))
@@ -77,27 +73,6 @@ def test_what_cannot_move_holds_up_what_is_held() -> None:
     assert gap > 19 and driver.world.positions[1].tolist() == [400, 250]
 
 
-def test_the_article_throws_with_a_tenth_of_the_distance() -> None:
-    driver = Driver(article_with([(200, 250)]))
-    driver.down((200, 250))
-    driver.point_at((300, 250))
-    driver.frames(2)
-    speed = float(driver.session.frame.velocities[0, 0])
-    driver.up((300, 250))
-    assert driver.session.frame.velocities[0, 0] == pytest.approx(speed)
-    assert 200 < speed < 30 * 0.1 * 100
-
-
-def test_the_article_picks_up_the_first_of_its_list() -> None:
-    driver = Driver(article_with([(200, 250), (206, 250)]))
-    driver.down((206, 250))
-    assert driver.session.interaction.drag_tool.held == 0
-    driver.up((206, 250))
-    driver = Driver(world_of([(200, 250), (206, 250)]))
-    driver.down((206, 250))
-    assert driver.session.interaction.drag_tool.held == 1
-
-
 def test_in_a_pause_a_held_particle_is_moved_to_the_cursor() -> None:
     driver = Driver(world_of([(200, 250)]))
     driver.key(pygame.K_p)
@@ -112,10 +87,9 @@ def test_in_a_pause_a_held_particle_is_moved_to_the_cursor() -> None:
 # ---- Space ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_space_attracts_all_by_distance_and_stops_on_release(make) -> None:
-    driver = Driver(make([(200, 100), (300, 100), (500, 100)]))
-    still = Driver(make([(200, 100), (300, 100), (500, 100)]))
+def test_space_attracts_all_by_distance_and_stops_on_release() -> None:
+    driver = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
+    still = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
     driver.point_at((600, 100))
     driver.key(pygame.K_SPACE, up=False)
     driver.frames(2)
@@ -155,9 +129,8 @@ def test_space_ends_when_the_window_loses_the_keys() -> None:
 # ---- adding, copying, removing -------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_a_adds_a_particle_of_the_usual_size_at_the_cursor(make) -> None:
-    driver = Driver(make([(200, 100), (300, 100)]))
+def test_a_adds_a_particle_of_the_usual_size_at_the_cursor() -> None:
+    driver = Driver(world_of([(200, 100), (300, 100)]))
     driver.session.runner.paused = True
     driver.point_at((500, 300))
     driver.key(pygame.K_a)
@@ -181,10 +154,9 @@ def test_the_usual_size_is_the_median_of_what_moves() -> None:
     assert usual(world_of([]).frame()) == (10, 1)
 
 
-@pytest.mark.parametrize("make", BOTH)
 @pytest.mark.parametrize("key", [pygame.K_DELETE, pygame.K_BACKSPACE])
-def test_delete_deletes_the_selection_or_what_is_under_the_cursor(make, key: int) -> None:
-    driver = Driver(make([(100, 100), (200, 100), (300, 100), (400, 100)]))
+def test_delete_deletes_the_selection_or_what_is_under_the_cursor(key: int) -> None:
+    driver = Driver(world_of([(100, 100), (200, 100), (300, 100), (400, 100)]))
     driver.session.runner.paused = True
     driver.point_at((300, 100))
     driver.key(key)
@@ -197,9 +169,8 @@ def test_delete_deletes_the_selection_or_what_is_under_the_cursor(make, key: int
     assert tags(driver.session.frame.tags) == [3]
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_d_clones_next_to_the_original_with_its_velocity(make) -> None:
-    driver = Driver(make([(100, 100), (750, 300)]))
+def test_d_clones_next_to_the_original_with_its_velocity() -> None:
+    driver = Driver(world_of([(100, 100), (750, 300)]))
     driver.session.runner.paused = True
     driver.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 0)))
     for x, y in [(100, 100), (750, 300)]:
@@ -357,9 +328,8 @@ def test_random_positions_are_inside_the_container(container: object) -> None:
 
 
 @pytest.mark.parametrize("scene", ["article", "gas", "pile", "orbit", "springs", "sand", "galton"])
-@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
-def test_scramble_and_randomise_go_on_in_every_scene(scene: str, method: str) -> None:
-    driver = Driver(start(Settings(scene, 120, method=method)))
+def test_scramble_and_randomise_go_on_in_every_scene(scene: str) -> None:
+    driver = Driver(start(Settings(scene, 120)))
     before = driver.session.frame
     driver.session.interaction.commands.scramble()
     driver.session.engine.wait()
@@ -369,7 +339,7 @@ def test_scramble_and_randomise_go_on_in_every_scene(scene: str, method: str) ->
     assert (scrambled.positions[~moving] == before.positions[~moving]).all()
     driver.frames(5)
     driver.session.interaction.commands.randomise()
-    driver.session.engine.wait()  # the article's tree takes its time
+    driver.session.engine.wait()
     frame = driver.session.frame
     assert np.unique(frame.densities[frame.movable]).size > 10
     assert np.hypot(*frame.velocities[frame.movable].T).max() > 0
@@ -401,19 +371,8 @@ def test_the_keys_of_gravity() -> None:
     assert driver.world is world and world.velocities[0, 1] > 0
 
 
-def test_the_article_keeps_its_gravity_and_says_so() -> None:
-    driver = Driver(article_with([(200, 100)]))
-    driver.frames(4)
-    time = driver.session.frame.stats.time
-    for key in (pygame.K_i, pygame.K_0, pygame.K_PLUS, pygame.K_g):
-        driver.key(key)
-        assert "fixed" in driver.session.message
-    assert driver.session.frame.stats.time == time > 0  # nothing has begun anew
-
-
-@pytest.mark.parametrize("make", BOTH)
-def test_time_goes_slower_and_faster(make) -> None:
-    driver = Driver(make([(200, 100)]))
+def test_time_goes_slower_and_faster() -> None:
+    driver = Driver(world_of([(200, 100)]))
     for key, steps in [(pygame.K_COMMA, 0.5), (pygame.K_PERIOD, 1.0), (pygame.K_PERIOD, 2.0)]:
         driver.key(key)
         assert driver.session.settings.time_scale == steps
@@ -424,7 +383,7 @@ def test_time_goes_slower_and_faster(make) -> None:
 
 
 def test_attractors_and_selection_do_not_survive_another_scene() -> None:
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 30)))
+    driver = Driver(Simulation.of_scene(Settings("gas", 30)))
     driver.session.interaction.attractors.place((0.0, 0.0))
     driver.session.interaction.commands.wall((10, 10), (40, 10))
     driver.key(pygame.K_RIGHTBRACKET)
@@ -436,13 +395,6 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
     assert driver.session.frame.attractors == () == driver.session.interaction.attractors.placed
     driver.key(pygame.K_LEFTBRACKET)
     assert driver.session.engine.scene == "gas"
-
-
-def test_immovable_is_refused_by_the_article() -> None:
-    simulation = ArticleSimulation(Settings("article", 5, method="article-quadtree"))
-    driver = Driver(simulation)
-    driver.session.interaction.commands.fix(driver.session.frame.tags, movable=False)
-    assert driver.session.frame.movable.all() and "article" in driver.session.message
 
 
 # ---- very many -----------------------------------------------------------------------------------
@@ -479,12 +431,11 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
 # ---- no limit of time ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused(make) -> None:
-    session = Driver(make([(200, 250), (600, 250)])).session
+def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused() -> None:
+    session = Driver(world_of([(200, 250), (600, 250)])).session
     for _ in range(900):
         session.interaction.gravity.scale(3.0)
-    assert "gravity" in session.message or "fixed" in session.message
+    assert "gravity" in session.message
     for point in ((1e300, -1e300), (0.0, 1e19)):
         session.interaction.commands.create(point)
         session.interaction.commands.wall((0.0, 0.0), point)
@@ -515,7 +466,7 @@ def test_the_app_writes_into_no_column_that_a_world_returns() -> None:
         def __len__(self) -> int:
             return len(world)
 
-    simulation = WorldSimulation(Settings("gas", 5), VIEW, ReadOnly())
+    simulation = Simulation(Settings("gas", 5), VIEW, ReadOnly())
     session = Driver(simulation).session
     session.interaction.commands.create((50.0, 50.0))
     session.interaction.commands.clone(session.frame.tags[:2])

@@ -15,7 +15,8 @@ from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.palette import FIRST_KIND, FIXED_SHADE, KINDS
 from jostle_lab.draw.view_options import ColourBy
 from jostle_lab.simulate.settings import SETTINGS, Settings
-from jostle_lab.simulate.start import resume, start
+from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import read
 from jostle_lab.storage.config import ConfigError, read_config
 
@@ -107,7 +108,7 @@ def test_a_matrix_may_have_fewer_kinds() -> None:
 def test_saved_scenes_continue_with_the_same_matrix() -> None:
     simulation = start(Settings("life", n=50, matrix=TWO))
     simulation.step()
-    again = resume(simulation.settings, simulation.save())
+    again = Simulation.resume(simulation.save())
     for one in (simulation, again):
         one.step()
     first, second = simulation.frame(), again.frame()
@@ -137,7 +138,6 @@ def test_colours_are_those_of_the_kinds() -> None:
         ('scene = "life"\nmatrix = [[1, 2], [0, 0]]', "line 2: matrix is [[1, 2], [0, 0]]"),
         ('scene = "life"\nmatrix = [[1, 0]]', "line 2: matrix"),
         ('scene = "life"\nmatrix = []', "line 2: matrix"),
-        ('method = "article-brute"\nmatrix = "cells"', "the article's rules are fixed"),
     ],
 )
 def test_wrong_matrices_of_files_are_refused(tmp_path: Path, text: str, words: str) -> None:

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
-from lab_interaction import RIGHT, Driver, article_with, post, tags, world_of
+from lab_interaction import RIGHT, Driver, post, tags, world_of
 
 from jostle_lab.panels.menus import Item, Number, is_over, lines_of, numbers, title
 
 TWO = [(200, 100), (400, 300)]
-BOTH = [world_of, article_with]
 
 
 @pytest.fixture(autouse=True)
@@ -37,9 +36,8 @@ def choose(driver: Driver, name: str, point: tuple[float, float]) -> None:
 # ---- on a particle -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_the_menu_of_a_particle_tells_its_numbers_as_they_change(make) -> None:
-    driver = Driver(make(TWO))
+def test_the_menu_of_a_particle_tells_its_numbers_as_they_change() -> None:
+    driver = Driver(world_of(TWO))
     driver.session.runner.paused = True
     driver.click((400, 300), RIGHT)
     driver.session.engine.edit(lambda simulation: simulation.change([1], velocities=(30, 40)))
@@ -53,9 +51,8 @@ def test_the_menu_of_a_particle_tells_its_numbers_as_they_change(make) -> None:
     assert title(driver.session.interaction.menu, driver.session.frame) == "particle 1"
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_delete_clone_and_stop(make) -> None:
-    driver = Driver(make(TWO))
+def test_delete_clone_and_stop() -> None:
+    driver = Driver(world_of(TWO))
     driver.session.runner.paused = True
     choose(driver, "clone", (400, 300))
     assert len(driver.session.frame) == 3
@@ -67,9 +64,8 @@ def test_delete_clone_and_stop(make) -> None:
     assert tags(driver.session.frame.tags) == [1, 2]
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_a_particle_attracts_the_others_until_that_is_ended(make) -> None:
-    driver = Driver(make(TWO))
+def test_a_particle_attracts_the_others_until_that_is_ended() -> None:
+    driver = Driver(world_of(TWO))
     choose(driver, "attract", (400, 300))
     driver.frames(8)
     towards = driver.session.frame.velocities
@@ -140,22 +136,11 @@ def test_the_menu_ends_with_its_particle() -> None:
     assert numbers(driver.session.interaction.menu, driver.session.frame) == {}
 
 
-def test_the_article_offers_no_immovable_particles_and_no_other_gravity() -> None:
-    driver = Driver(article_with(TWO))
-    driver.session.runner.paused = True
-    driver.click((400, 300), RIGHT)
-    assert not line_of(driver, "movable").enabled
-    driver.click((600, 100), RIGHT)
-    for name in ("triple", "third", "invert", "zero", "gravity"):
-        assert not line_of(driver, name).enabled
-
-
 # ---- on the ground -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", BOTH)
-def test_create_and_attract_here(make) -> None:
-    driver = Driver(make(TWO))
+def test_create_and_attract_here() -> None:
+    driver = Driver(world_of(TWO))
     driver.session.runner.paused = True
     choose(driver, "create", (600, 100))
     assert driver.session.frame.positions[2] == pytest.approx((600, 100), abs=1)

@@ -23,7 +23,7 @@ from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.subsampling import subset
 from jostle_lab.draw.tree_overlay import draw_heat, draw_outline
 from jostle_lab.draw.view_options import ColourBy, ViewOptions
-from jostle_lab.simulate.simulation import Attractor
+from jostle_lab.simulate.frame import Attractor
 
 
 def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:

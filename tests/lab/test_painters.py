@@ -25,7 +25,7 @@ from jostle_lab.draw.palette import (
 )
 from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.draw.tree_overlay import STRONGEST, draw_filled, draw_outline
-from jostle_lab.simulate.simulation import Frame
+from jostle_lab.simulate.frame import Frame
 
 SIZE = (320, 240)
 VIEW = (0.0, 0.0, 320.0, 240.0)

@@ -16,7 +16,6 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.panels import settings_panel
 from jostle_lab.panels.sliders import Range
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
 from jostle_lab.simulate.settings import RULES, Settings
 from jostle_lab.simulate.start import start
 
@@ -215,18 +214,6 @@ def test_time_scale_and_threads_reach_the_settings(desk) -> None:
     assert here.world.threads == 1
 
 
-def test_the_rules_of_the_article_cannot_be_moved(desk) -> None:
-    here = desk("article", 50, method="article-quadtree")
-    before = here.session.settings
-    for mark in ("gravity", "restitution", "sub-steps"):
-        here.press(mark, 0.9)
-        here.let_go(mark, 0.9)
-    assert here.session.settings == before
-    here.press("particles", 0.2)
-    here.let_go("particles", 0.2)
-    assert len(here.session.frame) < 50
-
-
 # ---- the collision filter ------------------------------------------------------------------------
 
 
@@ -256,15 +243,6 @@ def test_a_click_changes_one_bit_of_all_selected_particles(desk) -> None:
     commands.clone(here.session.frame.tags[[5]])
     here.frame(2)
     assert (here.world.categories[-1], here.world.masks[-1]) == (1 << 20, 2**32 - 129)
-
-
-def test_the_article_has_no_section_of_the_filter(desk) -> None:
-    here = desk("article", 50, method="article-quadtree")
-    assert "section Collision filter" not in here.gui.marks
-    here.session.interaction.commands.set_bit(here.session.frame.tags[:1], "masks", 0, on=False)
-    here.session.interaction.commands.create((50.0, 50.0))
-    here.frame()
-    assert len(here.session.frame) == 51
 
 
 # ---- scenes, transport, method -------------------------------------------------------------------
@@ -299,26 +277,21 @@ def test_previous_and_next_scene_undo_each_other(desk) -> None:
     assert here.session.engine.scene == "gas"
 
 
-def test_method_and_rules_change_under_the_same_particles(desk) -> None:
+def test_the_method_changes_under_the_same_particles(desk) -> None:
     here = desk("orbit")
     here.session.runner.paused = True
     here.click("brute")
     assert here.world.method == "brute"
-    before = here.session.frame.positions - np.array(here.session.engine.view[:2])
-    here.click("article-quadtree")
-    assert isinstance(here.session.engine.simulation, ArticleSimulation)
-    assert here.session.frame.positions == pytest.approx(before, abs=1e-2)
-    here.click("article-brute")
-    assert here.session.settings.method == "article-brute"
+    before = here.session.frame.positions
     here.click("quadtree")
     assert here.world.method == "quadtree"
+    assert (here.session.frame.positions == before).all()
 
 
 def test_what_would_take_too_long_cannot_be_clicked(desk) -> None:
     here = desk("gas", 40_000)
-    for mark in ("brute", "article-brute"):
-        here.click(mark)
-        assert here.session.settings.method == "quadtree"
+    here.click("brute")
+    assert here.session.settings.method == "quadtree"
 
 
 def test_a_second_method_runs_next_to_the_scene(desk) -> None:

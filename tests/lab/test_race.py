@@ -8,9 +8,11 @@ import numpy as np
 import pygame
 import pytest
 
+import jostle
 from jostle_lab import race as racing
 from jostle_lab.draw.view_options import TreeView
-from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.frame import FrameRequest
+from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.start import start
 from jostle_lab.window import Window
 
@@ -184,6 +186,36 @@ def test_a_race_of_the_article_looks_at_the_same_part_of_the_world(open_window) 
     left, right = halves(window)
     inks = [np.argwhere((half != half[0, 0]).any(axis=2)).mean(axis=0) for half in (left, right)]
     assert inks[0] == pytest.approx(inks[1], abs=12)
+
+
+@pytest.mark.parametrize("method", ["quadtree", "brute"])
+@pytest.mark.parametrize("scene", ["article", "orbit", "galton"])
+def test_the_article_begins_with_the_particles_of_the_scene(scene: str, method: str) -> None:
+    settings = Settings(scene, 60, particles=(Group(3),))
+    right, left = racing.rival(settings, f"article-{method}"), start(settings)
+    before, ours = right.frame(), left.frame()
+    assert right.view == left.view and len(before) == len(ours)
+    assert before.positions == pytest.approx(ours.positions, abs=1e-3)
+    assert before.velocities == pytest.approx(ours.velocities, abs=1e-3)
+    assert before.radii.tolist() == [max(round(radius), 1) for radius in ours.radii.tolist()]
+    right.step()
+    frame = right.frame(FrameRequest(tree=True))
+    assert frame.stats.time == pytest.approx(1 / 30) and frame.stats.pairs_tested > 0
+    low, high = left.view[:2], left.view[2:]
+    assert frame.container == jostle.Box(*left.view)
+    if method == "quadtree":
+        assert (frame.tree.boxes[:, :2] >= np.array(low)).all()
+        assert (frame.tree.boxes[:, 2:] <= np.array(high) + 1).all()
+    else:
+        assert len(frame.tree.boxes) == 0
+
+
+def test_the_rules_of_the_article_lose_energy() -> None:
+    right = racing.rival(Settings("gas", 200), "article-quadtree")
+    before = right.frame().stats.kinetic_energy
+    for _ in range(60):
+        right.step()
+    assert 0 < right.frame().stats.kinetic_energy < 0.5 * before
 
 
 def test_what_cannot_race_is_refused_in_a_sentence(open_window) -> None:

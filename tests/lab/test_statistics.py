@@ -10,11 +10,9 @@ import pytest
 import jostle
 from jostle_lab.measure import EVERY, Series, Statistics, Traces
 from jostle_lab.session import Session
-from jostle_lab.simulate.article_simulation import ArticleSimulation
+from jostle_lab.simulate.frame import Energies, Frame, StepStats
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Energies, Frame, StepStats
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 
 FRAME = 1 / 60
 
@@ -152,14 +150,6 @@ def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
     statistics.follow(state(0.2, 10.0), 1.1, FRAME, running=True)
     assert statistics.reference.time == statistics.origin.time == pytest.approx(0.2)
     assert statistics.energy_drift == 0.0
-
-
-def test_a_run_is_remembered_since_drift_began() -> None:
-    statistics = seen(state(0.0, 10.0), with_tags(state(0.1, 40.0), 0, 2))
-    statistics.follow(with_tags(state(0.2, 20.0), 0, 2), 1.0, FRAME, running=True)
-    statistics.remember("it")
-    times, drift = statistics.runs["it"]
-    assert times.tolist() == pytest.approx([0, 0.1]) and drift.tolist() == [0.0, -50.0]
 
 
 # ---- times ---------------------------------------------------------------------------------------
@@ -317,15 +307,6 @@ def test_fountains_have_no_drift() -> None:
     session.close()
 
 
-def test_the_rules_of_the_article_lose_energy() -> None:
-    session = Session(
-        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
-    )
-    run(session, 2.0)
-    assert session.runner.statistics.energy_drift < -0.05
-    session.close()
-
-
 def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     session = Session(start(Settings("gas", 200)), (640, 360), synchronous=True)
     run(session, 0.5)
@@ -335,25 +316,6 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     assert (
         session.runner.statistics.sums["time"][0] == 0.0 and len(session.runner.statistics.sums) > 1
     )
-    session.close()
-
-
-def test_drift_is_compared_with_the_run_under_the_other_rules() -> None:
-    session = Session(
-        start(Settings("gas", 200, method="article-quadtree")), (640, 360), synchronous=True
-    )
-    assert session.runner.other_change is None
-    run(session, 1.5)
-    half = float(
-        np.interp(0.75, *(session.runner.statistics.sums[name] for name in ("time", "drift")))
-    )
-    session.runner.choose_method("quadtree")
-    run(session, 0.75)
-    assert session.runner.other_change == pytest.approx(half / 100, abs=0.03)
-    assert session.runner.other_change < -0.05 < session.runner.statistics.energy_drift
-    session.runner.choose_scene("pile")
-    run(session, 0.2)
-    assert session.runner.other_change is None, "another scene is another matter"
     session.close()
 
 
@@ -370,35 +332,7 @@ def test_scenes_follow_each_other_in_a_circle() -> None:
     session.close()
 
 
-def test_particles_stay_where_they_are_when_the_rules_change() -> None:
-    session = Session(start(Settings("orbit", 100)), (640, 360), synchronous=True)
-    run(session, 0.5)
-    before, view = session.frame, session.engine.view
-    session.runner.choose_method("article-brute")
-    assert isinstance(session.engine.simulation, ArticleSimulation)
-    there = before.positions - np.array(view[:2])
-    assert session.frame.positions == pytest.approx(there, abs=1e-2)
-    assert session.frame.velocities == pytest.approx(before.velocities, abs=1e-2)
-    session.runner.choose_method("quadtree")
-    assert isinstance(session.engine.simulation, WorldSimulation)
-    assert session.frame.positions == pytest.approx(before.positions, abs=1e-2)
-    session.close()
-
-
-def test_too_many_particles_for_the_article_are_refused_in_a_sentence() -> None:
-    session = Session(start(Settings("gas", 5000)), (640, 360), synchronous=True)
-    session.runner.choose_method("article-quadtree")
-    assert session.settings.method == "quadtree"
-    assert "4,000" in session.message
-    session.close()
-
-
 def test_open_choices_are_filled_in_with_what_holds() -> None:
     pile = start(Settings("pile", 50))
     assert pile.settings.gravity is None
     assert pile.effective_settings.gravity == (0.0, 900.0) and pile.effective_settings.substeps == 4
-    article = start(Settings("article", 50, method="article-quadtree"))
-    assert (
-        article.effective_settings.gravity == (0.0, 450.0)
-        and article.effective_settings.leaf_capacity == 3
-    )

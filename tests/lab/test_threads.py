@@ -15,7 +15,7 @@ from jostle_lab.act.interaction import DragTool
 from jostle_lab.simulate import scene_loader, start
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.world_simulation import WorldSimulation
+from jostle_lab.simulate.simulation import Simulation
 
 MANY = 200_000
 TWO = [(200, 250), (600, 250)]
@@ -100,9 +100,9 @@ def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
     for x in (220, 240, 260):
         driver.move(driver.pixel((x, 250)))
         driver.frames(3)
-    moved, change = [], WorldSimulation.change
+    moved, change = [], Simulation.change
     monkeypatch.setattr(
-        WorldSimulation, "change", lambda *what, **named: moved.append(change(*what, **named))
+        Simulation, "change", lambda *what, **named: moved.append(change(*what, **named))
     )
     gate.set()
     driver.session.engine.wait()
@@ -114,7 +114,7 @@ def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
 # ---- refusals ------------------------------------------------------------------------------------
 
 
-def refusing(driver: Driver) -> WorldSimulation:
+def refusing(driver: Driver) -> Simulation:
     """Let steps be refused while there is gravity."""
     simulation = driver.session.engine.simulation
     step = simulation.step
@@ -242,7 +242,7 @@ def test_no_wall_is_lost() -> None:
 
 
 def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session = driver.session
     session.runner.paused = True
     gate, asked = threading.Event(), []
@@ -266,7 +266,7 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
 
 def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch) -> None:
     monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, gate = driver.session, threading.Event()
     make = scene_loader.load
 
@@ -288,7 +288,7 @@ def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch)
 
 
 def test_what_cannot_be_prepared_leaves_the_old_scene() -> None:
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     driver.session.runner.begin(Settings("no such scene", 30))
     settled(driver)
     assert driver.session.engine.scene == "gas" and "no such scene" in driver.session.message
@@ -297,7 +297,7 @@ def test_what_cannot_be_prepared_leaves_the_old_scene() -> None:
 
 def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, path = driver.session, tmp_path / "saved.jostle"
     session.files.save(path)
     session.camera.zoom_at((300, 300), 2.0)
@@ -315,7 +315,7 @@ def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_pa
 
 
 def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> None:
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)))
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)))
     session, path = driver.session, tmp_path / "saved.jostle"
     session.files.save(path)
     session.runner.toggle_race("brute")
@@ -328,7 +328,7 @@ def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> 
 
 def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> None:
     before = threading.enumerate()
-    driver = Driver(WorldSimulation.of_scene(Settings("gas", 20)), synchronous=False)
+    driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, old = driver.session, driver.session.engine.simulation
     release = held_up(driver)
     new = (thread for thread in threading.enumerate() if thread not in before)
@@ -369,7 +369,7 @@ def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_
         monkeypatch.setattr(owner, name, watched)
 
     for name in ("step", "frame", "save", "adjust", "change", "attract"):
-        watch(WorldSimulation, name)
+        watch(Simulation, name)
     watch(jostle.scenes, "create")
 
     def rest() -> None:

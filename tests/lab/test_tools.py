@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
-from lab_interaction import FRAME, MIDDLE, RIGHT, Driver, article_with, post, tags, world_of
+from lab_interaction import FRAME, MIDDLE, RIGHT, Driver, post, tags, world_of
 
 import jostle
 from jostle_lab.act.attractors import STRENGTH
@@ -32,9 +32,8 @@ def closed() -> Iterator[None]:
 # ---- selecting -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", [world_of, article_with])
-def test_a_box_selects_what_lies_in_it(make) -> None:
-    driver = Driver(make(FOUR))
+def test_a_box_selects_what_lies_in_it() -> None:
+    driver = Driver(world_of(FOUR))
     driver.drag((50, 50), (250, 350))
     assert tags(driver.session.interaction.selection.tags) == [0, 1, 2]
     driver.drag((700, 450), (550, 350))  # from the other corner; without Shift it replaces
@@ -220,14 +219,6 @@ def test_the_cursor_shows_which_tool_is_in_drag_tool() -> None:
     assert driver.session.interaction.preview.start == pytest.approx((320, 300), abs=1)
 
 
-def test_the_article_has_no_walls_to_draw_and_says_so() -> None:
-    driver = Driver(article_with(FOUR))
-    driver.key(pygame.K_2)
-    driver.drag((400, 50), (400, 450))
-    assert len(driver.session.frame) == 4
-    assert "article" in driver.session.message
-
-
 def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window() -> None:
     driver = Driver(world_of(FOUR))
     driver.click((100, 100))
@@ -252,9 +243,8 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
 # ---- attractors ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("make", [world_of, article_with])
-def test_a_click_places_an_attractor_and_another_takes_it_away(make) -> None:
-    driver = Driver(make([(300, 250)]))
+def test_a_click_places_an_attractor_and_another_takes_it_away() -> None:
+    driver = Driver(world_of([(300, 250)]))
     driver.key(pygame.K_3)
     driver.click((400, 250))
     (pull,) = driver.session.frame.attractors

@@ -10,21 +10,20 @@ import pytest
 
 import jostle
 from jostle_lab.draw.view_options import TreeView
-from jostle_lab.simulate.article_simulation import ArticleSimulation, Simulation
-from jostle_lab.simulate.settings import MOST_RUNNING, Settings
+from jostle_lab.simulate.settings import MOST_BRUTE, Settings
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.world_simulation import WorldSimulation
 from jostle_lab.window import Window
 
 FRAME = 1 / 60
 VIEW = (0.0, 0.0, 1000.0, 1000.0)
 
 
-def lone_ball(container: object = None) -> WorldSimulation:
+def lone_ball(container: object = None) -> Simulation:
     """A ball at rest, and another far away, without gravity."""
     places = [(500, 500), (900, 100)]
     world = jostle.World(places, [(0, 0), (0, 0)], 20.0, container=container)
-    return WorldSimulation(Settings("lone ball"), VIEW, world)
+    return Simulation(Settings("lone ball"), VIEW, world)
 
 
 @pytest.fixture
@@ -115,14 +114,14 @@ def test_a_click_on_the_background_drags_nothing(open_window) -> None:
 
 def test_what_cannot_move_cannot_be_picked_up(open_window) -> None:
     world = jostle.World([(500, 500)], [(0, 0)], 20.0, movable=[False])
-    window = open_window(WorldSimulation(Settings("peg"), VIEW, world))
+    window = open_window(Simulation(Settings("peg"), VIEW, world))
     mouse(pygame.MOUSEBUTTONDOWN, screen_place(window, (500, 500)))
     window.frame(FRAME)
     assert window.session.interaction.drag_tool.held is None
 
 
 def test_p_pauses_and_goes_on(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene(Settings("gas", 50)))
+    window = open_window(Simulation.of_scene(Settings("gas", 50)))
     press(window, pygame.K_p)
     time = window.session.engine.simulation.world.time
     window.frame(FRAME)
@@ -133,7 +132,7 @@ def test_p_pauses_and_goes_on(open_window) -> None:
 
 
 def test_o_makes_one_step_and_stays_paused(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene(Settings("gas", 50)))
+    window = open_window(Simulation.of_scene(Settings("gas", 50)))
     press(window, pygame.K_o)
     assert window.session.engine.simulation.world.time == pytest.approx(FRAME)
     press(window, pygame.K_o)
@@ -144,7 +143,7 @@ def test_o_makes_one_step_and_stays_paused(open_window) -> None:
     )
 
 
-@pytest.mark.parametrize("method", ["quadtree", "article-quadtree"])
+@pytest.mark.parametrize("method", ["quadtree", "brute"])
 def test_r_starts_again_with_the_method_of_the_moment(open_window, method) -> None:
     window = open_window(start(Settings("article", 40, method=method)))
     first = window.session.engine.simulation.frame().positions
@@ -158,11 +157,10 @@ def test_r_starts_again_with_the_method_of_the_moment(open_window, method) -> No
     assert window.session.engine.simulation.settings.method == method
 
 
-@pytest.mark.parametrize("names", [["brute", "quadtree"], ["article-brute", "article-quadtree"]])
-def test_b_switches_brute_force_and_tree(open_window, names) -> None:
-    window = open_window(start(Settings("article", 300, method=names[-1])))
+def test_b_switches_brute_force_and_tree(open_window) -> None:
+    window = open_window(start(Settings("article", 300)))
     every_pair = 300 * 299 // 2
-    for name in names:
+    for name in ("brute", "quadtree"):
         press(window, pygame.K_b)
         assert window.session.settings.method == name
         window.session.engine.step()
@@ -171,7 +169,7 @@ def test_b_switches_brute_force_and_tree(open_window, names) -> None:
 
 
 def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene(Settings("gas", MOST_RUNNING["brute"] + 1)))
+    window = open_window(Simulation.of_scene(Settings("gas", MOST_BRUTE + 1)))
     window.session.runner.paused = True
     press(window, pygame.K_b)
     assert (
@@ -181,7 +179,7 @@ def test_b_refuses_what_would_freeze_the_window(open_window) -> None:
 
 
 def test_t_cycles_the_tree(open_window) -> None:
-    window = open_window(WorldSimulation.of_scene(Settings("gas", 200)))
+    window = open_window(Simulation.of_scene(Settings("gas", 200)))
     window.session.runner.paused = True
     first = window.session.view_options.tree
     pictures, views = [], []
@@ -260,36 +258,9 @@ def test_the_picture_follows_the_size_of_the_window(open_window) -> None:
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
 @pytest.mark.parametrize("n", [0, 1])
 def test_nothing_and_almost_nothing_run(open_window, n: int, method: str) -> None:
-    for simulation in (
-        WorldSimulation.of_scene(Settings("gas", n, method=method)),
-        ArticleSimulation(Settings("article", n, method=f"article-{method}")),
-    ):
-        window = open_window(simulation)
-        for view in TreeView:
-            window.session.view_options.tree = view
-            mouse(pygame.MOUSEBUTTONDOWN, (640, 350))
-            window.frame(FRAME)
-        assert len(window.session.engine.simulation) == n
-
-
-def test_the_article_picks_up_and_throws_by_its_own_rules(open_window) -> None:
-    window = open_window(ArticleSimulation(Settings("article", 5, method="article-quadtree")))
-    ball = window.session.engine.simulation.program.particles[2]
-    drag(window, (ball.x, ball.y), (4, 0), frames=6)
-    assert window.session.interaction.drag_tool.held is not None
-    mouse(pygame.MOUSEBUTTONUP, (500, 350))
-    window.frame(FRAME)
-    assert (
-        window.session.interaction.drag_tool.held is None
-        and window.session.engine.simulation.program.held is None
-    )
-
-
-def test_any_scene_runs_by_the_rules_of_the_article() -> None:
-    simulation = ArticleSimulation(Settings("pile", 30, method="article-quadtree"))
-    lender = WorldSimulation.of_scene(Settings("pile", 30))
-    shift = lender.frame().positions - simulation.frame().positions
-    assert np.ptp(shift, axis=0) == pytest.approx(0, abs=1e-3)
-    for _ in range(5):
-        simulation.step()
-    assert len(simulation) == 30
+    window = open_window(Simulation.of_scene(Settings("gas", n, method=method)))
+    for view in TreeView:
+        window.session.view_options.tree = view
+        mouse(pygame.MOUSEBUTTONDOWN, (640, 350))
+        window.frame(FRAME)
+    assert len(window.session.engine.simulation) == n

@@ -91,7 +91,6 @@ def test_ranks_run_a_configuration_file_as_one_process_does(tmp_path: Path, conf
     [
         (("piston", "-n", "50"), "forces[0]"),
         (("stars", "-n", "50"), "forces[0]"),
-        (("gas", "--method", "article-quadtree"), "method is the article's"),
         (("gas", "--resume", "nowhere"), "nowhere"),
         (("nothing",), "there is no scene 'nothing'"),
         (("gas", "--checkpoint", "0"), "--checkpoint is 0"),

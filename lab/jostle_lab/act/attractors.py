@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.simulation import Attractor, Point, Tags
+from jostle_lab.simulate.frame import Attractor, Point, Tags
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.validation import FARTHEST
 
 STRENGTH = 4.0  # 1/s²: a particle at rest arrives after 0.75 s

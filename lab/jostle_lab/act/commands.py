@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle_lab.simulate.article_simulation import NO_WALLS, Simulation
 from jostle_lab.simulate.containers import (
     Floats,
     are_inside,
@@ -23,8 +22,9 @@ from jostle_lab.simulate.containers import (
     wall_images,
 )
 from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
+from jostle_lab.simulate.frame import Container, Frame, Point, Rect, Tags
 from jostle_lab.simulate.settings import EVERY_CATEGORY, Polyline
-from jostle_lab.simulate.simulation import Container, Frame, Point, Rect, Tags
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.wall_segments import nearest
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone
@@ -65,7 +65,7 @@ class Commands:
         radius, density = usual(frame)
         kinds = self.new_kind
         # A copy, because the edit may run after the next change of the filter.
-        bits = {} if frame.categories is None else dict(self.new_filter)
+        bits = dict(self.new_filter)
 
         def work(simulation: Simulation) -> None:
             points = places(simulation.frame(), radius)
@@ -92,7 +92,8 @@ class Commands:
                 movable=frame.movable[rows],
                 sensors=False if frame.sensors is None else frame.sensors[rows] != 0,
                 kinds=None if frame.kinds is None else frame.kinds[rows],
-                **_filters(frame, rows),
+                categories=frame.categories[rows],
+                masks=frame.masks[rows],
             )
             if not there.all():
                 self._say(f"There was room for {len(rows):,} of {len(there):,} copies.")
@@ -107,10 +108,7 @@ class Commands:
         self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0)))
 
     def fix(self, tags: Tags, *, movable: bool) -> None:
-        """Stop particles and make them immovable, or movable; the article has movable ones only."""
-        if self._engine.settings.by_article:
-            self._say("Under the article's rules all particles are movable.")
-            return
+        """Stop particles, and make them immovable or movable."""
         self._edit(lambda simulation: simulation.change(tags, velocities=(0, 0), movable=movable))
 
     def set_bit(self, tags: Tags, column: str, bit: int, *, on: bool) -> None:
@@ -119,9 +117,8 @@ class Commands:
         def work(simulation: Simulation) -> None:
             frame = simulation.frame()
             rows = frame.rows(tags)
-            if column in (columns := _filters(frame, rows)):
-                changed = _with_bit(columns[column], bit, on)
-                simulation.change(frame.tags[rows], **{column: changed})
+            changed = _with_bit(getattr(frame, column)[rows], bit, on)
+            simulation.change(frame.tags[rows], **{column: changed})
 
         if len(tags):
             self._edit(work)
@@ -162,9 +159,6 @@ class Commands:
 
     def wall(self, start: Point, end: Point) -> None:
         """Add a wall: a line segment."""
-        if self._engine.settings.by_article:
-            self._say(NO_WALLS)
-            return
         self._edit(lambda simulation: simulation.add_wall(Polyline((start, end))))
 
     def erase_wall(self, point: Point, reach: float) -> None:
@@ -197,13 +191,6 @@ class Commands:
 
 def _drawn(frame: Frame) -> NDArray[np.intp]:
     return np.arange(frame.own_walls, len(frame.walls))
-
-
-def _filters(frame: Frame, rows: NDArray[np.intp]) -> dict[str, NDArray[np.uint32]]:
-    """Return the collision filters of rows as columns to add; none under the article's rules."""
-    if frame.categories is None or frame.masks is None:
-        return {}
-    return {"categories": frame.categories[rows], "masks": frame.masks[rows]}
 
 
 def _with_bit(bits: ArrayLike, bit: int, on: bool) -> NDArray[np.uint32]:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 import jostle
 from jostle_lab.draw.text import plural
 from jostle_lab.simulate.containers import minimum_image
+from jostle_lab.simulate.frame import Frame, Rect
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, Rect
 
 AXES = ("x", "y")
 INTERVAL = 1.0  # seconds between two explanations in scenes of
@@ -93,23 +93,15 @@ def _of_rules(
     frame: Frame, rows: NDArray[np.intp], settings: Settings, touching: bool
 ) -> list[str]:
     """Return the effect of a contact if it is not a bounce."""
-    if settings.by_article:
-        return []
     if not frame.movable[rows].any():
         return ["Both are immovable, so a contact has no effect."]
-    if not _may_collide(frame, rows):
+    if not (frame.categories[rows] & frame.masks[rows[::-1]]).all():
         return ["Their collision filters do not match: they pass through each other."]
     if settings.on_touch == "ignore":
         return ["In this scene collisions are off."]
     if settings.on_touch == "merge" and touching:
         return ["In this scene touching particles merge at the end of the step."]
     return []
-
-
-def _may_collide(frame: Frame, rows: NDArray[np.intp]) -> bool:
-    if frame.categories is None or frame.masks is None:
-        return True
-    return bool((frame.categories[rows] & frame.masks[rows[::-1]]).all())
 
 
 # Leaves
@@ -120,10 +112,8 @@ def _leaves(
 ) -> tuple[tuple[Leaf, ...], bool, list[str]]:
     """Return the leaves of both, whether they are a candidate pair, and why."""
     tree = frame.tree
-    if settings.method.endswith("brute") or tree is None or not len(tree.boxes):
+    if settings.method == "brute" or tree is None or not len(tree.boxes):
         return (), True, ["Without a tree every pair is tested."]
-    if settings.by_article:
-        return _article_leaves(frame, rows, tree)
     first, second = (_home(tree, frame.positions[row]) for row in rows)
     leaf, other = _leaf(frame, tree, first), _leaf(frame, tree, second)
     if first == second:
@@ -138,28 +128,6 @@ def _leaves(
         return (leaf, other), False, [said, why]
     why = "The bounds of these leaves overlap: they are a candidate pair."
     return (leaf, other), True, [said, why]
-
-
-def _article_leaves(
-    frame: Frame, rows: NDArray[np.intp], tree: jostle.Nodes
-) -> tuple[tuple[Leaf, ...], bool, list[str]]:
-    """Explain with the article's tree: a particle is in each leaf that its rectangle overlaps."""
-    meets = []
-    for row in rows:
-        low = np.trunc(frame.positions[row] - frame.radii[row])
-        high = low + 2 * frame.radii[row]
-        meets.append(
-            ((tree.boxes[:, :2] < high) & (tree.boxes[:, 2:] > low)).all(axis=1) & tree.is_leaf
-        )
-    common = np.flatnonzero(meets[0] & meets[1])
-    shown = np.flatnonzero(meets[0] | meets[1])
-    leaves = tuple(_leaf(frame, tree, int(index)) for index in shown)
-    count = f"They are in {meets[0].sum()} and {meets[1].sum()} leaves"
-    if len(common) == 0:
-        return leaves, False, [f"{count}, none in common: the pair is not tested."]
-    times = "once" if len(common) == 1 else f"{len(common)} times"
-    said = f"{count}, {len(common)} in common: the pair is tested {times} per frame."
-    return leaves, True, [said]
 
 
 def _home(tree: jostle.Nodes, point: NDArray[np.floating]) -> int:

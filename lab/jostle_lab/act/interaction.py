@@ -10,12 +10,12 @@ from enum import Enum
 from jostle_lab.act.attractors import STRENGTH, Attractors, Gravity
 from jostle_lab.act.commands import Brush, Commands
 from jostle_lab.act.messages import Messages
-from jostle_lab.act.selection import Selection, inside, pick, pick_first
+from jostle_lab.act.selection import Selection, inside, pick
 from jostle_lab.draw.camera import Camera
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.containers import diagonal
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.simulation import Point, Rect, Tags
+from jostle_lab.simulate.frame import Point, Rect, Tags
+from jostle_lab.simulate.simulation import Simulation
 
 THROW_WINDOW = 0.1  # seconds over which the cursor's velocity is averaged for a throw
 DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are more
@@ -38,9 +38,8 @@ class DragState:
         simulation.change([self.tag], positions=[self.point])
 
     def throw(self, simulation: Simulation) -> None:
-        """Give the released particle the cursor's velocity, except under the article's rules."""
-        if not simulation.settings.by_article:
-            simulation.change([self.tag], velocities=[self.velocity])
+        """Give the released particle the cursor's velocity."""
+        simulation.change([self.tag], velocities=[self.velocity])
 
 
 class DragTool:
@@ -170,9 +169,7 @@ class Interaction:
         return self._camera.to_world(self.cursor)
 
     def under_cursor(self) -> int | None:
-        """Return the tag of the particle under the cursor; the article has its own rule."""
-        if self._engine.settings.by_article:
-            return pick_first(self._engine.frame, self.at_cursor())
+        """Return the tag of the particle under the cursor."""
         return pick(self._engine.frame, self.at_cursor(), REACH / self._camera.scale)
 
     def targets(self) -> Tags:

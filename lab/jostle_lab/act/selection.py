@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from jostle_lab.simulate.simulation import Frame, Point, Rect, Tags
+from jostle_lab.simulate.frame import Frame, Point, Rect, Tags
 
 NO_TAGS: Tags = np.empty(0, np.int64)
 
@@ -18,13 +18,6 @@ def pick(frame: Frame, point: Point, reach: float) -> int | None:
     gaps = np.hypot(away[:, 0], away[:, 1]) - frame.radii
     nearest = int(np.argmin(gaps))
     return int(frame.tags[nearest]) if gaps[nearest] <= reach else None
-
-
-def pick_first(frame: Frame, point: Point) -> int | None:
-    """Return the tag of the first particle in list order under a point: the article's rule."""
-    away = frame.positions.astype(np.float64) - np.array(point)
-    under = np.flatnonzero(np.hypot(away[:, 0], away[:, 1]) <= frame.radii)
-    return int(frame.tags[under[0]]) if len(under) else None
 
 
 def inside(frame: Frame, rect: Rect) -> Tags:

@@ -13,14 +13,13 @@ from jostle_lab.draw.base_layers import draw_walls
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import ACCENT, KINDS, TEXT, Colour
-from jostle_lab.simulate.simulation import Frame, Rect
+from jostle_lab.simulate.frame import Frame, Rect
 
 RING_GAP = 3.0  # pixels from a particle to its ring
 WIDE = 2.0  # pixels: width of rings, and of lines of an explanation
 CORNERS = 28  # of a ring; all rings are drawn as lines in one call
 MOST_RINGS = 400  # more are drawn as one box around them
 TARGET = 9.0  # pixels: radius of the ring of an attractor that is being placed
-LEAVES = 24  # of an explanation, drawn at most; the article's tree may have many more
 
 
 def draw_selection(painter: Painter, frame: Frame, selection: Selection, camera: Camera) -> None:
@@ -64,7 +63,7 @@ def draw_preview(painter: Painter, preview: Drag, camera: Camera) -> None:
 
 def draw_explanation(painter: Painter, explanation: Explanation, camera: Camera) -> None:
     """Draw the leaves, with wider lines than in the tree, the AABBs, and a line between centres."""
-    for leaf in explanation.leaves[:LEAVES]:
+    for leaf in explanation.leaves:
         x0, y0, x1, y1 = camera.rect_to_screen(leaf.box)
         sides = [[x0, y0, x1, y0], [x1, y0, x1, y1], [x1, y1, x0, y1], [x0, y1, x0, y0]]
         painter.lines(np.array(sides), ACCENT, WIDE)

@@ -1,9 +1,8 @@
 """The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`.
 
-without_extra  the command without the packages that it needs
-refusals       checks of arguments
-runs           the ways to run a scene
-commands       the commands and their options
+refusals  checks of arguments
+runs      the ways to run a scene
+commands  the commands and their options
 """
 
 from __future__ import annotations
@@ -11,14 +10,7 @@ from __future__ import annotations
 import io
 import sys
 
-try:
-    import rich  # noqa: F401
-    import typer
-except ImportError as missing:
-    from .without_extra import answer
-
-    answer(sys.argv[1:], missing.name)
-    raise SystemExit from None
+import typer
 
 from jostle_lab import interrupt
 

@@ -14,7 +14,6 @@ import jostle
 from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
 from jostle_lab.simulate.settings import (
-    FIXED_BY_ARTICLE,
     METHODS,
     RENDERERS,
     RULES,
@@ -34,7 +33,6 @@ from .refusals import (
     check_option,
     check_scene,
     console,
-    option_of,
     refuse,
 )
 from .runs import has_display, read_settings, record, run_on_ranks, show
@@ -144,9 +142,6 @@ def run(
     check_extra()
     config = read_settings(config_file)
     settings = replace(config.settings, **given)
-    for name in FIXED_BY_ARTICLE if settings.by_article else ():
-        if name in given or name in config.given:
-            refuse(f"{option_of(name)} cannot be set here: the article's are fixed")
     if mpi or is_started_by_mpi():
         check_option("checkpoint", checkpoint, STEPS)
         run_on_ranks(settings, config, steps, out, checkpoint, resume)

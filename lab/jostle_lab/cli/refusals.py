@@ -13,11 +13,10 @@ import typer
 from rich.console import Console
 
 import jostle
-from jostle_lab.extras import remedy
 from jostle_lab.launcher import speaks
 from jostle_lab.simulate.validation import AnyRule, check, similar
 
-INSTALL = f"the command needs {{}}, which is not installed; {remedy('app')}"
+INSTALL = "the command needs {}, which is not installed; pip install ./lab brings it"
 
 console = Console()
 
@@ -83,7 +82,7 @@ def check_new_file(name: str, path: Path) -> None:
 
 
 def check_extra(*modules: str) -> None:
-    """Exit with a message if a package of the extra `app` is missing."""
+    """Exit with a message if a package is missing, as ImGui is on Python 3.10."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     for module in ("pygame", "imageio_ffmpeg", *modules):
         if importlib.util.find_spec(module) is None:

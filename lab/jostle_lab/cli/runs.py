@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING
 import typer
 
 from jostle_lab import interrupt
-from jostle_lab.extras import remedy
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.settings import Settings
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 
-from .refusals import INSTALL, check_extra, console, refuse, tell
+from .refusals import check_extra, console, refuse, tell
 
 if TYPE_CHECKING:
     from jostle_lab.storage.config import Config
@@ -29,8 +28,6 @@ def read_settings(path: Path | None) -> Config:
 
     if path is None:
         return Config()
-    if sys.version_info < (3, 11) and importlib.util.find_spec("tomli") is None:
-        refuse(INSTALL.format("tomli"))
     try:
         return read_config(path)
     except ConfigError as error:
@@ -93,15 +90,16 @@ def run_on_ranks(
 ) -> None:
     """Record a video of a scene whose particles are distributed over the ranks of MPI."""
     if importlib.util.find_spec("mpi4py") is None:
-        refuse(f"a run over ranks needs mpi4py, which is not installed; {remedy('mpi')}")
+        refuse(
+            "a run over ranks needs mpi4py, which is not installed; "
+            'in the folder of the source of jostle, run pip install "./lab[mpi]"'
+        )
     from mpi4py import MPI
-    from ranks_old.run import DEFAULT_STEPS, Plan, Stopped, leave_together, refusal, run
+    from ranks_old.run import DEFAULT_STEPS, Plan, Stopped, leave_together, run
 
     from jostle.mpi import RankError
     from jostle_lab.headless import SIZE
 
-    if why := refusal(settings):
-        refuse(why)
     size = config.size or SIZE
     plan = Plan(settings, steps or DEFAULT_STEPS, out, checkpoint, resume, size)
     try:

@@ -11,7 +11,7 @@ from jostle_lab.draw import palette
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter, on_canvas
 from jostle_lab.simulate.containers import bounds, wall_images
-from jostle_lab.simulate.simulation import Container, Frame, Rect
+from jostle_lab.simulate.frame import Container, Frame, Rect
 
 CONTAINER_WIDTH = 2
 SEGMENT_WIDTH = 3

@@ -7,7 +7,7 @@ from copy import copy
 import numpy as np
 from numpy.typing import NDArray
 
-from jostle_lab.simulate.simulation import Point, Rect
+from jostle_lab.simulate.frame import Point, Rect
 
 Size = tuple[int, int]
 
@@ -91,11 +91,11 @@ class Camera:
         self.columns = columns
         self.home()
 
-    def column(self, column: int, shift: Point = (0.0, 0.0)) -> Camera:
-        """Return a camera that shows the same in another column, shifted by `shift`."""
+    def column(self, column: int) -> Camera:
+        """Return a camera that shows the same in another column."""
         other = copy(self)
         aside = column * self.column_width / self.scale
-        other.center = self.center[0] + shift[0] - aside, self.center[1] + shift[1]
+        other.center = self.center[0] - aside, self.center[1]
         return other
 
     def aim(self, center: Point, scale: float) -> None:

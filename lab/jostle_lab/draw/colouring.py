@@ -16,7 +16,7 @@ from jostle_lab.draw.palette import DISCS, FIRST_KIND, FIXED_SHADE, KINDS, SHADE
 from jostle_lab.draw.subsampling import hashed
 from jostle_lab.draw.text import Legend
 from jostle_lab.draw.view_options import ColourBy
-from jostle_lab.simulate.simulation import Frame
+from jostle_lab.simulate.frame import Frame
 
 FAST = 2.5  # times the root mean square speed: the speed of the last colour
 ENERGETIC = 4.0  # times the mean energy: the energy of the last colour

@@ -20,7 +20,7 @@ from jostle_lab.draw.palette import DISCS
 from jostle_lab.draw.subsampling import in_view, subset
 from jostle_lab.draw.text import SMALL, font, word
 from jostle_lab.simulate.containers import crosses
-from jostle_lab.simulate.simulation import Frame, FrameContacts, Point
+from jostle_lab.simulate.frame import Frame, FrameContacts, Point
 
 MOST_CONTACTS = 1_600  # drawn; a line takes about 2 µs
 MOST_ARROWS = 500  # of three lines

@@ -17,7 +17,7 @@ from jostle_lab.draw.scene_overlays import SceneOverlays
 from jostle_lab.draw.text import EDGE, Card, Legend, draw_cards
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.simulate.containers import bounds
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.frame import Frame, FrameRequest
 
 DrawTree = Callable[[Painter, jostle.Nodes, Camera], Legend | None]
 

@@ -13,7 +13,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import ACCENT, TEXT_SOFT
 from jostle_lab.draw.text import SMALL, Card, scientific, share, word
-from jostle_lab.simulate.simulation import Frame
+from jostle_lab.simulate.frame import Frame
 
 PATH_POINTS = 1_200  # of the heavy particle's path; then every second one is removed
 PATH_EVERY = 1 / 30  # initial seconds between points

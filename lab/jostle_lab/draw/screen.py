@@ -7,27 +7,17 @@ from __future__ import annotations
 
 import os
 
+import moderngl
 import pygame
 
 from jostle_lab.draw import palette
 from jostle_lab.draw.camera import Size
+from jostle_lab.draw.opengl import OpenGLPainter
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.software import SoftwarePainter
 
-try:
-    import moderngl
-
-    from jostle_lab.draw.opengl import OpenGLPainter
-except ImportError:
-    _MODERNGL = False
-else:
-    _MODERNGL = True
-
 # Exceptions of drawing when an OpenGL context is lost.
-FAILURES: tuple[type[Exception], ...] = (pygame.error,)
-if _MODERNGL:
-    FAILURES += (moderngl.Error,)
-
+FAILURES = (pygame.error, moderngl.Error)
 ICON = 64  # pixels, the side of the icon of the window
 FINE = 4 * ICON  # drawn larger and reduced, so that all edges are smooth
 
@@ -107,8 +97,6 @@ def _open_software(size: Size) -> Painter:
 
 
 def _open_opengl(size: Size) -> OpenGLPainter:
-    if not _MODERNGL:
-        raise NoRendererError("OpenGL needs the package moderngl, which is not installed")
     for attribute, value in (
         (pygame.GL_CONTEXT_MAJOR_VERSION, 3),
         (pygame.GL_CONTEXT_MINOR_VERSION, 3),

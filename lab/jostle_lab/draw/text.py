@@ -15,7 +15,7 @@ from jostle_lab.draw.palette import PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 
 TITLE, BODY, SMALL = 20, 14, 12
 
-# Packages of the extra `[app]`, and the fonts in them, best first: text is alike on all machines.
+# Packages, and the fonts in them, best first: text is alike on all machines.
 FONTS = (
     ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
     ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),
@@ -27,7 +27,6 @@ Place = tuple[int, int]
 
 def video_name(scene: str, method: str) -> str:
     """Return the name of a video: the scene, and the method if it is not the default."""
-    method = method.replace("article-", "2015-")  # the year of the article and its two programs
     return scene if method == "quadtree" else f"{scene}-{method}"
 
 

@@ -8,7 +8,7 @@ import pygame
 
 from jostle_lab.gui.keymap import COMMANDS, HANDLERS, HELD, PANNING
 from jostle_lab.session import Session
-from jostle_lab.simulate.simulation import Point
+from jostle_lab.simulate.frame import Point
 
 PAN_SPEED = 700.0  # pixels per second while an arrow key is down
 ZOOM_STEP = 1.15  # for one notch of the wheel

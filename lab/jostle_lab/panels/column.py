@@ -23,7 +23,7 @@ from jostle_lab.session import Session
 from jostle_lab.simulate.settings import METHODS
 
 TITLE = 21.0
-LIFE, FILTER = "Particle life", "Collision filter"
+LIFE = "Particle life"
 SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Scenes", files_panel.build_scenes),
     (LIFE, life_panel.build),
@@ -33,7 +33,7 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("World", settings_panel.build_world),
     ("Time", settings_panel.build_time),
     ("Rewind", playback_panel.build_rewind),
-    (FILTER, filter_panel.build),
+    ("Collision filter", filter_panel.build),
     ("Two particles", files_panel.build_why),
     ("Files", files_panel.build),
 ]
@@ -47,11 +47,9 @@ def build(session: Session, gui: Gui) -> None:
     with side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
         _title(session)
         playback_panel.build(session, gui)
-        # Sections that could change nothing in this scene.
-        needed = {LIFE: session.frame.matrix, FILTER: session.frame.categories}
-        absent = [title for title, column in needed.items() if column is None]
         for title, contents in SECTIONS:
-            if title not in absent:
+            # In other scenes this section could change nothing.
+            if title != LIFE or session.frame.matrix is not None:
                 section(gui, title, partial(contents, session, gui))
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)

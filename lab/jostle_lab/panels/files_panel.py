@@ -32,9 +32,6 @@ from jostle_lab.storage.recording import Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points
-BY_ARTICLE = (
-    "The article's own rules. Balls overlap, piles never come to rest, and energy is not conserved."
-)
 SIZES: dict[str, Size | None] = {
     "window": None, "720p": (1280, 720), "1080p": (1920, 1080), "4K": (3840, 2160),
     "square": (1080, 1080),
@@ -58,9 +55,7 @@ def build_scenes(session: Session, gui: Gui) -> None:
             imgui.set_scroll_y(LINE * (names.index(present) - ROWS // 2))  # whole rows
         for name in names:
             _scene(session, gui, name, present=name == present)
-    if session.settings.by_article:
-        wrapped(BY_ARTICLE)
-    elif present in names:
+    if present in names:
         wrapped(jostle.scenes.describe(present))
 
 

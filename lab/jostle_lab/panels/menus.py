@@ -17,7 +17,7 @@ from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import key_of
 from jostle_lab.panels.widgets import soft
 from jostle_lab.session import Session
-from jostle_lab.simulate.simulation import Frame, Point, Tags
+from jostle_lab.simulate.frame import Frame, Point, Tags
 
 GRAVITY_FACTOR = 3.0
 POPUP = "menu"
@@ -44,7 +44,6 @@ class Number:
     label: str
     value: float
     command: Callable[[float], None]
-    enabled: bool = True
 
 
 Line = Item | Number | None  # None is a separator
@@ -62,7 +61,7 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
     selection = interaction.selection
     movable, attracts = bool(frame.movable[frame.rows(tag)].all()), attractors.attracts(tag)
     attract = "Stop attracting" if attracts else "Attract"
-    fix, can_fix = "Make immovable" if movable else "Make movable", not session.settings.by_article
+    fix = "Make immovable" if movable else "Make movable"
     asked = session.question.pair is not None
     why = Item("why", "Why do these two touch or not?", session.explain, asked, key="why")
     return [
@@ -71,7 +70,7 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
         None,
         Item("attract", attract, lambda: attractors.set_attracting(tags, not attracts)),
         Item("stop", "Set speed to 0", lambda: commands.stop(tags), enabled=movable),
-        Item("movable", fix, lambda: commands.fix(tags, movable=not movable), enabled=can_fix),
+        Item("movable", fix, lambda: commands.fix(tags, movable=not movable)),
         None,
         Item("select", "Selected", lambda: selection.toggle(tag), checked=tag in selection),
         *([why] if len(tags) == 2 else []),
@@ -81,7 +80,6 @@ def _of_particles(session: Session, tag: int, tags: Tags) -> list[Line]:
 def _of_background(session: Session, point: Point) -> list[Line]:
     interaction, gravity = session.interaction, session.interaction.gravity
     commands, attractors = interaction.commands, interaction.attractors
-    can_fall = "gravity" in session.engine.adjustable
     placed, drawn = bool(attractors.placed), len(commands.drawn_walls) > 0
     invert, off = "invert gravity", "zero gravity"
 
@@ -93,11 +91,11 @@ def _of_background(session: Session, point: Point) -> list[Line]:
         Item("attractor", "New attractor here", lambda: attractors.place(point)),
         Item("stop attraction", "Stop all attraction", attractors.stop, enabled=placed),
         None,
-        Item("triple", "Gravity × 3", lambda: gravity.scale(GRAVITY_FACTOR), enabled=can_fall),
-        Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR), enabled=can_fall),
-        Item("invert", "Invert gravity", gravity.invert, enabled=can_fall, key=invert),
-        Item("zero", "Zero gravity", gravity.zero, enabled=can_fall, key=off),
-        Number("gravity", "y", gravity.value[1], down, enabled=can_fall),
+        Item("triple", "Gravity × 3", lambda: gravity.scale(GRAVITY_FACTOR)),
+        Item("third", "Gravity ÷ 3", lambda: gravity.scale(1 / GRAVITY_FACTOR)),
+        Item("invert", "Invert gravity", gravity.invert, key=invert),
+        Item("zero", "Zero gravity", gravity.zero, key=off),
+        Number("gravity", "y", gravity.value[1], down),
         None,
         Item("scramble", "Randomise positions", commands.scramble),
         Item("randomise", "Randomise positions, velocities and densities", commands.randomise),
@@ -176,11 +174,9 @@ def _clicked(gui: Gui, item: Item) -> bool:
 
 def _number(gui: Gui, number: Number) -> None:
     """Build a number field; Enter applies it."""
-    imgui.begin_disabled(not number.enabled)
     imgui.set_next_item_width(NUMBER_WIDTH)
     flags, name = imgui.InputTextFlags_.enter_returns_true, f"{number.label}##{number.name}"
     typed, value = imgui.input_float(name, number.value, format="%.5g", flags=flags)
     gui.mark(f"menu {number.name}")
     if typed:
         number.command(value)
-    imgui.end_disabled()

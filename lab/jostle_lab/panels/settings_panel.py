@@ -15,20 +15,16 @@ from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import SWITCHES
 from jostle_lab.panels.sliders import Moved, Range, slider
-from jostle_lab.panels.widgets import choice, combo, in_rows, label, select, signed
+from jostle_lab.panels.widgets import choice, combo, in_rows, select, signed
+from jostle_lab.race import RIVALS
 from jostle_lab.session import Session
 from jostle_lab.simulate.containers import kind_of
 from jostle_lab.simulate.settings import METHODS, too_slow
+from jostle_lab.simulate.simulation import ADJUSTABLE
 
-METHODS_BY_RULES = {
-    "exact physics": {"quadtree": "quadtree", "brute": "brute force"},
-    "2015 program": {"article-quadtree": "quadtree", "article-brute": "brute force"},
-}
 CONTAINERS = {"box": "box", "circle": "circle", "torus": "periodic", "none": "no walls"}
 ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
 SLEEPING = {"on": "on", "off": "off"}
-ALWAYS = {"n", "time_scale"}  # adjustable under the article's rules
-FIXED = "The article's rules are fixed."
 
 
 def _whole(value: float) -> str:
@@ -82,17 +78,15 @@ LINES = (COUNT, *TREE, SIZE, *MATERIAL, DRAWN_WALLS, *TIME)
 
 
 def build_method(session: Session, gui: Gui) -> None:
-    """Build two choices for exact physics, two for the article's program, and the comparison."""
+    """Build the choices of the method, and the comparison with another one."""
     now, race, count = session.settings.method, session.runner.race, len(session.frame)
-    for rules, methods in METHODS_BY_RULES.items():
-        label(rules)
-        for (method, words), across in in_rows(methods.items(), len(methods)):
-            chosen = method == now
-            reason = "" if chosen else too_slow(method, count) or ""
-            if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
-                session.runner.choose_method(method)
+    for (method, words), across in in_rows(METHODS.items(), len(METHODS)):
+        chosen = method == now
+        reason = "" if chosen else too_slow(method, count) or ""
+        if choice(gui, method, words, across, chosen=chosen, reason=reason) and not chosen:
+            session.runner.adjust("method", method)
     rival = race.method if race else ""
-    rivals = {"": "nothing"} | {method: METHODS[method] for method in METHODS if method != now}
+    rivals = {"": "nothing"} | {method: RIVALS[method] for method in RIVALS if method != now}
     picked = combo(gui, "compare with", rivals, rival)
     if picked is not None and picked != rival:
         session.runner.end_race()
@@ -136,16 +130,11 @@ def build_time(session: Session, gui: Gui) -> None:
     _lines(session, gui, *TIME)
 
 
-def _reason(session: Session, field: str) -> str:
-    by_article = session.settings.by_article and field not in ALWAYS
-    return FIXED if by_article and field not in session.engine.adjustable else ""
-
-
 def _choice(
     session: Session, gui: Gui, field: str, options: dict[str, str], now: str, name: str = ""
 ) -> None:
     """Build a list of the values of a setting."""
-    chosen = combo(gui, name or field, options, now, reason=_reason(session, field))
+    chosen = combo(gui, name or field, options, now)
     if chosen is not None:
         session.runner.adjust(field, chosen == "on" if options is SLEEPING else chosen)
 
@@ -154,14 +143,13 @@ def _lines(session: Session, gui: Gui, *lines: Line) -> None:
     for line in lines:
         held = getattr(session.engine.effective_settings, line.field)
         value = line.default if held is None else float(held)
-        reason = _reason(session, line.field)
-        moved, value = slider(gui, line.name, line.span, value, line.write, reason=reason)
+        moved, value = slider(gui, line.name, line.span, value, line.write)
         _apply(session, line.field, moved, int(value) if line.span.whole else value)
 
 
 def _apply(session: Session, field: str, moved: Moved, value: Any) -> None:
     """Change a setting: immediately if possible, else when the slider is released."""
-    live = field in session.engine.adjustable
+    live = field in ADJUSTABLE
     if moved is Moved.DONE or (moved is Moved.MOVING and live):
         session.runner.adjust(field, value)
 
@@ -169,12 +157,12 @@ def _apply(session: Session, field: str, moved: Moved, value: Any) -> None:
 def _gravity(session: Session, gui: Gui) -> None:
     """Build gravity: its strength in the present direction, and its components."""
     x, y = session.engine.effective_settings.gravity or (0.0, 0.0)
-    strength, reason = math.hypot(x, y), _reason(session, "gravity")
-    moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed, reason=reason)
+    strength = math.hypot(x, y)
+    moved, new = slider(gui, "gravity", Range(0.0, STRONGEST), strength, _signed)
     direction = (x / strength, y / strength) if strength > 0 else (0.0, 1.0)
     _apply(session, "gravity", moved, (direction[0] * new, direction[1] * new))
     span = Range(-STRONGEST, STRONGEST)
-    moved, new = slider(gui, "\u2013 x", span, x, _signed, reason=reason)
+    moved, new = slider(gui, "\u2013 x", span, x, _signed)
     _apply(session, "gravity", moved, (new, y))
-    moved, new = slider(gui, "\u2013 y", span, y, _signed, reason=reason)
+    moved, new = slider(gui, "\u2013 y", span, y, _signed)
     _apply(session, "gravity", moved, (x, new))

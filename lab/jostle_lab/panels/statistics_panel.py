@@ -211,15 +211,9 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
     row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
     hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
-        "the range of the potential energy. With exact physics only restitution, friction and drag "
-        f"change it; with the article's rules it is not conserved. {RESETS} "
-        "The potential energy is 0 at the left end."
+        "the range of the potential energy. Only restitution, friction and drag change it. "
+        f"{RESETS} The potential energy is 0 at the left end."
     )
-    other = session.runner.other_change
-    if other is not None:
-        rules = "exact physics" if session.settings.by_article else "2015 program"
-        row(rules, _percent(100 * round(other, 3)))
-        hint("The change in the previous run, with the other rules, after the same time.")
 
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:

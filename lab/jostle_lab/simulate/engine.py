@@ -15,8 +15,8 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 
-from jostle_lab.simulate.article_simulation import Simulation
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.frame import Frame, FrameRequest
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.worker import Worker
 
 MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine
@@ -269,8 +269,8 @@ class Engine:
     def _note_settings(self) -> None:
         """Copy what can be read while the simulation is in use."""
         simulation = self.simulation
-        self.settings, self.adjustable = simulation.settings, simulation.adjustable
-        self.effective_settings, self.view = simulation.effective_settings, simulation.view
+        self.settings, self.view = simulation.settings, simulation.view
+        self.effective_settings = simulation.effective_settings
 
     def _start(self, steps: MakeSteps | None = None) -> None:
         """Start a job with the waiting edits, and the requested step unless others are given."""

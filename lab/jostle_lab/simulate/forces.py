@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
-from jostle_lab.simulate.simulation import Attractor, Tags
+from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.world_frame import Forces, ParticleTable, pair_force
 
 Attractors = tuple[Attractor, ...]
@@ -79,14 +79,6 @@ def shifted(forces: Forces, by: NDArray[np.floating]) -> Forces:
 def _with(motor: jostle.Motor, **changes: Any) -> jostle.Motor:
     """Return a motor with some other arguments."""
     return jostle.Motor(**{name: getattr(motor, name) for name in ARGUMENTS} | changes)
-
-
-def renamed(attractors: Attractors, old: Tags, new: Tags) -> Attractors:
-    """Return attractors with the new tags of their particles."""
-    if np.array_equal(old, new):
-        return attractors
-    names = dict(zip(old.tolist(), new.tolist(), strict=True))
-    return tuple(replace(one, tag=names.get(one.tag, one.tag)) for one in attractors)
 
 
 class AttractorForces:

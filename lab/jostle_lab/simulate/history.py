@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 
-from jostle_lab.simulate.article_simulation import Simulation
+from jostle_lab.simulate.simulation import Simulation
 
 SECONDS = 30.0
 BUDGET = 256 * 2**20  # bytes of snapshots

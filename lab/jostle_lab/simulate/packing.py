@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from jostle_lab.simulate.simulation import Attractor, Tags
-from jostle_lab.simulate.validation import FARTHEST, Many, fields_of, whole
+from jostle_lab.simulate.frame import Attractor
+from jostle_lab.simulate.validation import Many, fields_of, whole
 
 Array = NDArray[Any]
 Arrays = Mapping[str, Array]
@@ -97,18 +97,6 @@ def _plain(values: ArrayLike) -> Array:
     return np.ascontiguousarray(array, array.dtype.newbyteorder("<"))
 
 
-def particles_of(arrays: Arrays, n: int, next_tag: int) -> tuple[Tags, NDArray[np.float64]]:
-    """Return the tags and the times of birth of n particles."""
-    tags, born = column(arrays, "tags", "<i8", (n,)), column(arrays, "born", "<f8", (n,))
-    within("tags", tags, 0, next_tag - 1)
-    falling = np.flatnonzero(np.diff(tags) <= 0)
-    if len(falling):
-        row = int(falling[0]) + 1
-        raise ValueError(f"tags[{row}] is {tags[row]}; it must be above tags[{row - 1}]")
-    within("born", born, -FARTHEST, FARTHEST)
-    return tags, born
-
-
 def column(arrays: Arrays, name: str, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return an array, after a check of its type and shape."""
     if name not in arrays:
@@ -128,9 +116,6 @@ def bytes_of(arrays: Arrays, name: str) -> bytes:
 
 
 def within(name: str, array: NDArray[Any], low: float, high: float) -> None:
-    """Raise a ValueError with the first number of an array that is outside the limits."""
-    wrong = np.argwhere(~((array >= low) & (array <= high)))
-    if len(wrong):
-        at = tuple(wrong[0].tolist())
-        where = ", ".join(map(str, at))
-        raise ValueError(f"{name}[{where}] is {array[at]}; it must be from {low:g} to {high:g}")
+    """Raise a ValueError with the first number of a column that is outside the limits."""
+    for row in np.flatnonzero(~((array >= low) & (array <= high)))[:1]:
+        raise ValueError(f"{name}[{row}] is {array[row]}; it must be from {low:g} to {high:g}")

@@ -8,10 +8,10 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.engine import REFUSALS, Then, message_of
+from jostle_lab.simulate.frame import Frame, FrameRequest
 from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, FrameRequest
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.worker import Worker
 
 Create = Callable[[], Simulation]

@@ -34,15 +34,9 @@ from jostle_lab.simulate.validation import (
 )
 
 # Names of the methods in the user interface.
-METHODS = {
-    "quadtree": "quadtree",
-    "brute": "brute force",
-    "article-quadtree": "article's quadtree",
-    "article-brute": "article's brute force",
-}
+METHODS = {"quadtree": "quadtree", "brute": "brute force"}
 RENDERERS = ("auto", "opengl", "software")
-# Largest numbers of particles with which a running scene takes a slow method.
-MOST_RUNNING = {"brute": 30_000, "article-quadtree": 4_000, "article-brute": 4_000}
+MOST_BRUTE = 30_000  # particles with which a running scene takes brute force
 MAX_PARTICLES = 100_000_000
 MOST_GROUPS = 1_000  # of particles that a file adds
 MOST_KINDS = 16  # of particle life
@@ -196,37 +190,17 @@ class Settings:
     # Of particle life: a name of `life.MATRICES`, or numbers.
     matrix: str | Matrix | None = limited(or_none(MATRIX), None)
 
-    @property
-    def by_article(self) -> bool:
-        """Whether the article's rules apply."""
-        return self.method.startswith("article-")
-
 
 SETTINGS = fields_of(Settings, "a setting")
 RULES = SETTINGS.rules
 
-# Settings that are fixed in the article's programs.
-FIXED_BY_ARTICLE = (
-    *("leaf_capacity", "max_depth", "container", "gravity", "drag", "restitution", "substeps"),
-    *("friction", "wall_friction", "container_restitution", "threads", "on_touch", "sleeping"),
-    *("walls", "matrix"),
-)
-
-
-def other_method(method: str) -> str:
-    """Return brute force for a quadtree and vice versa, by the same rules."""
-    if method.endswith("quadtree"):
-        return method.replace("quadtree", "brute")
-    return method.replace("brute", "quadtree")
-
 
 def too_slow(method: str, n: int) -> str | None:
     """Return why a running scene of n particles cannot have a method, or None."""
-    most = MOST_RUNNING.get(method, n)
-    if n <= most:
+    if method != "brute" or n <= MOST_BRUTE:
         return None
     return (
-        f"More than {most:,} particles are too slow with {METHODS[method]}: a step takes seconds."
+        f"More than {MOST_BRUTE:,} particles are too slow with brute force: a step takes seconds."
     )
 
 

@@ -1,154 +1,375 @@
-"""The frames that simulations of either rules return, and what is common to their columns."""
+"""A scene in a `jostle.World`."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import jostle
-from jostle_lab.simulate.settings import EVERY_CATEGORY, TRUTH, VECTOR
-from jostle_lab.simulate.settings import Rect as Rect
-from jostle_lab.simulate.validation import limited, or_none, real, whole
+from jostle_lab.simulate.containers import (
+    InitialRegion,
+    bounds,
+    center_of,
+    diagonal,
+    free_positions,
+    minimum_image,
+    moved_inside,
+)
+from jostle_lab.simulate.emitters import STATE, Emitters
+from jostle_lab.simulate.forces import AttractorForces, kind_count, set_matrix
+from jostle_lab.simulate.frame import (
+    Attractor,
+    Frame,
+    FrameRequest,
+    Point,
+    Rect,
+    Tags,
+)
+from jostle_lab.simulate.packing import (
+    ATTRACTORS,
+    COUNT,
+    blob,
+    bytes_of,
+    column,
+    pack,
+    unpack,
+    within,
+)
+from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
+from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
+from jostle_lab.simulate.wall_segments import WallSegments
+from jostle_lab.simulate.world_frame import ParticleTable, frame_of
 
-Point = tuple[float, float]
-Container = jostle.Box | jostle.Circle | jostle.Torus | None
-Tags = NDArray[np.int64]
+TIME_STEP = 1 / 60
+DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
+LEAST_RESPONSE = 0.3  # times that rate, for the heaviest particles
+SPEED_LIMIT = 4.0  # of a held particle, in diagonals of the view per second
 
-STRONGEST = 1e6  # 1/s², of an attractor; the user interface allows at most 40
+# Settings that are attributes of a world, by the same name.
+WORLD_SETTINGS = (
+    *("method", "leaf_capacity", "max_depth", "gravity", "drag", "restitution", "substeps"),
+    *("threads", "on_touch", "sleeping"),
+)
+# The settings that `Simulation.adjust` can change while it runs.
+ADJUSTABLE = frozenset(WORLD_SETTINGS) | {
+    *("friction", "wall_friction", "time_scale", "n", "world_size", "container", "matrix")
+}
+WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
+MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
+
+# The values of a saved state; its arrays are tags, times of birth and the world's snapshot.
+STATE_FIELDS = Fields(
+    {
+        "settings": SETTINGS,
+        "view": rect(),
+        "own_forces": COUNT,
+        "pulls": ATTRACTORS,
+        "home": fields_of(InitialRegion),
+        "emitters": or_none(STATE),
+        "own_walls": COUNT,
+    }
+)
 
 
-def find(tags: Tags, wanted: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Return the rows of those wanted that are among ascending tags, and which they are."""
-    wanted = np.atleast_1d(np.asarray(wanted, np.int64))
-    at = np.searchsorted(tags, wanted)
-    there = at < len(tags)
-    there[there] = tags[at[there]] == wanted[there]
-    return at[there], there
+class Simulation:
+    """A world as a simulation. A step lasts `time_step` seconds; y points down.
 
-
-@dataclass(frozen=True)
-class FrameRequest:
-    """The optional parts of a frame, each of which takes time."""
-
-    tree: bool = False
-    contacts: bool = False
-    energies: bool = False
-
-
-class FrameContacts(NamedTuple):
-    """The contacts after a step: (m, 2) rows of the frame, unit normals, depths, impulses.
-
-    Those with walls have a row of the frame, a unit normal towards the particle and an impulse.
+    The settings override those of the world. `view` is the visible part of it: min_x, min_y,
+    max_x, max_y. It is used by one thread at a time, which `Engine` ensures.
     """
 
-    pairs: NDArray[np.int64]
-    normals: NDArray[np.float32]
-    depths: NDArray[np.float32]
-    impulses: NDArray[np.float32]
-    at_walls: NDArray[np.int64]
-    wall_normals: NDArray[np.float32]
-    wall_impulses: NDArray[np.float32]
+    time_step = TIME_STEP
 
+    def __init__(self, settings: Settings, view: Rect, world: jostle.World) -> None:
+        self.settings, self.view, self.world = settings, view, world
+        for name in (*WORLD_SETTINGS, "friction", "container_restitution"):
+            value = getattr(settings, name)
+            if value is not None:
+                setattr(world, name, value)
+        if settings.matrix is not None:
+            set_matrix(world, settings.matrix)
+        self._columns = ParticleTable(world)
+        self._segments = WallSegments(world, len(world.walls))
+        self._attractions = AttractorForces(world, self._columns, len(world.forces))
+        self.emitters: Emitters | None = None
+        self._initial = InitialRegion.of(world.container, view, settings.n)
+        if settings.world_size != 1.0 or settings.container is not None:
+            self._fit_container()
 
-@dataclass(frozen=True)
-class Energies:
-    """Sums over all particles."""
+    @classmethod
+    def of_scene(cls, settings: Settings) -> Simulation:
+        scene, n, seed = settings.scene, settings.n, settings.seed
+        world = jostle.scenes.create(scene, n=n, seed=seed)
+        simulation = cls(settings, jostle.scenes.view(scene, n), world)
+        if scene == "emitters":
+            simulation.emitters = Emitters(n, seed)
+        return simulation
 
-    kinetic: float
-    potential: float
-    momentum: Point
-
-    @property
-    def total(self) -> float:
-        return self.kinetic + self.potential
-
-
-@dataclass(frozen=True)
-class StepStats:
-    """The numbers of the last step."""
-
-    time: float = 0.0  # seconds since the scene began
-    pairs_tested: int = 0
-    touching: int = 0
-    asleep: int = 0
-    substeps: int = 1  # more than the setting, if contacts needed them
-    nodes: int = 0
-    depth: int = 0
-    kinetic_energy: float = 0.0
-    stage_times: dict[str, float] = field(default_factory=dict)  # milliseconds, in order
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One state, as copies that cannot be changed: threads share them.
-
-    A particle's *tag* is its number in the order of adding over the whole run. Rows change when
-    others are removed; tags do not.
-    """
-
-    positions: NDArray[np.float32]  # (n, 2), world units
-    velocities: NDArray[np.float32]  # (n, 2), world units per second
-    radii: NDArray[np.float32]  # (n,)
-    densities: NDArray[np.float32]  # (n,), mass over radius squared
-    movable: NDArray[np.bool_]  # (n,)
-    tags: Tags  # (n,), ascending
-    born: NDArray[np.float64]  # (n,), the time each was added
-    container: Container = None
-    stats: StepStats = field(default_factory=StepStats)
-    energies: Energies | None = None
-    tree: jostle.Nodes | None = None
-    contacts: FrameContacts | None = None
-    springs: NDArray[np.int64] | None = None  # (s, 2) rows
-    attractors: tuple[Attractor, ...] = ()
-    angles: NDArray[np.float32] | None = None  # (n,), radians; None if no particle rotates
-    scene: str = ""
-    begun_with: int | None = None  # initial number of particles
-    # (m, 2, 2), line segments: first those of the scene, then those of the user
-    walls: NDArray[np.float32] = field(default_factory=lambda: np.empty((0, 2, 2), np.float32))
-    own_walls: int = 0  # the number of those of the scene
-    sensors: NDArray[np.int8] | None = None  # (n,): 1 for a sensor, 2 if something touches it
-    kinds: NDArray[np.uint8] | None = None  # (n,); None if forces do not depend on kinds
-    matrix: NDArray[np.float64] | None = None  # (K, K), of particle life
-    # (n,), the collision filter; None under the article's rules
-    categories: NDArray[np.uint32] | None = None
-    masks: NDArray[np.uint32] | None = None
-
-    def __post_init__(self) -> None:
-        for value in (*vars(self).values(), *(self.tree or ()), *(self.contacts or ())):
-            if isinstance(value, np.ndarray):
-                value.flags.writeable = False
+    @classmethod
+    def resume(cls, state: bytes) -> Simulation:
+        """Return the simulation that continues from a state, as `save` returns it."""
+        simulation = cls.__new__(cls)
+        simulation.load(state)
+        return simulation
 
     def __len__(self) -> int:
-        return len(self.radii)
+        return len(self.world)
 
     @property
-    def masses(self) -> NDArray[np.float32]:
-        return self.densities * self.radii**2
+    def attractors(self) -> tuple[Attractor, ...]:
+        return self._attractions.attractors
 
-    def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
-        """Return the rows of the tags that exist."""
-        return find(self.tags, tags)[0]
+    @property
+    def effective_settings(self) -> Settings:
+        """Return the settings, with the values that apply in place of None."""
+        rules = {name: getattr(self.world, name) for name in WORLD_SETTINGS}
+        friction, of_walls = self._columns.friction, self.settings.wall_friction
+        of_walls = friction if of_walls is None else of_walls
+        return replace(self.settings, **rules, friction=friction, wall_friction=of_walls)
+
+    def frame(self, request: FrameRequest = FrameRequest()) -> Frame:  # noqa: B008 (it is frozen)
+        return frame_of(
+            self.world, self._columns, request, scene=self.settings.scene,
+            attractors=self.attractors, own_walls=self._segments.own, begun_with=self._initial.n,
+        )  # fmt: skip
+
+    # Changing
+
+    def step(self) -> None:
+        world, columns = self.world, self._columns
+        world.step(self.time_step)
+        renumbered = world.renumbered
+        if renumbered is not None:
+            columns.update(world)
+            self._attractions.merge(renumbered)
+        if self.emitters is not None:
+            gone = self.emitters.step(world, self.time_step, columns.friction)
+            if gone is not None or len(world) > len(columns.tags):
+                columns.update(world)
+                self._attractions.renew()
+
+    def adjust(self, name: str, value: Any) -> str | None:
+        """Change a setting; return a message if it is refused, without any change."""
+        before = self.settings
+        self.settings = replace(before, **{name: value})
+        try:
+            if name == "n":
+                self._set_count(value)
+            elif name in ("world_size", "container"):
+                self._fit_container()
+            elif name == "method" and (reason := too_slow(value, len(self))):
+                raise ValueError(reason)
+            elif name == "matrix":
+                set_matrix(self.world, value)
+            elif name == "wall_friction":
+                self._segments.set_friction(value)
+            elif name == "friction":
+                self.world.friction = value
+                self._columns.update(self.world)
+            elif name in WORLD_SETTINGS:
+                setattr(self.world, name, value)
+        except (ValueError, TypeError, OverflowError) as error:
+            self.settings = before
+            return str(error)
+        return None
+
+    def _center(self) -> NDArray[np.float64]:
+        return np.array(center_of(bounds(self.world.container) or self._initial.rect))
+
+    def _fit_container(self) -> None:
+        """Set the container of the settings, and move particles inside."""
+        world, settings, before = self.world, self.settings, self._center()
+        world.container, self.view = self._initial.fitted(settings.container, settings.world_size)
+        shift = self._center() - before
+        self._segments.shift(shift)
+        places = world.positions.astype(np.float64) + shift
+        inside = moved_inside(places, self._columns.radii.astype(np.float64), world.container)
+        world.positions = np.where(self._columns.movable[:, None], inside, places)
+
+    def _set_count(self, n: int) -> None:
+        """Add copies of particles if there are enough free positions, or remove the last ones.
+
+        `n` is the number of movable particles; with emitters it is the cap.
+        """
+        if self.emitters is not None:
+            self.emitters.cap = n
+            return
+        moving = np.flatnonzero(self._columns.movable)
+        more = n - len(moving)
+        if more <= 0:
+            self.remove(self._columns.tags[moving[n:]])
+            return
+        if reason := too_slow(self.settings.method, len(self) + more):
+            raise ValueError(reason)
+        if more > MOST_AT_ONCE or not len(moving) or not self._add_copies(moving, more):
+            raise ValueError(f"There is no room for {more:,} more particles.")
+
+    def _add_copies(self, rows: NDArray[np.intp], count: int) -> bool:
+        """Add copies of random rows at random free positions; return whether there are enough."""
+        columns, world = self._columns, self.world
+        rng = np.random.default_rng([self.settings.seed, int(columns.tags[-1])])
+        rows = rng.choice(rows, count)
+        radii = columns.radii[rows]
+        places, found = free_positions(
+            world.positions, columns.radii, radii, world.container, self.view,
+            int(rng.integers(2**31)), world.walls,
+        )  # fmt: skip
+        if len(found) == count:
+            self.add(
+                places, world.velocities[rows], radii, columns.densities[rows],
+                sensors=columns.sensors[rows], categories=columns.categories[rows],
+                masks=columns.masks[rows],
+            )  # fmt: skip
+        return len(found) == count
+
+    def add(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radii: ArrayLike,
+        densities: ArrayLike = 1.0,
+        *,
+        movable: ArrayLike = True,
+        sensors: ArrayLike = False,
+        kinds: ArrayLike | None = None,
+        categories: ArrayLike = 1,
+        masks: ArrayLike = EVERY_CATEGORY,
+    ) -> Tags:
+        """Add particles; return their tags. Without `kinds`, these are all kinds in turn."""
+        with np.errstate(over="ignore"):  # the world refuses infinite values
+            places = np.asarray(positions, np.float32).reshape(-1, 2)
+        count = kind_count(self.world)
+        if kinds is None and count is not None:
+            kinds = (len(self.world) + np.arange(len(places))) % count
+        tags = self.world.add(
+            places,
+            np.broadcast_to(np.asarray(velocities, np.float32), places.shape),
+            radii,
+            densities=densities,
+            movable=np.asarray(movable),
+            sensors=np.asarray(sensors),
+            friction=self._columns.friction,
+            kinds=None if count is None else kinds,
+            categories=np.asarray(categories, np.uint32),
+            masks=np.asarray(masks, np.uint32),
+        )
+        self._columns.update(self.world)
+        return tags
+
+    def remove(self, tags: ArrayLike) -> None:
+        """Remove particles; tags that do not exist are ignored."""
+        rows = np.unique(self._columns.find(tags)[0])
+        with self._attractions.detached():
+            self.world.remove(self._columns.tags[rows])
+
+    def change(self, tags: ArrayLike, **columns: ArrayLike | None) -> None:
+        """Set positions, velocities, densities, movable, categories or masks of particles.
+
+        None leaves a column as it is. Rows of tags that do not exist are ignored.
+        """
+        rows, there = self._columns.find(tags)
+        given: dict[str, Any] = {
+            name: np.broadcast_to(np.asarray(value), (len(there), *WIDTHS.get(name, ())))[there]
+            for name, value in columns.items()
+            if value is not None
+        }
+        if "densities" in given:
+            given["masses"] = given.pop("densities") * self._columns.radii[rows] ** 2
+        self.world.set(self._columns.tags[rows], **given)
+        if not given.keys() <= {"positions", "velocities"}:
+            self._columns.update(self.world)
+
+    def add_own_walls(self, lines: Sequence[Polyline]) -> None:
+        """Add the walls of a file, before any is drawn; raise a ValueError for the first error."""
+        for number, line in enumerate(lines):
+            try:
+                self._segments.add(line, own=True)
+            except ValueError as error:
+                raise ValueError(f"walls[{number}] cannot be added: {error}") from error
+        # The motors of moving walls, and thermal walls, are forces of the world.
+        self._attractions.own = len(self.world.forces)
+
+    def add_wall(self, line: Polyline) -> None:
+        """Add line segments that a user draws; without friction they have that of drawn walls."""
+        friction = self.settings.wall_friction if line.friction is None else line.friction
+        self._segments.add(replace(line, friction=friction), own=False)
+
+    def remove_walls(self, rows: ArrayLike) -> None:
+        """Remove line segments by their rows in the frame."""
+        with self._attractions.detached():
+            self._segments.remove(rows)
+
+    def attract(self, attractors: tuple[Attractor, ...]) -> None:
+        """Replace the attractors of the user."""
+        self._attractions.place(attractors)
+
+    def drag(self, tag: int, point: Point, velocity: Point) -> None:
+        """Accelerate a held particle towards the cursor by a critically damped spring.
+
+        Only its velocity changes, so it collides with other particles. The spring is integrated
+        implicitly, so it is stable for any stiffness. Immovable particles are not changed, and a
+        tag that does not exist is ignored.
+        """
+        rows, _ = self._columns.find(tag)
+        if not len(rows) or not self._columns.movable[rows[0]]:
+            return
+        dt, disc = self.time_step, self.world.read(tag)
+        rate = DRAG_RATE * self._response(disc.masses)
+        offset = minimum_image(self.world.container, np.array(point) - disc.positions)
+        dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
+        dragged /= (1 + dt * rate) ** 2
+        limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
+        self.world.set(tag, velocities=dragged * min(1.0, limit / max(speed, limit)))
+
+    def _response(self, mass: float) -> float:
+        """Return the factor of the rate for a particle: 1, or less for a heavy one."""
+        share = self._columns.usual_mass(self.world) / mass
+        return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
+
+    def save(self) -> bytes:
+        """Return the state; after `load` the simulation continues with the same bits."""
+        columns, emitters = self._columns, self.emitters
+        facts = {
+            "settings": asdict(self.settings),
+            "view": self.view,
+            "own_forces": self._attractions.own,
+            "pulls": [asdict(attractor) for attractor in self.attractors],
+            "home": asdict(self._initial),
+            "emitters": emitters and emitters.state,
+            "own_walls": self._segments.own,
+        }
+        snapshot = blob(self.world.snapshot())
+        return pack("world", facts, {"born": columns.born, "world": snapshot})
+
+    def load(self, state: bytes) -> None:
+        """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
+        facts, arrays = unpack("world", state)
+        facts = read(facts, STATE_FIELDS)
+        world = jostle.World.restore(bytes_of(arrays, "world"))
+        settings, initial = facts["settings"], facts["home"]
+        if world.method != settings.method:
+            raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
+        for name, there in (("own_forces", len(world.forces)), ("own_walls", len(world.walls))):
+            if facts[name] > there:
+                what = name.removeprefix("own_")
+                raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
+        born = column(arrays, "born", "<f8", (len(world),))
+        within("born", born, -FARTHEST, FARTHEST)
+        emitters = _emitters_of(facts["emitters"], initial.n, settings)
+        columns = ParticleTable(world, born)
+        self._attractions = AttractorForces(world, columns, facts["own_forces"], facts["pulls"])
+        self._segments = WallSegments(world, facts["own_walls"])
+        self.settings, self.view, self._initial = settings, facts["view"], initial
+        self.world, self._columns, self.emitters = world, columns, emitters
 
 
-@dataclass(frozen=True)
-class Attractor:
-    """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
-
-    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
-    point: Point | None = limited(or_none(VECTOR), None)
-    tag: int | None = limited(or_none(whole(0, 2**62)), None)
-    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
-
-
-# Columns of particles that `Simulation.add` is given beside their densities.
-PLAIN: dict[str, Any] = {
-    "movable": True, "sensors": False, "kinds": None, "categories": 1, "masks": EVERY_CATEGORY
-}  # fmt: skip
-# The shape of one value of each column that `Simulation.change` sets.
-WIDTHS: dict[str, tuple[int, ...]] = {
-    "positions": (2,), "velocities": (2,), "densities": (), "movable": (), "categories": (),
-    "masks": (),
-}  # fmt: skip
+def _emitters_of(state: Any, n: int | None, settings: Settings) -> Emitters | None:
+    """Return the emitters in a state, for the scene's initial number of particles."""
+    if (state is None) != (settings.scene != "emitters"):
+        raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
+    return None if state is None else Emitters(n, settings.seed, state)

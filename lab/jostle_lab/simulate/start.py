@@ -1,17 +1,15 @@
-"""Making a simulation from settings, from a saved state, or from one with other rules."""
+"""Making a simulation from settings: the scene, and the walls and particles of a file."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
-from jostle_lab.simulate.article_simulation import ArticleSimulation, Simulation
 from jostle_lab.simulate.containers import bounds, directions, free_positions
-from jostle_lab.simulate.settings import Group, Settings, too_slow
-from jostle_lab.simulate.simulation import Container, Frame, Rect
-from jostle_lab.simulate.world_simulation import WorldSimulation
+from jostle_lab.simulate.frame import Container
+from jostle_lab.simulate.settings import Group, Settings
+from jostle_lab.simulate.simulation import Simulation
 
 
 def start(settings: Settings) -> Simulation:
@@ -20,12 +18,8 @@ def start(settings: Settings) -> Simulation:
     A setting that is refused, or a group of particles that does not fit between the walls, raises a
     ValueError.
     """
-    simulation: Simulation
-    if settings.by_article:
-        simulation = ArticleSimulation(settings)
-    else:
-        simulation = WorldSimulation.of_scene(settings)
-        simulation.add_own_walls(settings.walls)
+    simulation = Simulation.of_scene(settings)
+    simulation.add_own_walls(settings.walls)
     for number, group in enumerate(settings.particles):
         name = f"particles[{number}]"
         _require_space(name, group, simulation.frame().container)
@@ -34,14 +28,6 @@ def start(settings: Settings) -> Simulation:
         except ValueError as error:
             raise ValueError(f"{name} cannot be added: {error}") from error
     return simulation
-
-
-def resume(settings: Settings, state: bytes) -> Simulation:
-    """Return the simulation that continues from a state of one with these settings."""
-    # The state contains its own particles and walls.
-    empty = start(replace(settings, n=0, particles=(), walls=()))
-    empty.load(state)
-    return empty
 
 
 def _require_space(name: str, group: Group, container: Container) -> None:
@@ -82,32 +68,3 @@ def _scatter(simulation: Simulation, group: Group, rng: np.random.Generator) -> 
         places, velocities, radii, densities, movable=group.movable, sensors=group.sensor,
         categories=group.categories, masks=group.masks,
     )  # fmt: skip
-
-
-def switch_rules(
-    settings: Settings, frame: Frame, view: Rect, before: Frame | None = None
-) -> Simulation:
-    """Return the simulation of other settings, in the state of a frame if possible.
-
-    If particles were added or removed, the scene begins anew. The article's display is at the
-    origin, so positions are shifted by the corner of the view. The article's particles are all
-    movable and have no collision filter, so those of a world are those of `before`, its last frame,
-    if there is one. Too many particles for the method raise a ValueError.
-    """
-    if reason := too_slow(settings.method, len(frame)):
-        raise ValueError(reason)
-    simulation = start(settings)
-    own = simulation.frame()
-    if np.array_equal(own.tags, frame.tags):
-        if before is not None and np.array_equal(before.tags, own.tags):
-            own = before
-        corner = np.array(simulation.view[:2]) - np.array(view[:2])
-        simulation.change(
-            frame.tags,
-            positions=frame.positions + corner,
-            velocities=np.where(own.movable[:, None], frame.velocities, own.velocities),
-            movable=own.movable,
-            categories=own.categories,
-            masks=own.masks,
-        )
-    return simulation

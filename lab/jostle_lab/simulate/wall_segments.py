@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle_lab.simulate.forces import keeping_walls, shifted
+from jostle_lab.simulate.frame import Point
 from jostle_lab.simulate.settings import Polyline
-from jostle_lab.simulate.simulation import Point
 
 Floats = NDArray[np.floating]
 Ends = NDArray[np.float32]  # (m, 2, 2)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import jostle
 from jostle import life
-from jostle_lab.simulate.simulation import (
+from jostle_lab.simulate.frame import (
     Energies,
     Frame,
     FrameContacts,
@@ -29,16 +29,12 @@ Forces = tuple[Any, ...]
 class ParticleTable:
     """The times of birth, and copies of columns that only edits change, so that frames share them.
 
-    All particles were born at time 0, unless `born` has other times. `next_tag` is the tag of the
-    next particle, or a larger number.
+    All particles were born at time 0, unless `born` has other times.
     """
 
-    def __init__(
-        self, world: jostle.World, born: NDArray[np.float64] | None = None, next_tag: int = 0
-    ) -> None:
+    def __init__(self, world: jostle.World, born: NDArray[np.float64] | None = None) -> None:
         self.tags: Tags = world.ids  # ascending
         self.born = np.zeros(len(world)) if born is None else born
-        self.next_tag = next_tag
         self.update(world)
 
     def update(self, world: jostle.World) -> None:
@@ -48,7 +44,6 @@ class ParticleTable:
         rows, known = find(before, self.tags)
         self.born = np.full(len(self.tags), world.time)
         self.born[known] = born[rows]
-        self.next_tag = max(self.next_tag, int(self.tags[-1]) + 1 if len(self.tags) else 0)
         self.radii: NDArray[np.float32] = world.radii
         self.movable: NDArray[np.bool_] = world.movable
         self.sensors: NDArray[np.bool_] = world.sensors

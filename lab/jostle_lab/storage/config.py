@@ -18,7 +18,6 @@ from typing import Any
 from jostle_lab.draw.camera import Size
 from jostle_lab.draw.view_options import option_rules
 from jostle_lab.simulate.settings import (
-    FIXED_BY_ARTICLE,
     RENDERERS,
     RULES,
     SETTINGS,
@@ -63,7 +62,6 @@ class Config:
 
     name: str | None = None  # of the file
     settings: Settings = field(default_factory=Settings)
-    given: frozenset[str] = frozenset()  # the settings that the file names
     view_options: Mapping[str, Any] = field(default_factory=dict)
     size: Size | None = None
     renderer: str | None = None
@@ -87,7 +85,6 @@ def read_config(path: Path) -> Config:
     return Config(
         name=path.name,
         settings=Settings(**values),
-        given=frozenset(values),
         view_options=shown,
         size=window.get("size"),
         renderer=window.get("renderer"),
@@ -100,10 +97,6 @@ def _refusals(entries: Mapping[str, Any]) -> Iterator[tuple[Key, str]]:
         yield key, f"{_name(key)} {why}"
     if unheard := unknown_scene(entries.get("scene", Settings.scene)):
         yield ("scene",), unheard
-    if str(entries.get("method")).startswith("article-"):
-        for name in FIXED_BY_ARTICLE:
-            if name in entries:
-                yield (name,), f"{name} cannot be set here: the article's rules are fixed"
 
 
 def _name(key: Key) -> str:

@@ -21,11 +21,9 @@ from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.engine import message_of
-from jostle_lab.simulate.settings import Settings
-from jostle_lab.simulate.simulation import Frame, FrameRequest
-from jostle_lab.simulate.start import resume
+from jostle_lab.simulate.frame import Frame
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.worker import Worker
 from jostle_lab.storage.encoder import write_png
 from jostle_lab.storage.exports import write_gsd, write_positions, write_series
@@ -187,7 +185,7 @@ class Files:
             history.hold(simulation)
             moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
             view, time_step = simulation.view, simulation.time_step
-            frames = _frames(simulation.settings, _thinned(moments, 1 / GSD_RATE))
+            frames = _frames(_thinned(moments, 1 / GSD_RATE))
             writers.append(lambda path: write_gsd(path, frames, view, time_step))
 
         engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
@@ -237,9 +235,7 @@ def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
     return [state for _, state in reversed(chosen)]
 
 
-def _frames(settings: Settings, states: list[bytes]) -> Iterator[Frame]:
-    """Yield the frames of states, from one separate simulation."""
-    simulation = resume(settings, states[0])
+def _frames(states: list[bytes]) -> Iterator[Frame]:
+    """Yield the frames of states."""
     for state in states:
-        simulation.load(state)
-        yield simulation.frame(FrameRequest())
+        yield Simulation.resume(state).frame()

@@ -17,7 +17,7 @@ from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
-from jostle_lab.simulate.simulation import Frame
+from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.worker import Worker
 from jostle_lab.storage.encoder import PATIENCE, Encoder
 

@@ -10,10 +10,9 @@ from typing import Any
 
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ViewOptions, option_rules
-from jostle_lab.simulate.article_simulation import Simulation
 from jostle_lab.simulate.packing import blob, bytes_of, is_of, pack, seal, unpack, unseal
-from jostle_lab.simulate.settings import SETTINGS, TRUTH, unknown_scene
-from jostle_lab.simulate.start import resume
+from jostle_lab.simulate.settings import TRUTH, unknown_scene
+from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.validation import Fields, each, read, real, whole
 
 SUFFIX = ".jostle"
@@ -31,7 +30,7 @@ CAMERA = Fields(
     }
 )
 SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", required=())
-FACTS = Fields({"settings": SETTINGS, "camera": CAMERA, "shown": SHOWN})
+FACTS = Fields({"camera": CAMERA, "shown": SHOWN})
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,6 @@ class SavedScene:
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
     """Return the contents of a scene file."""
     facts = {
-        "settings": asdict(simulation.settings),
         "camera": {name: getattr(camera, name) for name in CAMERA.rules},
         "shown": {
             name: value.value if isinstance(value, Enum) else value
@@ -74,12 +72,9 @@ def read_scene(path: Path) -> SavedScene:
     try:
         facts, arrays = unpack(KIND, unseal(data))
         facts = read(facts, FACTS)
-        settings = facts["settings"]
-        if why := unknown_scene(settings.scene):
+        simulation = Simulation.resume(bytes_of(arrays, "state"))
+        if why := unknown_scene(simulation.settings.scene):
             raise ValueError(why)
-        simulation = resume(settings, bytes_of(arrays, "state"))
-        if simulation.settings != settings:
-            raise ValueError("the settings differ from those of its state")
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
     shown = {name: value for name, value in facts["shown"].items() if name not in NOT_RESTORED}

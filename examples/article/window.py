@@ -1,0 +1,87 @@
+"""The window of the article's two programs, or a film of it if there is no display."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+import pygame
+
+from jostle_lab.article import FRAME_RATE, HEIGHT, WIDTH, Leaf, Particle, Simulation
+from jostle_lab.cli.runs import has_display
+from jostle_lab.storage.encoder import Encoder
+
+WHITE, INK = (255, 255, 255), (40, 40, 40)
+SIZE = WIDTH, HEIGHT
+
+
+def options(name: str, n: int) -> argparse.Namespace:
+    """Return the options of the command line; `n` is the number of balls in the article."""
+    parser = argparse.ArgumentParser(description=f"The article's program: {name}.")
+    parser.add_argument("-n", type=int, default=n, help="number of balls (%(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same balls")
+    parser.add_argument("--film", type=Path, help="an .mp4 or .gif to write; no window is opened")
+    parser.add_argument("--frames", type=int, default=300, help="length of the film (%(default)s)")
+    chosen = parser.parse_args()
+    if chosen.film is None and not has_display():
+        chosen.film = Path(f"{name}.mp4")
+    return chosen
+
+
+def frames(
+    simulation: Simulation, chosen: argparse.Namespace
+) -> Iterator[tuple[pygame.Surface, bool]]:
+    """Yield an empty picture to draw each frame on, and whether to draw the boxes of the tree."""
+    pygame.font.init()
+    if chosen.film is None:
+        yield from window_frames(simulation)
+    else:
+        screen = pygame.Surface(SIZE, depth=32)
+        with Encoder(chosen.film, SIZE, FRAME_RATE) as encoder:
+            for frame in range(chosen.frames):
+                screen.fill(WHITE)
+                yield screen, frame >= chosen.frames // 2
+                encoder.draw(screen)
+        print(f"{chosen.film}: {chosen.frames} frames")
+
+
+def window_frames(simulation: Simulation) -> Iterator[tuple[pygame.Surface, bool]]:
+    """Open the window, and pass the mouse to the simulation; T shows or hides the boxes."""
+    screen, clock, boxes = pygame.display.set_mode(SIZE), pygame.time.Clock(), False
+    while True:
+        for event in pygame.event.get():
+            if event.type == pygame.QUIT:
+                return
+            if event.type == pygame.KEYDOWN and event.key == pygame.K_t:
+                boxes = not boxes
+            elif event.type == pygame.MOUSEBUTTONDOWN:
+                simulation.grab(*event.pos)
+            elif event.type == pygame.MOUSEMOTION:
+                simulation.drag_to(*event.pos)
+            elif event.type == pygame.MOUSEBUTTONUP:
+                simulation.release()
+        screen.fill(WHITE)
+        yield screen, boxes
+        pygame.display.flip()
+        clock.tick(FRAME_RATE)
+
+
+def draw_ball(screen: pygame.Surface, ball: Particle) -> None:
+    """Draw a ball: the denser, the darker."""
+    light = 200 - 10 * ball.density
+    pygame.draw.aacircle(screen, (light, light, 255), (ball.x, ball.y), ball.radius)
+
+
+def draw_box(screen: pygame.Surface, leaf: Leaf) -> None:
+    """Fill a leaf of the tree: 30 more red at each level."""
+    x, y, width, height, level = leaf
+    pale = 255 - 30 * level
+    pygame.draw.rect(screen, (255, pale, pale), (x, y, width, height))
+    pygame.draw.rect(screen, (225, pale - 30, pale - 30), (x, y, width, height), width=1)
+
+
+def write(screen: pygame.Surface, words: str) -> None:
+    """Write the numbers of a frame into the upper left corner."""
+    text = pygame.font.Font(None, 22).render(words, True, INK, WHITE)
+    screen.blit(text, (8, 8))
