@@ -15,7 +15,7 @@ from jostle_lab.simulate.packing import pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.simulation import Attractor
 from jostle_lab.simulate.start import resume, start
-from jostle_lab.storage import exports, files
+from jostle_lab.storage import files
 from jostle_lab.storage.paths import new_path
 
 SCENES = [
@@ -390,17 +390,6 @@ def test_gsd_is_read_again(session: Session) -> None:
         np.testing.assert_array_equal(last.log["particles/tag"], frame.tags)
         kinds = np.array(last.particles.types)[last.particles.typeid]
         np.testing.assert_array_equal(kinds == "fixed", frame.tags == 7)
-
-
-def test_without_gsd_a_notice_says_what_brings_it(session: Session, monkeypatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "gsd", None)
-    monkeypatch.setitem(sys.modules, "gsd.hoomd", None)
-    session.files.export_gsd()
-    wait(session)
-    assert "pip install" in session.message and "gsd" in session.message
-    assert exports.GSD_MISSING in session.message
 
 
 def test_an_export_that_fails_becomes_a_notice(session: Session, monkeypatch) -> None:

@@ -1,6 +1,5 @@
-"""The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`.
+"""The command: `jostle run`, `scenes`, `sweep` and `tune`.
 
-without_extra  the command without the packages that it needs
 refusals       checks of arguments
 runs           the ways to run a scene
 commands       the commands and their options
@@ -9,16 +8,10 @@ commands       the commands and their options
 from __future__ import annotations
 
 import io
+import os
 import sys
 
-try:
-    import rich  # noqa: F401
-    import typer
-except ImportError as missing:
-    from .without_extra import answer
-
-    answer(sys.argv[1:], missing.name)
-    raise SystemExit from None
+import typer
 
 from jostle_lab import interrupt
 
@@ -28,6 +21,7 @@ from .refusals import tell
 
 def main() -> None:
     """Run the command; an error in its arguments becomes a message and exit code 2."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # characters that it cannot encode become "?"
             stream.reconfigure(errors="replace")

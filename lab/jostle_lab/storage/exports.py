@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from jostle.writing import NewFile
-from jostle_lab.extras import remedy
 from jostle_lab.simulate.containers import bounds
 from jostle_lab.simulate.simulation import Frame, Rect
 
 COLUMNS = ("tag", "x", "y", "vx", "vy", "radius", "mass")
 _DIGITS = "%.9g"  # distinguishes any two numbers of single precision
-GSD_MISSING = f"GSD files need the package gsd; {remedy('app')}."
 
 
 def write_positions(path: Path, frame: Frame) -> None:
@@ -46,10 +44,8 @@ def write_gsd(path: Path, frames: Iterable[Frame], view: Rect, time_step: float)
     The box is centred at the origin, and y points up. Particles are in the order of their tags,
     which are in `log/particles/tag`.
     """
-    try:
-        import gsd.hoomd
-    except ImportError:
-        raise OSError(GSD_MISSING) from None
+    import gsd.hoomd
+
     count = 0
     with NewFile(path) as new, gsd.hoomd.open(str(new.path), "w") as file:
         for frame in frames:
