@@ -94,8 +94,7 @@ class Colouring:
 
     def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
         """Scale to 0..1, logarithmically if the values span decades."""
-        extremes = _extremes
-        self.range = extremes(values[movable]) or extremes(values)
+        self.range = _extremes(values[movable]) or _extremes(values)
         if self.range is None:
             return values
         low, high = self.range
