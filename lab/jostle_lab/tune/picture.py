@@ -92,7 +92,7 @@ def _draw_map(axes: Axes, shown: Map) -> None:
     frames = dict(zip(MARKS, (shown.best, shown.default, ARTICLE), strict=True))
     for number, (name, (capacity, depth)) in enumerate(frames.items()):
         row = depths.index(depth) if depth in depths else len(depths) - 1
-        column, side = capacities.index(capacity), 0.94 - 0.12 * number
+        column, side = capacities.index(capacity), 0.96 - 0.08 * number
         corner, colour = (column - side / 2, row - side / 2), MARKS[name]
         axes.add_patch(Rectangle(corner, side, side, fill=False, edgecolor=colour, linewidth=2))
     axes.set_xlim(-0.5, len(capacities) - 0.5)
