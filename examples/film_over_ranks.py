@@ -32,7 +32,7 @@ class Film:
         self.video = imageio_ffmpeg.write_frames(path, (WIDTH, height), fps=RATE)
         self.video.send(None)  # starts ffmpeg
 
-    def add(self, shares: list, walls: np.ndarray) -> None:
+    def add(self, shares: list[tuple[np.ndarray, np.ndarray]], walls: np.ndarray) -> None:
         """Draw a frame: the positions and radii of each rank, and line segments."""
         self.canvas.fill(GROUND)
         for rank, (positions, radii) in enumerate(shares):
@@ -51,7 +51,7 @@ def run(comm: MPI.Intracomm, scene: str, n: int, frames: int, out: str) -> None:
     film = Film(out, jostle.scenes.view(scene, n)) if comm.rank == 0 else None
     for _ in range(frames):
         shares = comm.gather((world.positions, world.radii))  # None on the other ranks
-        if film:
+        if film and shares:
             film.add(shares, world.walls)
         world.step(1 / RATE)  # a call of all ranks, as gather and state_hash are
     state = world.state_hash()
@@ -61,7 +61,7 @@ def run(comm: MPI.Intracomm, scene: str, n: int, frames: int, out: str) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(description="Film a scene over the ranks of MPI.")
     parser.add_argument("scene", nargs="?", default="gas", help=", ".join(jostle.scenes.names()))
     parser.add_argument("-n", type=int, default=4_000, help="number of discs")
     parser.add_argument("--frames", type=int, default=600, help="60 are a second")
