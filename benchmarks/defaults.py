@@ -2,8 +2,9 @@
 
     python benchmarks/defaults.py [--scenes gas pile ...] [--counts 10000 100000] [--document]
 
-For every scene and number of particles `jostle_lab.tune` searches the leaf capacity and depth that
-find the pairs fastest, and compares the best with the default in new rounds. The default passes if
+For every scene and number of particles `jostle_lab.tune` times the search for pairs over leaf
+capacity and depth. The fastest settings are compared with the default in new rounds, because the
+minimum of many noisy times is too small. The default passes if
 it takes at most a tenth longer, and fails if it takes more. If the confidence interval of the ratio
 contains both, the result is open. Further tables: one leaf capacity for all scenes; the number of
 shapes from which the tree is faster than brute force; the gain by threads; time and effect of
@@ -15,21 +16,19 @@ With --document the tables and the picture of docs/defaults.md are written again
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from machine import Results, Row, describe, slug
-from timing import interleaved
+from ratios import Ratio, compare, crossing
+from timing import Timing, interleaved
 
 import jostle
-from jostle_lab.tune import records
-from jostle_lab.tune.candidates import Method, Setting, candidate, defaults
-from jostle_lab.tune.findings import crossing, two_digits
-from jostle_lab.tune.report import in_ms
-from jostle_lab.tune.sample import TIME_STEP, Sample
-from jostle_lab.tune.sweep import THOROUGH, Tuner, Tuning
-from jostle_lab.tune.timing import InterleavedTiming, Ratio
+from jostle_lab.tune.measure import Map, Search, Setting, measure
+from jostle_lab.tune.picture import draw, in_ms
 
 Rows = list[Row]
 
@@ -38,18 +37,51 @@ DOCUMENT = Path(__file__).parents[1] / "docs" / "defaults.md"
 PICTURE = DOCUMENT.parent / "pictures" / "defaults.png"
 SHOWN = ("gas", "pile", "mixed", "clusters")  # in the picture
 TOLERATED = 1.10
-FEW = (40, 57, 80, 113, 160, 226, 320, 453)  # shapes, around the limit of brute force
+FINALISTS = 2  # of the fastest, with and without a limit of the depth
+FINAL_ROUNDS = 5  # times those of the map
+EQUAL = 1.02  # times the fastest; up to here a setting without a depth limit is preferred
+FEW = (40, 57, 80, 113, 160, 226, 320, 453, 640, 905)  # shapes, around the limit of brute force
 SUBSTEPS = (1, 2, 4, 8)
+TIME_STEP = 1 / 60
 PILE_SECONDS = 10
 
 
+@dataclass(frozen=True)
+class Tuning:
+    """The map of a scene, and the times of its fastest settings and the default in new rounds."""
+
+    map: Map
+    finals: dict[Setting, Timing]
+
+    def best(self) -> Setting:
+        """Return the fastest setting.
+
+        Among those that are not significantly slower, one without a depth limit is preferred: the
+        best limit depends on the number of particles.
+        """
+        ranked = sorted(self.finals, key=lambda setting: self.finals[setting].median)
+        for setting in ranked:
+            behind = compare(self.finals[setting], self.finals[ranked[0]])
+            close = behind.within_noise and behind.median <= EQUAL
+            if close and setting.max_depth == self.map.default.max_depth:
+                return setting
+        return ranked[0]
+
+    def gain(self) -> Ratio:
+        """Return the time of the default over that of the best."""
+        return compare(self.finals[self.map.default], self.finals[self.best()])
+
+
 def tune(scene: str, n: int, rounds: int, threads: int | None) -> Tuning:
-    """Sweep leaf capacity × depth, then compare the best with the default again."""
-    effort = replace(THOROUGH, rounds=rounds)
-    tuner = Tuner(scene, n, threads=threads, effort=effort)
-    tuner.settings(lambda *_: None)
-    tuner.final(lambda *_: None)
-    return tuner.tuning
+    """Time leaf capacity × depth, then compare the best with the default again."""
+    found = measure(scene, n, threads=threads, rounds=rounds)
+    ranked = sorted(found.rounds, key=found.seconds)
+    unlimited = [setting for setting in ranked if setting.max_depth == found.default.max_depth]
+    chosen = dict.fromkeys([found.default, *ranked[:FINALISTS], *unlimited[:FINALISTS]])
+    search = Search.of(scene, n, threads)
+    calls = [partial(search.pairs, setting) for setting in chosen]
+    timings = interleaved(calls, FINAL_ROUNDS * rounds)
+    return Tuning(found, dict(zip(chosen, timings, strict=True)))
 
 
 def verdicts(tunings: list[Tuning]) -> Rows:
@@ -57,21 +89,21 @@ def verdicts(tunings: list[Tuning]) -> Rows:
     rows: Rows = []
     for tuning in tunings:
         best, gain = tuning.best(), tuning.gain()
-        unlimited = best.max_depth == tuning.default.max_depth
+        unlimited = best.max_depth == tuning.map.default.max_depth
         rows.append(
             {
-                "scene": tuning.scene,
-                "n": tuning.n,
+                "scene": tuning.map.scene,
+                "n": tuning.map.n,
                 "best_leaf_capacity": best.leaf_capacity,
                 "best_max_depth": "none" if unlimited else best.max_depth,
-                "best_s": f"{tuning.final[best].median:.6g}",
-                "default_s": f"{tuning.final[tuning.default].median:.6g}",
+                "best_s": f"{tuning.finals[best].median:.6g}",
+                "default_s": f"{tuning.finals[tuning.map.default].median:.6g}",
                 "default_over_best": f"{gain.median:.3f}",
                 "low": f"{gain.low:.3f}",
                 "high": f"{gain.high:.3f}",
                 "verdict": judge(gain),
-                "rounds": len(tuning.final[best].rounds),
-                "threads": "all" if tuning.threads is None else tuning.threads,
+                "rounds": len(tuning.finals[best].rounds),
+                "threads": tuning.map.threads or "all",
                 "version": jostle.__version__,
             }
         )
@@ -88,14 +120,10 @@ def judge(gain: Ratio) -> str:
 def capacities(tunings: list[Tuning]) -> Rows:
     """Return, for each leaf capacity without a depth limit, its time over the best of a scene."""
     rows: Rows = []
-    for capacity in sorted(tunings[0].tree_depths):
-        times = []
-        for tuning in tunings:
-            outcomes = tuning.settings
-            outcome = outcomes[tuning.cell(capacity, tuning.default.max_depth)]
-            if outcome.rounds:
-                best = min(other.median for other in outcomes.values())
-                times.append(outcome.median / best)
+    maps = [tuning.map for tuning in tunings]
+    for capacity in sorted(maps[0].depths):
+        unlimited = Setting(capacity, maps[0].default.max_depth)
+        times = [one.over_best(unlimited) for one in maps if unlimited in one.rounds]
         if times:
             rows.append(
                 {
@@ -113,13 +141,13 @@ def capacities(tunings: list[Tuning]) -> Rows:
 def brute_limit(scenes: list[str], rounds: int) -> Rows:
     """Return, for each scene, the number of shapes from which the tree is faster."""
     rows: Rows = []
-    methods: tuple[Method, ...] = ("quadtree", "brute force")
     for scene in scenes:
-        samples = {n: Sample.of(scene, n) for n in FEW}
-        settings = [Setting(n, 1.0, *defaults(), method) for n in FEW for method in methods]
-        race = InterleavedTiming({s: candidate(samples[s.n], s, "pairs", 1) for s in settings})
-        race.run(rounds)
-        found = crossing(race.outcomes)
+        ratios = []
+        for search in (Search.of(scene, n) for n in FEW):
+            calls = partial(search.pairs, search.default), partial(brute, search)
+            tree, other = interleaved(calls, rounds)
+            ratios.append(tree.median / other.median)
+        found = crossing(FEW, ratios)
         rows.append(
             {
                 "scene": scene,
@@ -131,18 +159,24 @@ def brute_limit(scenes: list[str], rounds: int) -> Rows:
     return rows
 
 
+def brute(search: Search) -> object:
+    """Find the pairs by testing all."""
+    return jostle.find_pairs(search.positions, search.radii, method="brute", threads=1)
+
+
+def two_digits(value: float) -> int:
+    """Return a number with two significant digits."""
+    return int(round(value, 1 - math.floor(math.log10(value))))
+
+
 def threads(rounds: int) -> Rows:
     """Time the pairs of the gas on one thread and on all."""
     rows: Rows = []
     for n in (1_000, 10_000, 100_000, 1_000_000):
-        sample = Sample.of("gas", n)
+        search = Search.of("gas", n)
         few = rounds if n < 1_000_000 else max(rounds // 5, 3)
-        calls = [
-            lambda sample=sample, many=many: jostle.Quadtree(
-                sample.positions, sample.radii, threads=many
-            ).pairs()
-            for many in (1, None)
-        ]
+        searches = search, replace(search, threads=None)
+        calls = [partial(one.pairs, one.default) for one in searches]
         for many, timing in zip(("1", "all"), interleaved(calls, few), strict=True):
             rows.append({"n": n, "threads": many, "rounds": few, **timing.columns()})
     return rows
@@ -185,6 +219,11 @@ def table(head: list[str], rows: list[list[object]]) -> str:
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
+def ms(seconds: float) -> str:
+    """Return milliseconds with their unit."""
+    return f"{in_ms(seconds)} ms"
+
+
 def verdict_table(rows: Rows) -> str:
     """Return the table of scenes: best setting, and the time of the default over the best."""
     head = ["scene", "discs", "best leaf capacity", "best depth", "default", "default over best"]
@@ -196,7 +235,7 @@ def verdict_table(rows: Rows) -> str:
                 f"{row['n']:,}",
                 row["best_leaf_capacity"],
                 "no limit" if row["best_max_depth"] == "none" else row["best_max_depth"],
-                in_ms(float(str(row["default_s"]))),
+                ms(float(str(row["default_s"]))),
                 f"{float(str(row['default_over_best'])):.2f} "
                 f"({float(str(row['low'])):.2f} to {float(str(row['high'])):.2f})",
                 {"pass": "yes", "fail": "**no**", "open": "the noise leaves it open"}[
@@ -239,8 +278,8 @@ def threads_table(rows: Rows) -> str:
         [
             [
                 f"{n:,}",
-                in_ms(by_key[n, "1"]),
-                in_ms(by_key[n, "all"]),
+                ms(by_key[n, "1"]),
+                ms(by_key[n, "all"]),
                 f"{by_key[n, '1'] / by_key[n, 'all']:.2f}",
             ]
             for n in dict.fromkeys(row["n"] for row in rows)
@@ -255,7 +294,7 @@ def substeps_table(rows: Rows) -> str:
         [
             [
                 row["substeps"],
-                in_ms(float(str(row["median_s"]))),
+                ms(float(str(row["median_s"]))),
                 f"{row['overlap_percent']} %",
                 f"{row['rms_speed']} px/s",
             ]
@@ -275,11 +314,27 @@ def put(name: str, text: str) -> None:
     DOCUMENT.write_text(f"{head}{begin}\n{text}\n\n{end}{tail}", encoding="utf-8")
 
 
-def write(name: str, rows: Rows) -> None:
+def settings(tuning: Tuning) -> Rows:
+    """Return a row for each setting of a map."""
+    return [
+        {
+            "scene": tuning.map.scene,
+            "n": tuning.map.n,
+            "leaf_capacity": setting.leaf_capacity,
+            "max_depth": setting.max_depth,
+            "threads": tuning.map.threads or "all",
+            **Timing(tuple(rounds)).columns(),
+            "version": jostle.__version__,
+        }
+        for setting, rounds in tuning.map.rounds.items()
+    ]
+
+
+def write(folder: Path, name: str, rows: Rows) -> None:
     """Write the rows of one table, in place of this machine's earlier ones."""
-    results = Results(RESULTS / f"{name}-{slug()}.csv")
+    results = Results(folder / f"{name}-{slug()}.csv")
     results.add(rows)
-    print(f"\nwritten to benchmarks/results/{results.path.name}")
+    print(f"\nwritten to {results.path}")
 
 
 def main() -> None:
@@ -291,6 +346,7 @@ def main() -> None:
     parser.add_argument("--counts", type=int, nargs="+", default=[10_000, 100_000])
     parser.add_argument("--rounds", type=int, default=21)
     parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=RESULTS, help="folder of the results")
     parser.add_argument("--document", action="store_true", help="write docs/defaults.md again")
     options = parser.parse_args()
     print(describe())
@@ -313,26 +369,20 @@ def main() -> None:
         "threads": (threads(options.rounds), threads_table),
         "substeps": (substeps(), substeps_table),
     }
-    write("defaults-settings", [row for tuning in tunings for row in records.rows(tuning)])
+    write(options.out, "defaults-settings", [row for one in tunings for row in settings(one)])
     for name, (rows, as_table) in results.items():
-        write(f"defaults-{name}", rows)
+        write(options.out, f"defaults-{name}", rows)
         print(as_table(rows))
         if options.document:
             put(name, as_table(rows))
     if options.document:
-        draw(tunings, options.counts[0])
+        maps = {
+            tuning.map.scene: tuning.map for tuning in tunings if tuning.map.n == options.counts[0]
+        }
+        draw([maps[scene] for scene in SHOWN if scene in maps], PICTURE)
     found = [row["verdict"] for row in results["scenes"][0]]
     said = [f"{found.count(word)} {word}" for word in ("pass", "fail", "open")]
     print(f"\nthe default within {TOLERATED} times the best: {', '.join(said)}")
-
-
-def draw(tunings: list[Tuning], n: int) -> None:
-    """Draw the maps of a few scenes for the document."""
-    from jostle_lab.tune import pictures
-
-    shown = [tuning for tuning in tunings if tuning.scene in SHOWN and tuning.n == n]
-    if shown:
-        pictures.maps(sorted(shown, key=lambda tuning: SHOWN.index(tuning.scene)), 2, PICTURE)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
     python benchmarks/run.py                     all of it, about twenty minutes on two cores
     python benchmarks/run.py pairs plot          some of it
+    python benchmarks/run.py pairs step --largest 100000 --patience 0.3    in two minutes
     python benchmarks/run.py --patience 20       waits longer for the slower rivals
     python benchmarks/run.py --largest 10000 --rounds 3 --out out/trial
 
@@ -33,7 +34,13 @@ import sprites
 import stage_times
 import steps
 import tables
-from machine import Results, Row, describe, slug
+from machine import Results, Row, describe, slug, version_of
+from pair_rivals import RIVALS
+from rich.console import Console
+from rich.table import Table
+
+# The packages of the rivals, whose versions are printed first.
+OTHERS = sorted({rival.package for rival in RIVALS} - {"jostle"} | {"pymunk", "pyb2d3"})
 
 PAIR_SCENES = ("discs", "mixed", "clusters", "rectangles")
 PAIR_COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)
@@ -114,6 +121,7 @@ def main() -> None:
     if unknown := set(parts) - {*PARTS, "plot"}:
         parser.error(f"there is no {', '.join(sorted(unknown))}")
     print(describe())
+    print(libraries())
     failed = [part for part in parts if part in PARTS and not run(part, options)]
     if "plot" in parts:
         if options.out == plot.RESULTS:
@@ -130,16 +138,58 @@ def run(part: str, options: Options) -> bool:
     results = Results(options.out / f"{part}-{slug()}.csv")
     began = time.perf_counter()
     print(f"\n== {part} ==", flush=True)
+    scenes: dict[str, list[Row]] = {}
     try:
         for rows in PARTS[part](options):
             results.add(rows)
             for row in rows:
                 print("  " + "  ".join(str(value) for value in row.values() if value != ""))
+                scenes.setdefault(str(row.get("scene")), []).append(row)
     except Exception:
         traceback.print_exc()
         return False
+    finally:
+        if part in ("pairs", "step"):
+            for own in scenes.values():  # wide, so that a narrow console cuts no figures
+                Console(width=160).print(summary(own), highlight=False)
     print(f"  {time.perf_counter() - began:.0f} s, {results.path.name}")
     return True
+
+
+def libraries() -> str:
+    """Return the compared libraries, and those that are not installed."""
+    versions = {package: version_of(package) for package in OTHERS}
+    there = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+    missing = ", ".join(name for name, version in versions.items() if not version)
+    return f"compared with {there or 'nothing'}" + (f"; without {missing}" if missing else "")
+
+
+def summary(rows: list[Row]) -> Table:
+    """Return the times of one scene per shape, and their ratios to the first row."""
+    counts = list(dict.fromkeys(int(str(row["count"])) for row in rows if row["rounds"]))
+    lines: dict[str, dict[int, float]] = {}
+    for row in rows:
+        if row["rounds"]:
+            seconds, count = float(str(row["median_s"])), int(str(row["count"]))
+            lines.setdefault(tables.named(row), {})[count] = 1e9 * seconds / count
+    title = f"{rows[0]['scene']}, ns per shape (× {next(iter(lines), '')})"
+    shown = Table(title=title, title_justify="left", box=None, padding=(0, 2, 0, 0))
+    shown.add_column("", no_wrap=True)
+    for count in counts:
+        shown.add_column(f"{count:,}", justify="right", no_wrap=True)
+    first = next(iter(lines.values()), {})
+    for name, times in lines.items():
+        shown.add_row(name, *(cell(times.get(count), first.get(count)) for count in counts))
+    return shown
+
+
+def cell(nanoseconds: float | None, base: float | None) -> str:
+    """Return a time and its ratio."""
+    if nanoseconds is None or base is None:
+        return "–"
+    ratio = nanoseconds / base
+    times = f"{ratio:,.0f}" if ratio >= 10 else f"{ratio:.2g}"
+    return f"{nanoseconds:,.0f} (×{times})"
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from machine import slug
@@ -25,11 +25,11 @@ def table(header: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in [head, rule, *lines])
 
 
-def named(row: Row) -> str:
+def named(row: Mapping[str, object]) -> str:
     """Return the name of a row, with how positions were read, and with its threads."""
-    manner = row["manner"] if row["manner"] in ("batch", "body by body") else ""
-    threads = "" if row["threads"] == "1" else f"{row['threads']} threads"
-    return ", ".join(filter(None, [row["name"], manner, threads]))
+    manner = f", {row['manner']}" if row["manner"] in ("batch", "body by body") else ""
+    threads = "" if str(row["threads"]) == "1" else f", {row['threads']} threads"
+    return f"{row['name']}{manner}{threads}"
 
 
 def figure(value: float) -> str:

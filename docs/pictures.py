@@ -5,7 +5,6 @@ python docs/pictures.py [NAME ...]
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,6 +14,8 @@ import imageio_ffmpeg
 import pygame
 from drawings import DRAWINGS
 from PIL import Image
+from tour.stops import STOPS, Stop
+from tour.tour import no_display, visit
 
 from jostle import life
 from jostle_lab.draw.camera import Camera
@@ -24,29 +25,24 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.gui.style import COLUMN, STATISTICS
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
+from jostle_lab.tune import picture
+from jostle_lab.tune.measure import measure
 
 PICTURES = Path(__file__).parent / "pictures"
 
-
-TUNINGS = {"tune-gas": ["gas"]}
-"""First part of the names of pictures: the arguments of `jostle tune` that draw them."""
-
-STILLS = [
-    *("first-look", "pile", "rules", "race", "heat", "trails", "stars"),
-    *("life", "galton", "menu", "why", "walls", "rewind", "settings"),
-]
-"""Stops of `jostle tour` whose stills are kept, as tour-NAME."""
+TUNINGS = {"tune-gas": "gas"}
+"""Names of maps of leaf capacity and depth: their scenes."""
 
 FILMS = {
     "springs": (480, 300, 0, 92),
     "sand": (190, 368, 145, 58),
     "emitters": (480, 300, 0, 98),
 }
-"""Stops of `jostle tour` whose films are kept, as animations: width, height, left and top of the
+"""Stops of the tour whose films are kept, as animations: width, height, left and top of the
 part of the scene that they show, if the scene is 480 pixels wide."""
 
-TOUR = [f"tour-{stop}" for stop in (*STILLS, *FILMS)]
-"""Names of the pictures of both."""
+TOUR = {f"tour-{stop.name}": stop for stop in STOPS}
+"""Name of a picture: the stop that it shows, with scripted input in a window."""
 
 ANIMATION = (
     f"crop=in_w-{COLUMN + STATISTICS}:in_h-36:{COLUMN}:0,scale=480:-1:flags=area,crop={{}},"
@@ -84,26 +80,24 @@ def draw(name: str) -> None:
         elif name in LIVES:
             draw_life(LIVES[name], Path(out) / "life.png")
             keep_small(Path(out) / "life.png", PICTURES / f"{name}.png", colours=64)
-        elif name.startswith("tour-"):
-            draw_stop(name.removeprefix("tour-"), Path(out))
+        elif name in TOUR:
+            draw_stop(TOUR[name], Path(out))
         elif name in TUNINGS:
-            call("tune", *TUNINGS[name], "--out", out)
-            for made in sorted(Path(out).glob(f"{name}-*.png")):
-                shutil.copyfile(made, PICTURES / made.name)
+            picture.draw([measure(TUNINGS[name], 10_000, rounds=31)], PICTURES / f"{name}.png")
         else:
             raise SystemExit(f"there is no picture {name!r}; there are {', '.join(NAMES)}")
 
 
-def draw_stop(stop: str, out: Path) -> None:
+def draw_stop(stop: Stop, out: Path) -> None:
     """Run a stop of the tour, and save its still or its film."""
-    if stop in STILLS:
-        call("tour", "--only", stop, "--stills", "--out", str(out))
-        keep_small(out / f"{stop}.png", PICTURES / f"tour-{stop}.png", colours=256)
+    with no_display():
+        visited = visit(stop, out, film=stop.name in FILMS)
+    if visited.film is None:
+        keep_small(visited.still, PICTURES / f"tour-{stop.name}.png", colours=256)
     else:
-        call("tour", "--only", stop, "--out", str(out))
-        film, kept = out / f"{stop}.mp4", PICTURES / f"tour-{stop}.gif"
-        ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-y", "-i", film]
-        animation = ANIMATION.format(":".join(map(str, FILMS[stop])))
+        ffmpeg = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-y", "-i", visited.film]
+        animation = ANIMATION.format(":".join(map(str, FILMS[stop.name])))
+        kept = PICTURES / f"tour-{stop.name}.gif"
         subprocess.run([*ffmpeg, "-filter_complex", animation, kept], check=True)
 
 
@@ -121,11 +115,6 @@ def keep_small(drawn: Path, kept: Path, colours: int = 128) -> None:
     """Save a picture with a palette of a number of colours."""
     picture = Image.open(drawn).convert("RGB")
     picture.quantize(colours, dither=Image.Dither.NONE).save(kept, optimize=True)
-
-
-def call(*arguments: str) -> None:
-    """Run the command."""
-    subprocess.run([sys.executable, "-m", "jostle_lab.cli", *arguments], check=True)
 
 
 def main() -> None:

@@ -3,6 +3,6 @@
 ======================= ========================================================================
 scripted_user           scripted input in a window without a display
 stops                   the stops of the tour, and the input at each
-tour                    the run over all stops, and its progress bar
+tour                    the run of a stop, as a picture and a video
 ======================= ========================================================================
 """

@@ -22,10 +22,8 @@ class Stop:
     """One stop."""
 
     name: str  # of its files
-    sentence: str  # description
     settings: Settings
     script: Callable[[ScriptedUser], None]
-    filmed: bool = False
     tree: TreeView = TreeView.OFF
     colour_by: ColourBy = ColourBy.AUTO
 
@@ -132,13 +130,6 @@ def why(user: ScriptedUser) -> None:
     user.wait(4)
 
 
-def controls(user: ScriptedUser) -> None:
-    """The list of mouse and keys."""
-    user.wait(2)
-    user.key(pygame.K_h)
-    user.wait(4)
-
-
 def walls(user: ScriptedUser) -> None:
     """Rain on drawn walls, deflected by an attractor."""
     session = user.session
@@ -206,33 +197,21 @@ def nearest(frame: Frame, point: Point, rank: int = 0) -> Point:
 
 
 STOPS = (
-    Stop("first-look", "The window after the start: discs of all sizes, and the tree.",
-         Settings("mixed"), waiting(3), tree=TreeView.OUTLINE),
-    Stop("pile", "A pile at rest; a line for each contact.", Settings("pile"), pile),
-    Stop("rules", "A gas with exact physics, and beside it with the article's rules.",
-         Settings("gas", 500), rules),
-    Stop("race", "Brute force and quadtree side by side.",
-         Settings("clusters", 12_000, threads=1), race),
-    Stop("heat", "The tree by occupancy: full leaves are bright.", Settings("clusters"),
-         waiting(1.5), tree=TreeView.HEAT),
-    Stop("springs", "A soft body is dragged and thrown.", Settings("springs"), springs, True),
-    Stop("stars", "A cloud of points becomes stars.", Settings("stars"), stars, True),
-    Stop("life", "Particle life: flowers of six kinds.", Settings("life", 2_500), life),
-    Stop("sand", "An hourglass.", Settings("sand"), sand, True),
-    Stop("galton", "A Galton board, and the binomial curve.", Settings("galton"), galton),
-    Stop("thermostat", "Two gases between walls that have a temperature.",
-         Settings("thermostat"), waiting(4), colour_by=ColourBy.VELOCITY),
-    Stop("brownian", "The path of a large disc among small ones.",
-         Settings("brownian"), waiting(25)),
-    Stop("emitters", "Jets, a fountain, and steps.", Settings("emitters"), emitters, True),
-    Stop("menu", "A right click on a particle.", Settings("mixed", 600), menu),
-    Stop("why", "Why two particles touch.", Settings("pile"), why),
-    Stop("help", "The list of mouse and keys.", Settings("pile"), controls, tree=TreeView.OUTLINE),
-    Stop("walls", "Walls and an attractor, drawn into the rain.", Settings("rain", 900),
-         walls, True),
-    Stop("trails", "Colours by velocity, and trails.", Settings("billiards"), trails,
-         colour_by=ColourBy.VELOCITY),
-    Stop("rewind", "Back in time.", Settings("pile", 300), rewind),
-    Stop("settings", "Another container and gravity, while it runs.",
-         Settings("pile"), settings),
-)  # fmt: skip
+    Stop("first-look", Settings("mixed"), waiting(3), tree=TreeView.OUTLINE),
+    Stop("pile", Settings("pile"), pile),
+    Stop("rules", Settings("gas", 500), rules),
+    Stop("race", Settings("clusters", 12_000, threads=1), race),
+    Stop("heat", Settings("clusters"), waiting(1.5), tree=TreeView.HEAT),
+    Stop("springs", Settings("springs"), springs),
+    Stop("stars", Settings("stars"), stars),
+    Stop("life", Settings("life", 2_500), life),
+    Stop("sand", Settings("sand"), sand),
+    Stop("galton", Settings("galton"), galton),
+    Stop("emitters", Settings("emitters"), emitters),
+    Stop("menu", Settings("mixed", 600), menu),
+    Stop("why", Settings("pile"), why),
+    Stop("walls", Settings("rain", 900), walls),
+    Stop("trails", Settings("billiards"), trails, colour_by=ColourBy.VELOCITY),
+    Stop("rewind", Settings("pile", 300), rewind),
+    Stop("settings", Settings("pile"), settings),
+)

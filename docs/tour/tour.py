@@ -1,23 +1,21 @@
-"""The run over all stops, in a window without a display, as pictures and videos."""
+"""The run of a stop in a window without a display, as a picture and a video."""
 
 from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pygame
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from jostle_lab.draw.camera import Size
 from jostle_lab.simulate.start import start
 from jostle_lab.storage.encoder import Encoder, write_png
 from jostle_lab.window import SIZE, Window
 from tour.scripted_user import FILMED, FRAME, ScriptedUser
-from tour.stops import STOPS, Stop
+from tour.stops import Stop
 
 DRIVERS = ("offscreen", "dummy")  # of SDL, without a display
 RATE = round(1 / (FILMED * FRAME))
@@ -29,11 +27,7 @@ class Visit:
 
     still: Path
     film: Path | None
-    pictures: int  # in the video
-
-
-def names() -> list[str]:
-    return [stop.name for stop in STOPS]
+    frames: int  # of the video
 
 
 def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
@@ -49,8 +43,7 @@ def visit(stop: Stop, out: Path, size: Size = SIZE, *, film: bool) -> Visit:
         user = ScriptedUser(window, recorder.draw if recorder else None)
         stop.script(user)
         write_png(user.picture(), still)
-    pictures = recorder.frames if recorder else 0
-    return Visit(still, path if film else None, pictures)
+    return Visit(still, path if film else None, recorder.frames if recorder else 0)
 
 
 @contextlib.contextmanager
@@ -70,24 +63,3 @@ def no_display() -> Iterator[None]:
             del os.environ["SDL_VIDEODRIVER"]
         else:
             os.environ["SDL_VIDEODRIVER"] = before
-
-
-def show_tour(out: Path, chosen: Sequence[str], *, films: bool, console: Console) -> None:
-    """Run the chosen stops, or all, and print a line for each.
-
-    The files in `out`, an existing folder, are named after the stops, and replace those of an
-    earlier tour.
-    """
-    stops = [stop for stop in STOPS if not chosen or stop.name in chosen]
-    longest = max(map(len, names()))
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
-    with no_display(), Progress(*columns, TimeElapsedColumn(), console=console) as progress:
-        task = progress.add_task("", total=len(stops))
-        for stop in stops:
-            progress.update(task, description=stop.name.ljust(longest))
-            film = visit(stop, out, film=films and stop.filmed).film
-            video = f" {film.name}" if film else ""
-            progress.print(f"{stop.name.ljust(longest)}  {stop.sentence}{video}", highlight=False)
-            progress.advance(task)
-        progress.update(task, description=" " * longest)
-    console.print(f"in {out}", highlight=False, soft_wrap=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -17,6 +18,8 @@ import step_rivals
 import steps
 from machine import Results, describe, slug, version_of
 from pair_rivals import RIVALS, Rival, Unable
+from ratios import compare, crossing
+from run import summary
 from timing import Timing, interleaved
 
 import jostle
@@ -278,10 +281,9 @@ def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
 
 
-# ---- benchmarks/ ---------------------------------------------------------------------------------
+# ---- the programs --------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
 def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
     parts = ["pairs", "small", "share", "hard-cases"]
     options = ["--largest", "100", "--rounds", "2", "--out", str(tmp_path)]
@@ -289,6 +291,9 @@ def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
         [sys.executable, BENCHMARKS / "run.py", *parts, *options], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
+    for words in (describe().split(",")[0], "discs, ns per shape", "jostle, 2 threads", "(×1)"):
+        assert words in done.stdout
+    assert "…" not in done.stdout
     assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
 
     page = tmp_path / "page.md"
@@ -312,9 +317,7 @@ def run_benchmarks(*arguments: str | Path, code: str = "") -> None:
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
 def test_the_limits_of_the_memory_are_computed_and_drawn(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
     code = """
 import sys, pathlib, bandwidth, plot
 rows = bandwidth.rows([1000, 20.0, 10.0, 800], 1e10, 3)
@@ -330,9 +333,7 @@ plot.draw_bandwidth([{**row, "machine": ""} for row in as_text], pathlib.Path(sy
     assert picture.stat().st_size > 10_000
 
 
-@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
 def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
     options = ["--largest", "60", "--rounds", "3", "--out", tmp_path]
     run_benchmarks("stage-times", *options)
     results = tmp_path / f"stage-times-{slug()}.csv"
@@ -353,8 +354,7 @@ def test_the_times_of_stages_are_measured_and_drawn(tmp_path: Path) -> None:
     assert picture.read_bytes() != drawn  # the bars of the earlier version
 
 
-@pytest.mark.skipif(not BENCHMARKS.is_dir(), reason="only the repository has the scripts")
-def test_stages_have_the_colours_of_the_app() -> None:
+def test_stages_have_the_colours_of_the_simulator() -> None:
     pytest.importorskip("imgui_bundle")
     run_benchmarks(
         code="import plot; from jostle_lab.panels.statistics_panel import STAGES\n"
@@ -363,107 +363,56 @@ def test_stages_have_the_colours_of_the_app() -> None:
     )
 
 
-# ---- the command ---------------------------------------------------------------------------------
-
-
-def test_the_command_shows_tables_and_writes_a_file(monkeypatch, capsys, tmp_path: Path) -> None:
-    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
-        pytest.importorskip(extra)
-    from jostle_lab import cli
-
-    path = tmp_path / "figures.csv"
-    monkeypatch.setattr(
-        sys, "argv", ["jostle", "bench", "-n", "40", "--rounds", "2", "--csv", str(path)]
-    )
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    assert exit_.value.code == 0
-    printed = capsys.readouterr().out
-    for words in (describe().split(",")[0], "all pairs", "one step", "jostle, 2 threads", "(×1)"):
-        assert words in printed
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert {row["kind"] for row in rows} == {"pairs", "step"}
-    assert {row["scene"] for row in rows} == {
-        "discs",
-        "mixed",
-        "clusters",
-        "rectangles",
-        "gas",
-        "pile",
+def test_only_what_measures_the_simulator_imports_it() -> None:
+    importers = {
+        path.name
+        for path in BENCHMARKS.glob("*.py")
+        if re.search(r"^ *(?:from|import) jostle_lab", path.read_text(), re.MULTILINE)
     }
+    assert importers == {"frames.py", "step_rivals.py", "defaults.py"}
 
 
-def bench(monkeypatch, *arguments: str) -> int:
-    for extra in ("typer", "rich", "pygame", "imageio_ffmpeg"):
-        pytest.importorskip(extra)
-    from jostle_lab import cli
+def test_a_summary_has_times_per_shape_and_ratios_to_the_first_row() -> None:
+    def row(name: str, count: int, rounds: int, seconds: float) -> dict[str, object]:
+        same = {"scene": "discs", "manner": "", "threads": 1}
+        return {**same, "name": name, "count": count, "rounds": rounds, "median_s": seconds}
 
-    options = ["-n", "40", "--rounds", "1", *arguments]
-    monkeypatch.setattr(sys, "argv", ["jostle", "bench", *options])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    return int(str(exit_.value.code))
-
-
-def test_interrupted_it_shows_what_was_measured(monkeypatch, capsys, tmp_path: Path) -> None:
-    whole = pairs.compare
-
-    def interrupted(scene: str, *arguments: object, **options: object):
-        yield next(whole(scene, *arguments, **options))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(pairs, "compare", interrupted)
-    path = tmp_path / "figures.csv"
-    assert bench(monkeypatch, "--csv", str(path)) == 130
-    printed = capsys.readouterr().out
-    rows = len(path.read_text().splitlines()) - 1
-    assert "Stopped" in printed and "discs: all pairs" in printed and "(×1)" in printed
-    assert f"{rows} rows written to" in printed
+    rows = [row("a", 10, 2, 1e-7), row("b", 10, 2, 2e-6), row("a", 20, 2, 4e-7), row("b", 20, 0, 0)]
+    shown = summary(rows)
+    assert [list(column.cells) for column in shown.columns] == [
+        ["a", "b"],
+        ["10 (×1)", "200 (×20)"],
+        ["20 (×1)", "–"],
+    ]
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        (".", "is a folder"),
-        ("there.csv", "is there already"),
-        ("missing/new.csv", "there is no folder"),
-        ("there.csv/new.csv", "no file can be written"),
-    ],
-)
-def test_a_file_that_cannot_be_new_is_refused_first(
-    monkeypatch, capsys, tmp_path: Path, name: str, words: str
-) -> None:
-    (tmp_path / "there.csv").write_text("an earlier run")
-    assert bench(monkeypatch, "--csv", str(tmp_path / name)) == 2
-    printed = capsys.readouterr()
-    assert not printed.out and printed.err.count("\n") == 1
-    assert words in printed.err and "--csv" in printed.err and "--out" not in printed.err
-    assert [path.name for path in tmp_path.iterdir()] == ["there.csv"]
+# ---- the defaults --------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a full device")
-def test_a_full_disk_is_one_sentence_after_the_table(monkeypatch, capsys) -> None:
-    assert bench(monkeypatch, "--csv", "/dev/full") == 2
-    printed = capsys.readouterr()
-    assert "discs: all pairs" in printed.out
-    assert "could not be written" in printed.err and printed.err.count("\n") == 1
+def test_a_ratio_has_the_confidence_interval_of_its_median() -> None:
+    slow = Timing(tuple(2.0 + 0.01 * k for k in range(21)))
+    ratio = compare(slow, Timing((1.0,) * 21))
+    assert (ratio.median, ratio.low, ratio.high) == pytest.approx((2.10, 2.05, 2.15))
+    assert not ratio.within_noise and compare(slow, slow).within_noise
+    few = compare(Timing((2.0,) * 5), Timing((1.0,) * 5))
+    assert (few.median, few.low, few.high) == (2.0, 0.0, np.inf)
 
 
-def test_a_narrow_console_cuts_no_figures(monkeypatch, capsys) -> None:
-    from rich.console import Console
-
-    from jostle_lab import cli
-
-    monkeypatch.setattr(cli.commands, "console", Console(width=24))
-    assert bench(monkeypatch) == 0
-    printed = capsys.readouterr().out
-    assert "…" not in printed and "(×1)" in printed
+def test_a_crossing_lies_between_the_last_counts_of_both_kinds() -> None:
+    assert crossing([100, 400], [2.0, 0.5]) == pytest.approx(200)
+    assert crossing([50, 100, 200, 400], [0.9, 4.0, 1.0, 0.5]) == pytest.approx(200)
+    assert crossing([100, 400], [2.0, 1.5]) is None
 
 
-def test_it_says_at_how_many_shapes_steps_are_run() -> None:
-    import command
-
-    assert "a fifth" in command.sizes(command.comparisons(2_000))
-    assert "up to 10,000" in command.sizes(command.comparisons(100_000))
-    assert command.sizes(command.comparisons(40)) == "pairs and steps of up to 40 shapes"
+def test_the_defaults_are_compared_with_the_best_settings(tmp_path: Path) -> None:
+    code = """
+import sys, pathlib, defaults
+found = defaults.tune("gas", 200, 3, 1)
+(row,) = defaults.verdicts([found])
+assert row["verdict"] in ("pass", "fail", "open") and float(row["default_over_best"]) > 0
+assert {row["leaf_capacity"] for row in defaults.settings(found)} == set(found.map.depths)
+assert "| 96 |" in defaults.capacities_table(defaults.capacities([found]))
+defaults.write(pathlib.Path(sys.argv[1]), "defaults", [row])
+"""
+    run_benchmarks(tmp_path, code=code)
+    assert "default_over_best" in (tmp_path / f"defaults-{slug()}.csv").read_text()

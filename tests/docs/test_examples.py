@@ -97,3 +97,17 @@ def test_its_picture_is_in_the_documents(example: Path) -> None:
 def test_the_list_says_what_the_example_says(example: Path) -> None:
     words = ast.get_docstring(ast.parse(example.read_text(encoding="utf-8")))
     assert words in (FOLDER / "README.md").read_text(encoding="utf-8")
+
+
+def test_processes_that_sweep_a_setting_report_each_value() -> None:
+    done = subprocess.run(
+        [sys.executable, str(FOLDER / "sweep.py")], capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    left = [float(line.split()[1]) for line in done.stdout.splitlines()[1:]]
+    assert len(left) == 4 and left == sorted(left) and left[-1] == 1.0
+
+
+@pytest.mark.parametrize(("name", "lines"), [("sweep", 40), ("film_over_ranks", 80)])
+def test_examples_with_processes_are_short(name: str, lines: int) -> None:
+    assert len((FOLDER / f"{name}.py").read_text(encoding="utf-8").splitlines()) <= lines

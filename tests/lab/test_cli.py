@@ -95,9 +95,9 @@ def test_version(monkeypatch, capsys) -> None:
         (["run", "--renderer", "crayon"], "--renderer is 'crayon'; it must be one of auto, opengl"),
         (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
         (["run", "--speed", "3"], "--speed"),
-        (["bench", "-n", "3"], "-n is 3; it must be a whole number from 10 to"),
-        (["bench", "--rounds", "0"], "--rounds is 0"),
-        (["bench", "--threads", "0"], "--threads is 0"),
+        (["tune", "gas", "-n", "0"], "-n is 0; it must be a whole number from 1 to"),
+        (["tune", "gass"], "no scene 'gass'; did you mean gas?"),
+        (["tour"], "tour"),
         (["dance"], "dance"),
     ],
 )
@@ -124,9 +124,23 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
     assert "no file can be written" in sentence
 
 
+def test_the_commands_are_those_of_the_documents() -> None:
+    names = {command.callback.__name__ for command in cli.commands.app.registered_commands}
+    assert names == {"run", "scenes", "sweep", "tune"}
+
+
+def test_the_version_is_printed_without_the_imports_of_the_commands() -> None:
+    code = (
+        "import sys; sys.argv[1:] = ['--version']; from jostle_lab.__main__ import main; main();"
+        "print(*sorted({'numpy', 'typer', 'rich', 'pygame', 'jostle'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == (f"jostle {jostle.__version__}\n\n", "")
+
+
 def test_the_package_is_the_command() -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "jostle", "--version"], capture_output=True, text=True
+        [sys.executable, "-m", "jostle_lab", "--version"], capture_output=True, text=True
     )
     assert (done.returncode, done.stdout) == (0, f"jostle {jostle.__version__}\n")
 
@@ -134,7 +148,7 @@ def test_the_package_is_the_command() -> None:
 def test_the_version_is_that_of_the_package() -> None:
     from importlib import metadata
 
-    assert jostle.__version__ == metadata.version("jostle")
+    assert jostle.__version__ == metadata.version("jostle") == metadata.version("jostle-lab")
 
 
 def test_the_display_decides(monkeypatch) -> None:

@@ -119,7 +119,7 @@ def test_without_a_context_there_is_the_software(monkeypatch: pytest.MonkeyPatch
         Screen(SIZE, "opengl")
 
 
-def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> None:
+def test_without_imgui_the_command_names_the_python_that_has_it(monkeypatch, capsys) -> None:
     from jostle_lab import cli
 
     find = importlib.util.find_spec
@@ -130,7 +130,7 @@ def test_without_imgui_the_command_names_the_package(monkeypatch, capsys) -> Non
     monkeypatch.setattr(sys, "argv", ["jostle", "run", "gas"])
     with pytest.raises(SystemExit):
         cli.main()
-    assert "needs imgui-bundle" in capsys.readouterr().err
+    assert "needs Python 3.11" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("renderer", ["software", "opengl"])

@@ -3,7 +3,7 @@
 A checksum says that nothing was lost, not who wrote the file. So each field of valid files is set
 to values that jostle does not write, and the file is sealed again. The app must either refuse it in
 one sentence and keep the scene that runs, or go on with the file: step, draw, save and load again.
-`python tests/test_app_forged.py` tries every change instead of a sample, which takes many minutes.
+`python tests/lab/test_forged.py` tries every change instead of a sample, which takes many minutes.
 """
 
 from __future__ import annotations

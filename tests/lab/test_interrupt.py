@@ -142,7 +142,7 @@ def signal_(*arguments):
     print("handled", flush=True)
     return before
 _signal.signal = signal_
-from jostle_lab import main
+from jostle_lab.__main__ import main
 main()
 """
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pygame
 import pytest
-from test_app_panels import Desk
+from test_panels import Desk
 
 from jostle import life
 from jostle_lab.act.interaction import Tool

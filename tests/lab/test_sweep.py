@@ -2,7 +2,6 @@
 
 import contextlib
 import csv
-import os
 import signal
 import subprocess
 import sys
@@ -10,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
-from mpi_ranks import needs_mpi, run_ranks
 
+import jostle
 from jostle_lab.sweep.plan import PlanError, parse, plan
 from jostle_lab.sweep.run import do
 from jostle_lab.sweep.table import Table, TableError
@@ -62,8 +61,6 @@ def test_measures_are_right() -> None:
     row = do(run)
     found = {name: float(row[name]) for name in names}
     # An ideal gas has p A = N kT, with the mean energy kT in two dimensions; discs have more.
-    import jostle
-
     world = jostle.scenes.create("gas", n=400, seed=0)
     box = world.container
     area = (box.max_x - box.min_x) * (box.max_y - box.min_y)
@@ -131,15 +128,6 @@ def test_wrong_options_are_refused(tmp_path: Path, options: list[str], message: 
 def test_a_run_that_fails_ends_the_sweep_with_its_message(tmp_path: Path) -> None:
     done = sweep(tmp_path / "table.csv", "--set", "drag=-1", "--workers", "1")
     assert done.returncode == 2 and "drag" in done.stderr
-
-
-@needs_mpi
-def test_ranks_write_the_rows_of_one_process(tmp_path: Path) -> None:
-    assert sweep(tmp_path / "one.csv", "--workers", "1").returncode == 0
-    out = tmp_path / "ranks.csv"
-    run_ranks(3, "-m", "jostle_lab", "sweep", *OPTIONS, "--out", out)
-    assert rows(out) == rows(tmp_path / "one.csv")
-    assert os.path.getsize(out) > 0
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it reads /proc")

@@ -20,6 +20,8 @@ from jostle_lab.simulate.start import start
 from jostle_lab.storage import encoder, exports
 from jostle_lab.sweep.plan import plan
 from jostle_lab.sweep.table import Table
+from jostle_lab.tune.measure import Map, Setting
+from jostle_lab.tune.picture import draw
 
 MOST = 200  # bytes of a file on the disk that is full
 
@@ -60,9 +62,8 @@ def trajectory(path: Path) -> None:
 
 
 def plot(path: Path) -> None:
-    from jostle_lab.tune import pictures
-
-    pictures._save(pictures._figure(3, 2), path)
+    setting = Setting(96, 4096)
+    draw([Map("gas", 10, 1, setting, {3: 2, 96: 1}, {setting: [1e-3]})], path)
 
 
 WRITERS = [picture, film, particles, trajectory, plot]

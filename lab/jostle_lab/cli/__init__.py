@@ -1,4 +1,4 @@
-"""The command: `jostle run`, `tour`, `tune`, `scenes`, `bench` and `sweep`.
+"""The command: `jostle run`, `scenes`, `sweep` and `tune`.
 
 refusals  checks of arguments
 runs      the ways to run a scene
@@ -8,6 +8,7 @@ commands  the commands and their options
 from __future__ import annotations
 
 import io
+import os
 import sys
 
 import typer
@@ -20,6 +21,7 @@ from .refusals import tell
 
 def main() -> None:
     """Run the command; an error in its arguments becomes a message and exit code 2."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):  # characters that it cannot encode become "?"
             stream.reconfigure(errors="replace")

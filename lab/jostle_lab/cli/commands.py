@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
@@ -17,30 +16,23 @@ from jostle_lab.simulate.settings import (
     METHODS,
     RENDERERS,
     RULES,
-    SEED,
     STEPS,
-    THREADS,
     Settings,
 )
 from jostle_lab.simulate.validation import one_of, whole
 
 from .refusals import (
-    INSTALL,
-    check_extra,
     check_file,
     check_folder,
-    check_new_file,
     check_option,
     check_scene,
     console,
     refuse,
 )
-from .runs import has_display, read_settings, record, run_on_ranks, show
+from .runs import has_display, read_settings, record, show
 
 DEFAULT_SCENE = "mixed"
 TUNED = whole(1, 2_000_000)  # particles
-SHAPES = whole(10, 10_000_000)  # shapes
-ROUNDS = whole(1, 1_000)
 SEEDS = whole(1, 1_000_000)
 SWEPT = whole(1, 1_000_000_000)
 WARM_UP = whole(0, 1_000_000_000)
@@ -117,15 +109,6 @@ def run(
         bool, typer.Option("--headless", help="Record a video instead of opening a window.")
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the video and the picture.")] = Path("out"),
-    mpi: Annotated[
-        bool, typer.Option("--mpi", help="Run over the ranks of MPI, as if mpirun starts several.")
-    ] = False,
-    checkpoint: Annotated[
-        int | None, typer.Option(help="Steps between checkpoints of a run over ranks.")
-    ] = None,
-    resume: Annotated[
-        Path | None, typer.Option(help="A checkpoint to continue, on any number of ranks.")
-    ] = None,
 ) -> None:
     """Run a scene in a window, or record a video if there is no display."""
     if scene is not None:
@@ -139,16 +122,10 @@ def run(
         check_option(name, value, RULES[name])
     check_option("steps", steps, STEPS)
     check_option("renderer", renderer, one_of(*RENDERERS))
-    check_extra()
+    if is_started_by_mpi():
+        refuse("a scene runs in one process; examples/film_over_ranks.py runs one on many ranks")
     config = read_settings(config_file)
     settings = replace(config.settings, **given)
-    if mpi or is_started_by_mpi():
-        check_option("checkpoint", checkpoint, STEPS)
-        run_on_ranks(settings, config, steps, out, checkpoint, resume)
-        return
-    for option, value in (("--checkpoint", checkpoint), ("--resume", resume)):
-        if value is not None:
-            refuse(f"{option} is for runs over ranks; add --mpi, or start the command with mpirun")
     why_no_window = None
     if not headless:
         why_no_window = (
@@ -167,107 +144,32 @@ def run(
 
 
 @app.command()
-def tour(
-    out: Annotated[Path, typer.Option(help="Folder for the pictures and videos.")] = Path("out"),
-    only: Annotated[
-        list[str] | None, typer.Option(help="A single stop; may be given repeatedly.")
-    ] = None,
-    stills: Annotated[bool, typer.Option("--stills", help="Make no videos.")] = False,
-) -> None:
-    """Make pictures and short videos of the simulator, without a display."""
-    check_extra("imgui_bundle")
-    from tour.tour import names, show_tour
-
-    for name in only or []:
-        if name not in names():
-            refuse(f"there is no stop {name!r}; the stops are {', '.join(names())}")
-    check_folder(out)
-    try:
-        with interrupt.raised():
-            show_tour(out, only or [], films=not stills, console=console)
-    except OSError as error:
-        refuse(f"the tour could not be written: {str(error).splitlines()[0]}")
-
-
-@app.command()
 def tune(
-    scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
-    n: Annotated[int, typer.Option("-n", "--n", help="Number of particles.")] = 10_000,
-    rounds: Annotated[
-        int | None, typer.Option(help="Maximum number of rounds of each sweep, as time allows.")
+    scene: Annotated[
+        str, typer.Argument(help="A scene, as `jostle scenes` lists them.")
+    ] = DEFAULT_SCENE,
+    n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The picture.  [default: out/tune-SCENE.png]", show_default=False),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(help="Threads of each call; all cores if not given.")
-    ] = None,
-    step: Annotated[
-        bool,
-        typer.Option("--step", help="Time steps of the world instead of the search for pairs."),
-    ] = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="About 15 s instead of up to two minutes.")
-    ] = False,
-    seed: Annotated[int, typer.Option(help="The same seed gives the same particles.")] = 0,
-    out: Annotated[Path, typer.Option(help="Folder for the CSV and the pictures.")] = Path("out"),
 ) -> None:
-    """Find the best settings for a scene: leaf capacity, depth, world size, particles."""
+    """Draw a map of the time to find all pairs, over the leaf capacity and depth of the tree."""
     check_scene(scene)
     check_option("n", n, TUNED)
-    check_option("rounds", rounds, ROUNDS)
-    check_option("threads", threads, THREADS)
-    check_option("seed", seed, SEED)
-    if importlib.util.find_spec("matplotlib") is None:
-        refuse(INSTALL.format("matplotlib"))
+    path = out or Path("out") / f"tune-{scene}.png"
+    check_folder(path.parent)
+    check_file("--out", path)
     from jostle_lab.tune import command
 
-    work: Literal["step", "pairs"] = "step" if step else "pairs"
-    check_folder(out, make=False)
-    for path in command.files(scene, work, out):
-        check_file("--out", path)
     try:
         with interrupt.raised():
-            finished = command.tune(
-                *(scene, n, out, console),
-                work=work,
-                threads=threads,
-                rounds=rounds,
-                quick=quick,
-                seed=seed,
-            )
+            command.tune(scene, n, path, console)
+    except KeyboardInterrupt:
+        console.print("Stopped; no picture was written.")
+        raise
     except OSError as error:
-        refuse(f"the tuning could not be written: {str(error).splitlines()[0]}")
-    if not finished:
-        raise typer.Exit(interrupt.CODE)
-
-
-@app.command()
-def bench(
-    n: Annotated[
-        int,
-        typer.Option(
-            "-n", help="Maximum number of shapes; for steps a fifth of it, at least 1,000."
-        ),
-    ] = 100_000,
-    rounds: Annotated[int, typer.Option(help="Number of timings of each.")] = 9,
-    threads: Annotated[
-        int, typer.Option(help="Maximum number of threads, in addition to one.")
-    ] = 2,
-    csv: Annotated[Path | None, typer.Option(help="A new file for the results.")] = None,
-) -> None:
-    """Compare jostle with other installed libraries on this machine."""
-    import command
-
-    check_option("n", n, SHAPES)
-    check_option("rounds", rounds, ROUNDS)
-    check_option("threads", threads, THREADS)
-    if csv is not None:
-        check_new_file("--csv", csv)
-    try:
-        with interrupt.raised():
-            finished = command.bench(n, rounds, sorted({1, threads}), csv, console)
-    except OSError as error:
-        refuse(f"the results could not be written: {str(error).splitlines()[0]}")
-    if not finished:
-        raise typer.Exit(interrupt.CODE)
+        refuse(f"the picture could not be written: {str(error).splitlines()[0]}")
 
 
 @app.command()

@@ -1,22 +1,19 @@
-"""The ways to run a scene: in a window, as a video, over the ranks of MPI."""
+"""The ways to run a scene: in a window, or as a video."""
 
 from __future__ import annotations
 
 import importlib.util
 import os
 import sys
-import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import typer
 
 from jostle_lab import interrupt
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 
-from .refusals import check_extra, console, refuse, tell
+from .refusals import console, refuse
 
 if TYPE_CHECKING:
     from jostle_lab.storage.config import Config
@@ -38,7 +35,8 @@ def read_settings(path: Path | None) -> Config:
 
 def show(settings: Settings, steps: int | None, renderer: str, config: Config) -> str | None:
     """Run in a window; return the reason if none can be opened."""
-    check_extra("imgui_bundle")
+    if importlib.util.find_spec("imgui_bundle") is None:
+        refuse("the window needs Python 3.11 or newer; --headless records a video")
     import pygame
 
     from jostle_lab.draw.screen import NoRendererError
@@ -78,45 +76,6 @@ def record(settings: Settings, steps: int | None, out: Path, config: Config) -> 
         raise
     console.print(film_report(simulation, film))
     console.print(f"video    {film.video}\npicture  {film.still}", highlight=False, soft_wrap=True)
-
-
-def run_on_ranks(
-    settings: Settings,
-    config: Config,
-    steps: int | None,
-    out: Path,
-    checkpoint: int | None,
-    resume: Path | None,
-) -> None:
-    """Record a video of a scene whose particles are distributed over the ranks of MPI."""
-    if importlib.util.find_spec("mpi4py") is None:
-        refuse(
-            "a run over ranks needs mpi4py, which is not installed; "
-            'in the folder of the source of jostle, run pip install "./lab[mpi]"'
-        )
-    from mpi4py import MPI
-    from ranks_old.run import DEFAULT_STEPS, Plan, Stopped, leave_together, run
-
-    from jostle.mpi import RankError
-    from jostle_lab.headless import SIZE
-
-    size = config.size or SIZE
-    plan = Plan(settings, steps or DEFAULT_STEPS, out, checkpoint, resume, size)
-    try:
-        run(MPI.COMM_WORLD, plan, console)
-        return
-    except Stopped as stopped:
-        tell(str(stopped))
-        code = interrupt.CODE
-    except (RankError, ValueError, MemoryError, OSError) as error:
-        tell(f"jostle: the run over ranks has ended: {error}")
-        code = 2
-    except BaseException:
-        # The other ranks do not know of this one's error.
-        traceback.print_exc()
-        MPI.COMM_WORLD.Abort(1)
-    leave_together(MPI.COMM_WORLD)
-    raise typer.Exit(code)
 
 
 def _start(settings: Settings, config: Config) -> Simulation:

@@ -1,6 +1,4 @@
-"""Measures the settings that find the pairs of a scene fastest.
+"""A map of the time to find all pairs, over the leaf capacity and maximum depth of the tree.
 
-In reading order: `timing` is the protocol, independent of trees; `sample` the shapes of a scene;
-`candidates` the timed calls; `sweep` the order of the settings; `findings` the conclusions;
-`report`, `records` (CSV) and `pictures` the output; `command` runs all of them.
+`measure` times the trees, `picture` draws the map, `command` prints a table and saves the picture.
 """
