@@ -15,9 +15,12 @@ gui                     the host of ImGui; the keymap and the input of the windo
 panels                  panels and menus, built with ImGui
 window                  the interactive loop
 headless                the run without a window, and its table
-ranks                   the run over the ranks of MPI
-tour                    scripted input that makes the pictures and videos of the documents
+sweep                   runs of a scene with many settings and seeds
+cli                     the command `jostle`
 ======================= ========================================================================
+
+Below all of them are `interrupt` (Ctrl-C), `launcher` (the number of ranks) and `extras` (how to
+install what is missing). `pyproject.toml` of the repository has the rules, which `make lint` checks.
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
 changes it through `Engine.edit`. The library never imports this package.

@@ -70,7 +70,7 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 
 
 def test_the_documents_name_every_entry() -> None:
-    page = (EXAMPLE.parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+    page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
     shown = (field.name for field in fields(ViewOptions))
     for name in (*RULES, *rules_of(Group), *rules_of(Polyline), *WINDOW_RULES, *shown):
         spelled = f"[[{name}]]" if name in ("particles", "walls") else name
