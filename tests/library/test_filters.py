@@ -130,16 +130,6 @@ def test_discs_that_may_not_touch_cost_nothing() -> None:
     assert world.stats.tests > 20_000
 
 
-def test_walls_and_the_container_stop_them_all() -> None:
-    wall = jostle.polyline([(3, -9), (3, 9)])
-    world = jostle.World(
-        [(0, 0), (-5, 0)], [(9, 0), (-9, 0)], 1.0, categories=0, masks=0, walls=wall,
-        container=jostle.Box(-9, -9, 9, 9),
-    )  # fmt: skip
-    world.step(0.5)
-    np.testing.assert_allclose(world.velocities, [(-9, 0), (9, 0)])
-
-
 def test_a_platform_that_only_some_stand_on() -> None:
     """An immovable disc with a category that only one of two may touch."""
     world = jostle.World(

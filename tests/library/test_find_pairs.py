@@ -111,26 +111,6 @@ def test_rectangles_overlap_by_their_insides() -> None:
     assert len(jostle.find_pairs(flat, half_sizes=(5, 0))) == 0
 
 
-@given(any_shapes(), st.randoms(use_true_random=False))
-def test_a_permuted_input_permutes_the_answer(shapes: Shapes, random: Any) -> None:
-    order = np.arange(len(shapes.radii))
-    random.shuffle(order)
-    permuted = order[jostle.find_pairs(*shapes.take(order))].reshape(-1, 2)
-    np.testing.assert_array_equal(
-        by_row(np.sort(permuted, axis=1)), jostle.find_pairs(*shapes, sort=True)
-    )
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dtype", DTYPES)
-def test_threads_change_nothing(method: Any, dtype: Any) -> None:
-    # Enough for several threads.
-    centers = discs(20_000, dtype)
-    answers = [jostle.find_pairs(centers, 0.5, method=method, threads=k) for k in (1, 2, 8)]
-    np.testing.assert_array_equal(answers[0], answers[1])
-    np.testing.assert_array_equal(answers[0], answers[2])
-
-
 # ---- arguments ----------------------------------------------------------------------------------
 
 POINTS = np.array([(0, 0), (3, 0), (4, 0), (4, 1), (-7, 2)])

@@ -250,14 +250,6 @@ def test_answers_of_the_quadtree_are_rows() -> None:
     assert world.ids[rows].tolist() == [2]
 
 
-def test_errors_of_a_step_name_the_id() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    world.remove(1)
-    world.set(2, velocities=(1e18, 0))
-    with pytest.raises(ValueError, match="particle 2 would move by"):
-        world.step(10.0)
-
-
 def test_ids_of_forces_may_be_large() -> None:
     pull = jostle.Attractor(particle=2**40, strength=1.0)
     assert pull.particle == 2**40
