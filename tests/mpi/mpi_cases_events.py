@@ -1,7 +1,5 @@
 """Pairs that touch and particles that merge, of different ranks."""
 
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,6 @@ from mpi_worlds import (
     check_events,
     check_saved,
     check_touches,
-    comm,
     evenly,
     expected_now,
     gas,
@@ -21,11 +18,11 @@ from mpi_worlds import (
     scattered,
     unevenly,
     up_to,
+    with_folder,
 )
 
 import jostle
 import jostle.mpi
-import jostle.mpi.storage
 
 
 def test_events() -> None:
@@ -65,13 +62,13 @@ def check_merged(name: str, ours: jostle.mpi.World, world: jostle.World) -> None
 
 
 @up_to(3)
-def test_merging() -> None:
+@with_folder
+def test_merging(folder: Path) -> None:
     """Particles of different ranks that touch merge."""
     rows = np.arange(400)
     table = np.random.default_rng(4).normal(0, 60, (3, 3, 12))
     rolling = {"friction": 0.3, "angular_velocities": 2.0, "restitution": 0.5 + rows % 3 * 0.2}
     walls = jostle.polyline([(0, 30), (25, 36), (50, 20)])
-    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
     options: dict[str, dict[str, Any]] = {
         "box": {"gravity": (0.0, 30.0), "walls": walls, "track_events": True},
         "plane": {"container": None, "masses": np.where(rows % 7, 1.0, 3e29)},
@@ -108,6 +105,3 @@ def test_merging() -> None:
             one.on_touch = "merge"
             one.step(1 / 60, 2)
         check_asleep_now(name, ours, world)
-    comm().Barrier()
-    if comm().rank == 0:
-        shutil.rmtree(folder)

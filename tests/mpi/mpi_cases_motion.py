@@ -20,7 +20,6 @@ from mpi_worlds import (
 
 import jostle
 import jostle.mpi
-import jostle.mpi.storage
 
 
 @up_to(4)

@@ -1,7 +1,5 @@
 """Islands of several ranks that fall asleep and wake, and particles that are changed meanwhile."""
 
-import shutil
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,11 +19,10 @@ from mpi_worlds import (
     sleepers,
     unevenly,
     up_to,
+    with_folder,
 )
 
 import jostle
-import jostle.mpi
-import jostle.mpi.storage
 
 
 @up_to(3)
@@ -133,9 +130,9 @@ def resting(**options: Any) -> jostle.World:
     return world
 
 
-def test_edits() -> None:
+@with_folder
+def test_edits(folder: Path) -> None:
     """Particles that are added, removed and changed while others sleep."""
-    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
     world = resting(track_events=True)
     ours = scattered(world, evenly, every=5)
     counts = set()
@@ -155,9 +152,6 @@ def test_edits() -> None:
     ours.step(1 / 30, 16)
     check_asleep("the last", ours, world)
     assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
-    comm().Barrier()
-    if comm().rank == 0:
-        shutil.rmtree(folder)
     check_refused_edits()
 
 
