@@ -9,7 +9,7 @@ gives another answer after a small perturbation.
 Lengths are in radii, and the mean speed of a gas is 1: a step of `dt` is one of `dt` radii of mean
 displacement.
 
-    python tests/test_exact_step.py
+    PYTHONPATH=tests python tests/library/physics/test_exact_step.py
 
 prints the diffusion at several step lengths for larger gases, and the reference's own value, from
 which `REFERENCE_DIFFUSION` is taken (half an hour).
@@ -340,8 +340,8 @@ def test_a_step_of_five_radii_in_a_dense_gas() -> None:
 
 # ---- diffusion -----------------------------------------------------------------------------------
 
-# Mean squared displacement after a mean path of LAG radii, 400 discs on a square torus, measured by
-# `python tests/test_exact_step.py` with the reference; the standard errors are 0.3 % and 0.5 %.
+# Mean squared displacement after a mean path of LAG radii, 400 discs on a square torus, measured by the
+# program that is this file with the reference; the standard errors are 0.3 % and 0.5 %.
 LAG = 5.0
 REFERENCE_DIFFUSION = {0.3: 10.935, 0.6: 2.636}
 

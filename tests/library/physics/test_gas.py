@@ -7,7 +7,7 @@ over seeds. A tolerance is four of them, plus the error of the formula where it 
 Lengths are in radii, and the mean speed of a gas is 1: a step of `dt` is one of `dt` radii of mean
 displacement. So the temperature kT is 2/π, for a mass of 1.
 
-    python tests/test_gas.py
+    PYTHONPATH=tests python tests/library/physics/test_gas.py
 
 prints the measured quantities over the formulas, as means of 20 seeds (two minutes).
 """
