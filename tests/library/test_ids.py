@@ -212,18 +212,6 @@ def test_removed_particles_leave_no_trace(seed: int, on_touch: str, acts: list[s
         assert (world.wall_contacts.ids == ids[fresh.wall_contacts.ids]).all()
 
 
-def test_ids_are_rows_until_one_is_removed() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    assert world.ids.tolist() == [0, 1, 2]
-    assert (world.ids.dtype, world.ids.flags.writeable) == (np.int64, False)
-    world.remove([2])
-    assert world.add([(20, 0)], [(0, 0)], radii=1.0).tolist() == [3]
-    assert world.ids.tolist() == [0, 1, 3]
-    world.remove([0, 1, 3])
-    assert world.ids.tolist() == []
-    assert world.add([(20, 0)], [(0, 0)], radii=1.0).tolist() == [4]
-
-
 def test_rows_may_be_asked_for_twice() -> None:
     world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
     world.remove(0)

@@ -152,7 +152,7 @@ def test_length_and_representation() -> None:
 
 # ---- filters -------------------------------------------------------------------------------------
 
-bits = st.integers(0, 7) | st.sampled_from([ALL_BITS, 1 << 31])
+bits = st.integers(0, 7) | st.sampled_from([ALL_BITS, ALL_BITS - 1, 1 << 31])
 
 
 @given(any_shapes(), st.data(), capacities)
@@ -173,6 +173,9 @@ def test_filters(shapes: Shapes, data: st.DataObject, leaf_capacity: int) -> Non
         expected = pairs_within(shapes, may_pair(own, wanted, own, wanted))
         np.testing.assert_array_equal(tree.pairs(sort=True), expected)
         np.testing.assert_array_equal(by_row(tree.contacts().pairs), expected)
+        for method in ("auto", "brute", "quadtree"):
+            found = jostle.find_pairs(*shapes, **given_ones, method=method, sort=True)
+            np.testing.assert_array_equal(found, expected)
 
 
 @given(st.sampled_from(DTYPES), st.data())

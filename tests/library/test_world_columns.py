@@ -289,20 +289,6 @@ def test_new_grains_of_a_heap_have_its_friction() -> None:
     assert (world.friction == world.friction[0]).all()
 
 
-def test_contacts_go_with_either_particle() -> None:
-    world = jostle.World([(0, 0), (50, 0), (51.5, 0)], [(0, 0)] * 3, 1.0)
-    world.step(0.01)
-    assert world.contacts.pairs.tolist() == [[1, 2]]
-    world.remove([0])
-    assert world.contacts.pairs.tolist() == [[1, 2]]
-    world.remove([1])
-    assert world.contacts.pairs.shape == (0, 2)
-    world.remove([2])
-    assert world.contacts.pairs.shape == (0, 2)
-    world.step(0.01)
-    assert world.contacts.pairs.shape == (0, 2)
-
-
 def test_contacts_after_adding() -> None:
     world = jostle.World([(50, 0), (51.5, 0)], [(0, 0)] * 2, 1.0)
     world.step(0.01)
@@ -310,16 +296,3 @@ def test_contacts_after_adding() -> None:
     assert world.contacts.pairs.tolist() == [[0, 1]]
     world.step(0.01)
     assert world.contacts.pairs.tolist() == [[0, 1]]
-
-
-def test_one_id_may_be_given_instead_of_many() -> None:
-    worlds = [jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0) for _ in range(2)]
-    one, many = worlds
-    one.set(1, positions=(4, 1), velocities=np.array([2, 3]), radii=0.5, movable=False)
-    many.set([1], positions=[(4, 1)], velocities=[(2, 3)], radii=[0.5], movable=[False])
-    assert one.positions[1].tolist() == [4, 1]
-    assert one.state_hash() == many.state_hash()
-    one.remove(np.int64(0))
-    many.remove([0])
-    assert one.radii.tolist() == [0.5, 1]
-    assert one.state_hash() == many.state_hash()

@@ -16,6 +16,7 @@ from mpi_worlds import (
     gas,
     of_rank,
     scattered,
+    step_all,
     unevenly,
     up_to,
     with_folder,
@@ -39,8 +40,7 @@ def test_events() -> None:
         ours = scattered(world, unevenly, every=3)
         seen = 0
         for _ in range(8):
-            world.step(1 / 60, steps)
-            ours.step(1 / 60, steps)
+            step_all((world, ours), 1 / 60, steps)
             seen += check_events(name, ours, world)
         assert seen > 0, name
     try:
@@ -83,8 +83,7 @@ def test_merging(folder: Path) -> None:
         ours = scattered(world, (evenly, unevenly, all_on_last)[number % 3], every=3)
         for steps in (1, 2, 8):
             dt = 0.4 if name == "long steps" else 1 / 60
-            world.step(dt, steps)
-            ours.step(dt, steps)
+            step_all((world, ours), dt, steps)
             check_merged(name, ours, world)
         assert 5 < ours.total < 390, (name, ours.total)
         new, gone = np.array([(3.0, 3.0), (4.0, 3.0)]), world.ids[[1, 5]]

@@ -17,6 +17,7 @@ from mpi_worlds import (
     refuse,
     scattered,
     sleepers,
+    step_all,
     unevenly,
     up_to,
     with_folder,
@@ -32,8 +33,7 @@ def test_sleeping() -> None:
     ours = scattered(world, unevenly, every=7)
     counts = []
     for _ in range(14):
-        world.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((world, ours), 1 / 30, 12)
         check_asleep("sleeping", ours, world)
         counts.append(int(world.asleep.sum()))
     # Some wake when discs fall on them.
@@ -46,8 +46,7 @@ def test_sleeping_beside_others() -> None:
     tracked = sleepers(walls=walls, track_events=True)
     ours = scattered(tracked, unevenly)
     for _ in range(8):
-        tracked.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((tracked, ours), 1 / 30, 12)
         check_asleep("walls", ours, tracked)
         check_events("walls", ours, tracked)
     assert tracked.asleep.sum() > 10
@@ -57,8 +56,7 @@ def test_sleeping_beside_others() -> None:
     still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
     ours = scattered(still, evenly)
     for _ in range(5):
-        still.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((still, ours), 1 / 30, 12)
         check_asleep("obstacles", ours, still)
     assert still.asleep.any()
     # A kinematic disc moves to sleeping ones, and wakes them.
@@ -67,8 +65,7 @@ def test_sleeping_beside_others() -> None:
     ours = scattered(coming, evenly)
     counts = []
     for _ in range(8):
-        coming.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((coming, ours), 1 / 30, 12)
         check_asleep("a kinematic disc", ours, coming)
         counts.append(int(coming.asleep.sum()))
     assert np.diff(counts).min() < 0, counts
@@ -138,8 +135,7 @@ def test_edits(folder: Path) -> None:
     counts = set()
     for number, (name, change) in enumerate(edits()):
         for _ in range(2):
-            world.step(1 / 30, 16)
-            ours.step(1 / 30, 16)
+            step_all((world, ours), 1 / 30, 16)
         check_asleep(f"before {name}", ours, world)
         check_events(name, ours, world)
         change(world, lambda rows: rows)
@@ -148,8 +144,7 @@ def test_edits(folder: Path) -> None:
         counts.add(int(world.asleep.sum()))
         if name in ("removed", "obstacles"):
             check_saved(folder / str(number), ours, world, 0)
-    world.step(1 / 30, 16)
-    ours.step(1 / 30, 16)
+    step_all((world, ours), 1 / 30, 16)
     check_asleep("the last", ours, world)
     assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
     check_refused_edits()

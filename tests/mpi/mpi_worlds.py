@@ -2,7 +2,7 @@
 
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -222,6 +222,12 @@ def check(
     if comm().rank == 0:
         print(name, ours.traffic, flush=True)
     return ours
+
+
+def step_all(worlds: Iterable[Any], dt: float, steps: int = 1) -> None:
+    """Step several worlds."""
+    for one in worlds:
+        one.step(dt, steps)
 
 
 def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None:

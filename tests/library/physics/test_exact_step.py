@@ -340,8 +340,8 @@ def test_a_step_of_five_radii_in_a_dense_gas() -> None:
 
 # ---- diffusion -----------------------------------------------------------------------------------
 
-# Mean squared displacement after a mean path of LAG radii, 400 discs on a square torus, measured by the
-# program that is this file with the reference; the standard errors are 0.3 % and 0.5 %.
+# Mean squared displacement after a mean path of LAG radii, 400 discs on a square torus, measured by
+# this file as a program with the reference; the standard errors are 0.3 % and 0.5 %.
 LAG = 5.0
 REFERENCE_DIFFUSION = {0.3: 10.935, 0.6: 2.636}
 
