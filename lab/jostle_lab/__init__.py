@@ -20,7 +20,8 @@ cli                     the command `jostle`
 ======================= ========================================================================
 
 Below all of them are `interrupt` (Ctrl-C), `launcher` (the number of ranks) and `extras` (how to
-install what is missing). `pyproject.toml` of the repository has the rules, which `make lint` checks.
+install what is missing). `pyproject.toml` of the repository has these rules, and `make lint` checks
+them.
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
 changes it through `Engine.edit`. The library never imports this package.

@@ -233,21 +233,6 @@ def test_one_origin_many_directions_and_the_other_way_round() -> None:
     assert tree.circle_cast((-4, 1.5), (1, 0), [0.1, 0.6]).ids.tolist() == [-1, 0]
 
 
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("scale", [1e-18, 1.0, 1e18])
-def test_the_size_of_the_world_does_not_matter(dtype: Any, scale: float) -> None:
-    centers = (np.array([(0, 0), (3, 0), (5, 0)]) * scale).astype(dtype)
-    tree = jostle.Quadtree(centers, np.full(3, scale, dtype), leaf_capacity=1)
-    hit = tree.raycast((-4 * scale, 0), (1, 0))
-    assert hit.id == 0 and np.isclose(hit.distance, 3 * scale, rtol=1e-5)
-    near = tree.nearest((-2 * scale, 0), 2)
-    np.testing.assert_array_equal(near.ids, [0, 1])
-    np.testing.assert_allclose(near.distances, [scale, 4 * scale], rtol=1e-5)
-    square = np.array([(2.5, -0.1), (3.5, -0.1), (3.5, 0.1), (2.5, 0.1)]) * scale
-    boxes = jostle.Quadtree(centers, half_sizes=np.full((3, 2), scale, dtype))
-    np.testing.assert_array_equal(boxes.query_polygon(square), [1])
-
-
 def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:
     categories = np.where(np.arange(600) % 30 == 0, 1, 2)
     tree = jostle.Quadtree(np.zeros((600, 2)), 1.0, categories=categories)

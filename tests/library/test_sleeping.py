@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -79,23 +78,6 @@ def test_sleeping_can_be_turned_off() -> None:
             world_of(triangle(0), sleeping=wrong)
 
 
-CHANGES: dict[str, Callable[[jostle.World], object]] = {
-    "gravity": lambda world: setattr(world, "gravity", (0, -5)),
-    "container": lambda world: setattr(world, "container", None),
-    "drag": lambda world: setattr(world, "drag", 1),
-    "forces": lambda world: setattr(world, "forces", [jostle.Thermostat(1, 1)]),
-    "a wall": lambda world: world.add([(0, 50)], [(0, 0)], 1, movable=False),
-    "all positions": lambda world: setattr(world, "positions", world.positions + 0.5),
-}
-
-
-@pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
-def test_changes_wake_all(change: Callable[[jostle.World], object]) -> None:
-    world = asleep(-5, 5)
-    change(world)
-    assert not world.asleep.any()
-
-
 def test_other_changes_wake_islands_or_nothing() -> None:
     world = asleep(-5, 5)
     world.method, world.threads, world.leaf_capacity, world.max_depth = "brute", 2, 5, 50
@@ -106,6 +88,13 @@ def test_other_changes_wake_islands_or_nothing() -> None:
     assert world.asleep.tolist() == [True] * 3 + [False] * 3
     world.remove([0])
     assert world.asleep.tolist() == [False] * 5
+    for name, value in {"gravity": (0, -5), "forces": [jostle.Thermostat(1, 1)]}.items():
+        world = asleep(-5, 5)
+        setattr(world, name, value)
+        assert not world.asleep.any()
+    world = asleep(-5, 5)
+    world.positions = world.positions + 0.5
+    assert not world.asleep.any()
 
 
 def bits(world: jostle.World) -> tuple[Any, ...]:

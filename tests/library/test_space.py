@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import threading
 from typing import Any
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from numpy.typing import NDArray
 from oracle import ALL_BITS, DTYPES, Shapes, may_pair, overlaps
+from signals import lets_others_run
 
 import jostle
 
@@ -466,17 +468,10 @@ def test_several_threads_may_use_it_at_the_same_time() -> None:
 def test_long_calls_let_other_threads_run() -> None:
     space = jostle.Space(threads=1)
     ids = space.add(uniform(300_000), 0.5)
-    ran, done = [], threading.Event()
+    seeds = itertools.count()
 
-    def tick() -> None:
-        while not done.wait(1e-3):
-            ran.append(1)
+    def move() -> None:
+        space.move(ids, uniform(300_000, seed=next(seeds)))
+        space.update()
 
-    thread = threading.Thread(target=tick)
-    thread.start()
-    space.update()
-    space.move(ids, uniform(300_000, seed=1))
-    space.update()
-    done.set()
-    thread.join()
-    assert len(ran) > 5
+    assert lets_others_run(move)
