@@ -14,16 +14,19 @@ from doctests import run_examples
 import jostle
 import jostle.pyqtree
 import jostle.scenes
-import jostle_lab.article
 
-# An adapter is tested if the library after which it is named is installed.
-ADAPTERS = {
+# Modules that are tested if what they need is installed.
+NEEDED = {
     **{"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa"},
-    "jostle.mpi": "mpi4py",
+    **{"jostle.mpi": "mpi4py", "jostle_lab.article": "jostle_lab"},
 }
 MODULES = [
-    *(jostle, jostle.scenes, jostle.life, jostle_lab.article, jostle.pyqtree),
-    *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
+    *(jostle, jostle.scenes, jostle.life, jostle.pyqtree),
+    *(
+        import_module(name)
+        for name, needed in NEEDED.items()
+        if find_spec(needed) and find_spec(name)
+    ),
 ]
 
 
