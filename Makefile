@@ -62,7 +62,7 @@ lint: setup  ## check format, style and types
 	$(BIN)/python docs/check_types.py
 	$(BIN)/python docs/stub_docstrings.py --check
 	$(BIN)/python docs/check_docstrings.py
-	$(BIN)/python docs/check_words.py
+	$(BIN)/lint-imports --no-cache --no-logo
 	$(BIN)/python -m mypy.stubtest jostle._core
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy --package jostle --no-default-features -- -D warnings

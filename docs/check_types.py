@@ -17,7 +17,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 CODE = ROOT / "target" / "documents"
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "examples/README.md"]
-CHECKED = ["python/jostle", "examples", "tests/typing"]
+CHECKED = ["python/jostle", "lab/jostle_lab", "examples", "tests/docs/typing"]
 
 
 def code_of(document: str) -> str:

@@ -7,6 +7,7 @@ displacement.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +35,14 @@ def random_velocities(n: int, rng: np.random.Generator) -> Floats:
     velocities -= velocities.mean(axis=0)
     scaled: Floats = velocities * math.sqrt(4 / math.pi / (velocities**2).sum(axis=1).mean())
     return scaled
+
+
+def henderson(eta: Any) -> Any:
+    """Return the compressibility factor Z = P/(n kT) of hard discs.
+
+    D. Henderson, *A simple equation of state for hard discs*, Molecular Physics 30 (1975).
+    """
+    return (1 + eta**2 / 8) / (1 - eta) ** 2
 
 
 def torus(n: int, eta: float) -> jostle.Torus:

@@ -32,7 +32,7 @@ def halves(shapes: Shapes) -> NDArray[Any]:
     return np.zeros_like(shapes.centers) if shapes.half_sizes is None else shapes.half_sizes
 
 
-def _open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
+def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
     outside = np.maximum(gap, 0)
     near = outside[:, 0] ** 2 + outside[:, 1] ** 2 < reach**2
     return near | (gap < 0).all(axis=1)
@@ -42,15 +42,13 @@ def in_rect(shapes: Shapes, rect: NDArray[Any]) -> NDArray[np.bool_]:
     """Whether each shape overlaps a rectangle."""
     with np.errstate(**QUIET):
         gap = np.maximum(rect[:2] - shapes.centers, shapes.centers - rect[2:]) - halves(shapes)
-        return _open_overlap(gap, shapes.radii)
+        return open_overlap(gap, shapes.radii)
 
 
 def in_circle(shapes: Shapes, center: NDArray[Any], radius: Any) -> NDArray[np.bool_]:
     """Whether each shape overlaps a disc."""
     with np.errstate(**QUIET):
-        return _open_overlap(
-            np.abs(shapes.centers - center) - halves(shapes), shapes.radii + radius
-        )
+        return open_overlap(np.abs(shapes.centers - center) - halves(shapes), shapes.radii + radius)
 
 
 def _within(outside: NDArray[Any], radii: NDArray[Any]) -> NDArray[np.bool_]:
@@ -96,19 +94,20 @@ def along_ray(
         half, reach = half * into[:, None], reach * into
         m = origin * into[:, None] - shapes.centers * into[:, None]
         ways = [
-            _to_box(m, u, half + np.stack([reach, np.zeros_like(reach)], axis=1)),
-            _to_box(m, u, half + np.stack([np.zeros_like(reach), reach], axis=1)),
+            to_box(m, m, u, half + np.stack([reach, np.zeros_like(reach)], axis=1)),
+            to_box(m, m, u, half + np.stack([np.zeros_like(reach), reach], axis=1)),
         ]
         corners = [(-1, -1), (1, -1), (-1, 1), (1, 1)]
-        ways += [_to_circle(m - half * np.array(c, dtype), u, reach) for c in corners]
+        ways += [to_circle(m - half * np.array(c, dtype), u, reach) for c in corners]
         rounded = np.minimum.reduce(ways)
         circle = (half == 0).all(axis=1)
-        far = np.where(circle, _to_circle(m, u, reach), rounded)
-        far = np.where(~circle & (reach == 0), _to_box(m, u, half), far)
+        far = np.where(circle, to_circle(m, u, reach), rounded)
+        far = np.where(~circle & (reach == 0), to_box(m, m, u, half), far)
         return np.where(inside, nothing, far * (1 / into))
 
 
-def _to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArray[Any]:
+def to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArray[Any]:
+    """The distance along a ray from m in the direction u to a circle around the origin."""
     along = m[:, 0] * u[0] + m[:, 1] * u[1]
     aside = m[:, 0] * u[1] - m[:, 1] * u[0]
     half_chord = radius**2 - aside**2
@@ -117,17 +116,21 @@ def _to_circle(m: NDArray[Any], u: NDArray[Any], radius: NDArray[Any]) -> NDArra
     return np.where(meets, far, np.inf).astype(m.dtype)
 
 
-def _to_box(m: NDArray[Any], u: NDArray[Any], half: NDArray[Any]) -> NDArray[Any]:
-    enter, leave = np.zeros(len(m), m.dtype), np.full(len(m), np.inf, m.dtype)
+def to_box(
+    low: NDArray[Any], high: NDArray[Any], u: NDArray[Any], half: NDArray[Any]
+) -> NDArray[Any]:
+    """The distance to a box; `low` and `high` are the offsets of the ray from its corners."""
+    enter, leave = np.zeros(len(low), low.dtype), np.full(len(low), np.inf, low.dtype)
     for axis in range(2):
         if u[axis] == 0:
-            leave = np.where(np.abs(m[:, axis]) > half[:, axis], -np.inf, leave)
+            beside = np.maximum(-low[:, axis], high[:, axis]) > half[:, axis]
+            leave = np.where(beside, -np.inf, leave)
             continue
-        first = (-half[:, axis] - m[:, axis]) / u[axis]
-        second = (half[:, axis] - m[:, axis]) / u[axis]
+        first = (-half[:, axis] - low[:, axis]) / u[axis]
+        second = (half[:, axis] - high[:, axis]) / u[axis]
         enter = np.maximum(enter, np.minimum(first, second))
         leave = np.minimum(leave, np.maximum(first, second))
-    return np.where(enter <= leave, enter, np.inf).astype(m.dtype)
+    return np.where(enter <= leave, enter, np.inf).astype(low.dtype)
 
 
 def k_nearest(

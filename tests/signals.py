@@ -1,6 +1,7 @@
 """Helpers for tests of signals and processes."""
 
 import gc
+import itertools
 import os
 import signal
 import subprocess
@@ -43,6 +44,36 @@ def reaction_to_ctrl_c(call: Callable[[], object], after: float = 0.15) -> float
         gc.callbacks[:] = callbacks
     assert not ended, "the call ended before it was interrupted; give it more to do"
     return took
+
+
+def lets_others_run(call: Callable[[], object]) -> bool:
+    """Whether another thread never waits for half of a call, in one of ten calls."""
+    return any(_longest_pause(call) < 0.5 for _ in range(10))
+
+
+def _longest_pause(call: Callable[[], object]) -> float:
+    """The longest time that another thread has to wait, as a share of that of a call."""
+    ticks: list[float] = []
+    done = threading.Event()
+
+    def tick() -> None:
+        while not done.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    time.sleep(0.02)
+    start = time.perf_counter()
+    try:
+        call()
+    finally:
+        end = time.perf_counter()
+        done.set()
+        thread.join()
+    assert end - start > 0.03, "too quick to tell"
+    seen = [start, *(t for t in ticks if start < t < end), end]
+    return max(after - before for before, after in itertools.pairwise(seen)) / (end - start)
 
 
 def limit_memory(beyond: int) -> None:

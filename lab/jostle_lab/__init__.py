@@ -15,7 +15,13 @@ gui                     the host of ImGui; the keymap and the input of the windo
 panels                  panels and menus, built with ImGui
 window                  the interactive loop
 headless                the run without a window, and its table
+sweep                   runs of a scene with many settings and seeds
+tune                    a map of the times of the search over leaf capacity and depth
+cli                     the command `jostle`
 ======================= ========================================================================
+
+Below all of them are `interrupt` (Ctrl-C), `launcher` (the number of ranks) and `article` (the
+programs of 2015). `pyproject.toml` of the repository has these rules, and `make lint` checks them.
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user
 changes it through `Engine.edit`. The library never imports this package.

@@ -143,17 +143,3 @@ def test_neighbors_within_a_radius_and_the_nearest(kind: Any) -> None:
     assert set(near) == set(agents[3:]) and sorted(distances) == pytest.approx([0.4, 0.6])
     near, distances = space.get_agents_in_radius((5, 5), 0.0)
     assert near == [agents[0]] and distances.tolist() == [0.0]
-
-
-@on_both
-def test_other_metrics_of_scipy_can_be_asked_for(kind: Any) -> None:
-    space = space_of(kind, [[0, 10], [0, 10]])
-    agents_at(space, (1, 1), (4, 5))
-    distances, _ = space.calculate_distances((1, 1), metric="cityblock")
-    assert distances.tolist() == [0.0, 7.0]
-
-
-@on_both
-def test_a_generator_of_random_numbers_is_asked_for(kind: Any) -> None:
-    with pytest.warns(UserWarning, match="[Rr]andom number generator"):
-        kind(UNIT)

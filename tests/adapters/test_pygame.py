@@ -18,11 +18,6 @@ import pygame
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from signals import reaction_to_ctrl_c, run_child
-
-if not getattr(pygame, "IS_CE", False):
-    pytest.skip("pygame is not pygame-ce", allow_module_level=True)
-
 from pygame import FRect, Rect
 from pygame.sprite import (
     AbstractGroup,
@@ -35,6 +30,7 @@ from pygame.sprite import (
     collide_rect,
     collide_rect_ratio,
 )
+from signals import reaction_to_ctrl_c, run_child
 
 import jostle.pygame as ours
 from jostle._core import Quadtree, sprite_pairs
@@ -465,21 +461,6 @@ def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
     for sprite in sprites:
         sprite.add(*groups)
     return sprites
-
-
-@pytest.mark.parametrize("library", [theirs, ours], ids=["pygame", "jostle"])
-def test_who_is_killed(library: Any) -> None:
-    a, b, others = theirs.Group(), theirs.Group(), theirs.Group()
-    hunter, hunted = one_place(1, a, others)[0], one_place(3, b, others)
-    assert library.groupcollide(a, b, False, True) == {hunter: hunted}
-    assert (len(a), len(b), others.sprites()) == (1, 0, [hunter])
-    b.add(hunted)
-    assert library.groupcollide(a, b, True, False) == {hunter: hunted}
-    assert (len(a), len(b)) == (0, 3)
-    assert library.groupcollide(b, b, False, False) == dict.fromkeys(hunted, hunted)
-    # The first kills all sprites, itself included.
-    assert library.groupcollide(b, b, True, True) == {hunted[0]: hunted}
-    assert len(b) == 0
 
 
 @pytest.mark.parametrize(

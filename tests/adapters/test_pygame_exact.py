@@ -10,10 +10,6 @@ from typing import Any
 import numpy as np
 import pygame
 import pytest
-
-if not getattr(pygame, "IS_CE", False):
-    pytest.skip("pygame is not pygame-ce", allow_module_level=True)
-
 from pygame import FRect, Rect
 from pygame.sprite import (
     Sprite,

@@ -15,14 +15,16 @@ import jostle
 import jostle.pyqtree
 import jostle.scenes
 
-# An adapter is tested if the library after which it is named is installed.
-ADAPTERS = {
-    **{"jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa"},
+# Modules that are tested if what they need is installed.
+NEEDED = {
+    "jostle.pygame": "pygame",
+    "jostle.arcade": "arcade",
+    "jostle.mesa": "mesa",
     "jostle.mpi": "mpi4py",
 }
 MODULES = [
     *(jostle, jostle.scenes, jostle.life, jostle.pyqtree),
-    *(import_module(name) for name, needed in ADAPTERS.items() if find_spec(needed)),
+    *(import_module(name) for name, needed in NEEDED.items() if find_spec(needed)),
 ]
 
 

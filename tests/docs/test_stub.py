@@ -92,10 +92,6 @@ def test_docstrings_take_the_place_of_those_in_a_stub() -> None:
     assert stub_docstrings.with_docstrings(STUB, MODULE) == COMPLETE
 
 
-def test_a_complete_stub_is_unchanged() -> None:
-    assert stub_docstrings.with_docstrings(COMPLETE, MODULE) == COMPLETE
-
-
 def test_a_docstring_that_was_removed_is_removed_from_the_stub() -> None:
     bare = SimpleNamespace(Disc=SimpleNamespace(__doc__=None, grow=Disc.grow), find=find)
     stub = stub_docstrings.with_docstrings(COMPLETE, bare)

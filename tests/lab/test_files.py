@@ -96,7 +96,7 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
         assert simulation.save() == before
 
 
-def forged(state: bytes, **changes: object) -> bytes:
+def changed(state: bytes, **changes: object) -> bytes:
     """A state with other facts or columns."""
     facts, columns = unpack("world", state)
     for name, value in changes.items():
@@ -104,7 +104,7 @@ def forged(state: bytes, **changes: object) -> bytes:
     return pack("world", facts, columns)
 
 
-FORGED = {
+WRONG = {
     "too few times": {"born": np.zeros(5)},
     "times of another type": {"born": np.arange(20)},
     "no times": {"born": np.full(20, np.nan)},
@@ -115,9 +115,7 @@ FORGED = {
     "less than no forces": {"own_forces": -1},
     "more forces than there are": {"own_forces": 1},
     "no view": {"view": [0, 0, float("nan"), 1]},
-    "view turned round": {"view": [1, 0, 0, 1]},
     "half a drop too much": {"emitters": [20, 0, 1.5]},
-    "less than no drops": {"emitters": [-1, 0, 0.5]},
     "other walls": {"home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "cone", "n": 3}},
     "half a number": {
         "home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "box", "n": 2.5}
@@ -126,13 +124,13 @@ FORGED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("changes", FORGED.values(), ids=list(FORGED))
-def test_a_forged_state_leaves_a_simulation_as_it_was(changes: dict) -> None:
+@pytest.mark.parametrize("changes", WRONG.values(), ids=list(WRONG))
+def test_a_state_with_a_wrong_value_leaves_a_simulation_as_it_was(changes: dict) -> None:
     simulation = start(Settings("gas", 20))
     before = simulation.save()
-    assert forged(before) == before
+    assert changed(before) == before
     with pytest.raises(ValueError, match=r"\w+ \w+ \w+"):
-        simulation.load(forged(before, **changes))
+        simulation.load(changed(before, **changes))
     assert simulation.save() == before
 
 
@@ -229,23 +227,21 @@ def wrong_files(folder: Path, session: Session) -> dict[str, Path]:
         "camera.jostle": seal(good[:-8].replace(b'"at_home"', b'"at_hame"')),
     }
     facts, arrays = unpack("scene", unseal(good))
-    camera = facts["camera"]
-    for name, other in {
-        "scale": {"scale": float("nan")},
-        "scaled-to-nothing": {"scale": 0},
-        "scaled-beyond": {"scale": 1e308, "size": [1e-9, 1e-9]},
-        "turned": {"scale": -1.0},
-        "nowhere": {"center": [0, float("nan")], "at_home": False},
-        "no-screen": {"size": [0, 0]},
-        "words": {"scale": "wide"},
-    }.items():
-        facts["camera"] = camera | other
-        bad[f"{name}.jostle"] = seal(pack("scene", facts, arrays))
+    for name, other in {"scale": float("nan"), "center": [0, float("nan")], "size": "wide"}.items():
+        wrong = facts | {"camera": facts["camera"] | {name: other, "at_home": False}}
+        bad[f"camera-{name}.jostle"] = seal(pack("scene", wrong, arrays))
     deep = b"[" * 100_000
     bad["deep.jostle"] = seal(b"jostle scene 1\n" + len(deep).to_bytes(8, "little") + deep)
     for name, data in bad.items():
         (folder / name).write_bytes(data)
     return {name: folder / name for name in (*bad, "missing.jostle")}
+
+
+SAID = {
+    "setting.jostle": "settings.seeb is not a setting; did you mean seed?",
+    "shown.jostle": "shown.tree is 'outlime'; it must be one of off, out",
+    "camera-center.jostle": "camera.center is [0, nan]; it must be [x,",
+}
 
 
 def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
@@ -257,7 +253,7 @@ def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
         session.messages.say("nothing")
         session.files.load(path)
         assert session.message.startswith(name), name
-        assert len(session.message) < 200
+        assert len(session.message) < 200 and SAID.get(name, "") in session.message
         assert before == (session.engine.simulation, session.engine.simulation.save())
         assert looks == (session.camera.center, session.camera.scale, session.view_options.tree)
     session.files.load(tmp_path / "good.jostle")

@@ -300,7 +300,7 @@ def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_pa
     driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, path = driver.session, tmp_path / "saved.jostle"
     session.files.save(path)
-    session.camera.zoom_at((300, 300), 2.0)
+    settled(driver)
     session.runner.begin(Settings("pile", 30))
     settled(driver)
     session.files.load(path)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from oracle_queries import open_overlap, to_box, to_circle
 
 import jostle
 
@@ -70,12 +71,6 @@ def gaps(boxes: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[
     return np.maximum(boxes[:, :2] - high, low - boxes[:, 2:])
 
 
-def open_overlap(gap: NDArray[Any], reach: NDArray[Any]) -> NDArray[np.bool_]:
-    outside = np.maximum(gap, 0)
-    near = outside[:, 0] ** 2 + outside[:, 1] ** 2 < reach**2
-    return near | (gap < 0).all(axis=1)
-
-
 def along_ray(
     boxes: NDArray[Any], radii: NDArray[Any], origin: Any, direction: Any, radius: Any
 ) -> NDArray[Any]:
@@ -92,34 +87,13 @@ def along_ray(
         for grown in ([reach, nothing], [nothing, reach])
     ]
     for x in (low[:, 0], high[:, 0]):
-        ways += [to_circle(x, y, u, reach) for y in (low[:, 1], high[:, 1])]
+        ways += [to_circle(np.stack([x, y], 1), u, reach) for y in (low[:, 1], high[:, 1])]
     rounded = np.minimum.reduce(ways)
     plain = to_box(low, high, u, np.zeros_like(low))
     point = (boxes[:, :2] == boxes[:, 2:]).all(axis=1)
     far = np.where((reach == 0) & ~point, plain, rounded)
-    far = np.where(point, to_circle(low[:, 0], low[:, 1], u, reach), far)
+    far = np.where(point, to_circle(low, u, reach), far)
     return np.where(inside, 0, far).astype(boxes.dtype)
-
-
-def to_box(low: NDArray[Any], high: NDArray[Any], u: Any, half: NDArray[Any]) -> NDArray[Any]:
-    enter, leave = np.zeros(len(low), low.dtype), np.full(len(low), np.inf, low.dtype)
-    for axis in range(2):
-        if u[axis] == 0:
-            beside = np.maximum(-low[:, axis], high[:, axis]) > half[:, axis]
-            leave = np.where(beside, -np.inf, leave)
-            continue
-        first = (-half[:, axis] - low[:, axis]) / u[axis]
-        second = (half[:, axis] - high[:, axis]) / u[axis]
-        enter = np.maximum(enter, np.minimum(first, second))
-        leave = np.minimum(leave, np.maximum(first, second))
-    return np.where(enter <= leave, enter, np.inf)
-
-
-def to_circle(x: NDArray[Any], y: NDArray[Any], u: Any, radius: NDArray[Any]) -> NDArray[Any]:
-    along, aside = x * u[0] + y * u[1], x * u[1] - y * u[0]
-    meets = (along <= 0) & (np.abs(aside) <= radius)
-    half_chord = np.sqrt(np.maximum(radius**2 - aside**2, 0))
-    return np.where(meets, np.maximum(-along - half_chord, 0), np.inf)
 
 
 # ---- boxes of every kind -------------------------------------------------------------------------

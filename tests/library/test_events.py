@@ -65,22 +65,6 @@ def test_events_are_those_of_brute_force_at_many_short_steps(seed: int) -> None:
     assert missed < 15
 
 
-def test_each_pair_leaves_as_often_as_it_enters() -> None:
-    world = jostle.scenes.create("gas", n=300)
-    world.track_events = True
-    touching: Pairs = set()
-    for k in range(60):
-        world.step(STEP, steps=3)
-        entered, stayed, left = map(as_set, world.events)
-        assert not entered & touching and left <= touching | entered
-        touching = (touching | entered) - left
-        assert stayed <= touching
-        if k % 10 == 5:
-            world.remove(world.ids[::40])
-            world.add([(5 * k, 9)] * 3, np.ones((3, 2)), radii=0.5)
-    assert all(id in world for pair in touching for id in pair)
-
-
 def test_events_need_to_be_asked_for() -> None:
     world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0)
     assert world.track_events is False
@@ -97,14 +81,6 @@ def test_events_need_to_be_asked_for() -> None:
         _ = world.events
     with pytest.raises(TypeError, match="track_events"):
         world.track_events = "yes"  # type: ignore[assignment]
-
-
-def test_a_refused_call_changes_no_events() -> None:
-    world = jostle.World([(0, 0), (1, 0)], [(0, 0)] * 2, radii=1.0, track_events=True)
-    world.step(STEP)
-    with pytest.raises(ValueError, match="dt"):
-        world.step(-1.0)
-    assert as_set(world.events.entered) == {(0, 1)}
 
 
 def test_a_merged_particle_leaves() -> None:

@@ -133,34 +133,3 @@ def test_what_names_a_removed_particle_goes_with_it() -> None:
     (springs,) = world.forces
     assert isinstance(springs, jostle.Springs)
     assert len(springs) == 0
-
-
-def test_gravitation_pulls_two_bodies_together() -> None:
-    world = jostle.World([(-1, 0), (1, 0)], [(0, 0)] * 2, 0.01, masses=[1, 3])
-    world.forces = [jostle.Gravitation(2.0)]
-    world.step(1e-3)
-    np.testing.assert_allclose(world.velocities[:, 0], [1.5e-3, -0.5e-3], rtol=1e-5)
-
-
-def test_a_spring_breaks() -> None:
-    world = jostle.World([(0, 0), (2, 0)], [(0, 0), (9, 0)], 0.1, masses=1.0)
-    world.forces = [jostle.Springs([(0, 1)], 2, stiffness=1, max_stretch=1)]
-    world.step(0.01, 100)
-    (springs,) = world.forces
-    assert isinstance(springs, jostle.Springs)
-    assert len(springs) == 0
-
-
-@pytest.mark.parametrize("container", [None, jostle.Box(-5, -5, 50, 50), jostle.Torus(60, 60)])
-def test_threads_and_methods_do_not_show(container: Any) -> None:
-    rng = np.random.default_rng(0)
-    positions, velocities = rng.uniform(0, 45, (2000, 2)), rng.normal(size=(2000, 2))
-    hashes = set()
-    for threads, method in [(1, "quadtree"), (2, "quadtree"), (None, "brute")]:
-        world = jostle.World(
-            positions, velocities, 0.2, container=container, forces=ALL, threads=threads
-        )
-        world.method = method  # type: ignore[assignment]
-        world.step(0.01, 5)
-        hashes.add(world.state_hash())
-    assert len(hashes) == 1

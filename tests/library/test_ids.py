@@ -212,18 +212,6 @@ def test_removed_particles_leave_no_trace(seed: int, on_touch: str, acts: list[s
         assert (world.wall_contacts.ids == ids[fresh.wall_contacts.ids]).all()
 
 
-def test_ids_are_rows_until_one_is_removed() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    assert world.ids.tolist() == [0, 1, 2]
-    assert (world.ids.dtype, world.ids.flags.writeable) == (np.int64, False)
-    world.remove([2])
-    assert world.add([(20, 0)], [(0, 0)], radii=1.0).tolist() == [3]
-    assert world.ids.tolist() == [0, 1, 3]
-    world.remove([0, 1, 3])
-    assert world.ids.tolist() == []
-    assert world.add([(20, 0)], [(0, 0)], radii=1.0).tolist() == [4]
-
-
 def test_rows_may_be_asked_for_twice() -> None:
     world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
     world.remove(0)
@@ -248,14 +236,6 @@ def test_answers_of_the_quadtree_are_rows() -> None:
     world.remove(0)
     rows = world.quadtree().query_circle((9.0, 0.0), 0.5)
     assert world.ids[rows].tolist() == [2]
-
-
-def test_errors_of_a_step_name_the_id() -> None:
-    world = jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0)
-    world.remove(1)
-    world.set(2, velocities=(1e18, 0))
-    with pytest.raises(ValueError, match="particle 2 would move by"):
-        world.step(10.0)
 
 
 def test_ids_of_forces_may_be_large() -> None:

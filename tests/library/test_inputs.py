@@ -334,18 +334,6 @@ def test_too_many_neighbours_are_refused_with_both_numbers() -> None:
         TREE.nearest((0, 0), k=2**32)
 
 
-def test_trees_of_two_types_have_no_pairs() -> None:
-    single = jostle.Quadtree(POINTS.astype(np.float32), np.float32(1))
-    with pytest.raises(
-        TypeError, match=r"^other computes in float32 and this tree in float64; build"
-    ):
-        TREE.pairs(single)
-
-
-def test_a_tree_with_itself_has_pairs_in_both_orders() -> None:
-    assert TREE.pairs(TREE, sort=True).tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [2, 2]]
-
-
 # ---- boxes of coincident shapes ------------------------------------------------------------------
 
 

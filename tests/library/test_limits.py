@@ -212,36 +212,24 @@ for call in calls:
 
 
 @linux
-@pytest.mark.parametrize("mebibytes", [2, 8, 16, 24])
-def test_threads_keep_memory_for_small_allocations(mebibytes: int) -> None:
-    """A small allocation that fails ends the process, so some memory is left for the threads."""
+@pytest.mark.parametrize(
+    ("shapes", "points", "k", "mebibytes"),
+    # A small allocation that fails ends the process, so some memory is left for the threads.
+    [(9000, 9000, 200, most) for most in (2, 8, 16, 24)]
+    # Each answer would be too small an allocation to look at what is left.
+    + [(2, 300_000, 2, most) for most in (4, 12, 16)],
+)
+def test_threads_keep_memory_for_small_allocations(
+    shapes: int, points: int, k: int, mebibytes: int
+) -> None:
     printed = run_child(
         f"""
 from signals import limit_memory
-tree = jostle.Quadtree(np.random.default_rng(0).random((9000, 2)))
-points = np.random.default_rng(1).random((9000, 2))
+tree = jostle.Quadtree(np.random.default_rng(0).random(({shapes}, 2)))
+points = np.random.default_rng(1).random(({points}, 2))
 limit_memory({mebibytes} << 20)
 try:
-    tree.nearest(points, k=200)
-except MemoryError:
-    print("refused")
-"""
-    )
-    assert printed == "refused\n"
-
-
-@linux
-@pytest.mark.parametrize("mebibytes", [4, 12, 16])
-def test_many_small_answers_do_not_use_up_the_memory(mebibytes: int) -> None:
-    """Each answer would be too small an allocation to look at what is left."""
-    printed = run_child(
-        f"""
-from signals import limit_memory
-tree = jostle.Quadtree([(0, 0), (1, 0)])
-points = np.random.default_rng(1).random((300_000, 2))
-limit_memory({mebibytes} << 20)
-try:
-    tree.nearest(points, k=2)
+    tree.nearest(points, k={k})
 except MemoryError:
     print("refused")
 """

@@ -1,10 +1,10 @@
 """Walls with velocities, and a piston that compresses a gas."""
 
 import pickle
-from typing import Any
 
 import numpy as np
 import pytest
+from gases import henderson
 from numpy.typing import ArrayLike
 
 import jostle
@@ -64,14 +64,6 @@ def test_a_snapshot_keeps_what_rounding_removed() -> None:
     np.testing.assert_array_equal(again.walls, world.walls)
     expected = np.float32(1000.1) + 100 * np.float64(np.float32(-1 / 3))
     np.testing.assert_allclose(world.walls[0, 0, 0], expected, rtol=1e-7)
-
-
-def henderson(eta: Any) -> Any:
-    """Return the compressibility factor Z = p A / (N kT) of hard discs.
-
-    D. Henderson, *A simple equation of state for hard discs*, Molecular Physics 30 (1975).
-    """
-    return (1 + eta**2 / 8) / (1 - eta) ** 2
 
 
 def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, float]:

@@ -173,16 +173,6 @@ def test_nearest_equals_scipy() -> None:
     np.testing.assert_allclose(found.distances, far, rtol=1e-12)
 
 
-def test_equal_distances_go_to_the_smaller_row() -> None:
-    grid = np.argwhere(np.ones((20, 20))).astype(float)
-    tree = jostle.Quadtree(grid, 0.25, leaf_capacity=3)
-    found = tree.nearest((7.5, 9.5), 6)
-    expected = oracle.k_nearest(np.hypot(*(grid - (7.5, 9.5)).T) - 0.25, 6, np.inf)[1]
-    np.testing.assert_array_equal(found.ids, expected)
-    assert tree.raycast((9.5, -4), (0, 1)).id == -1
-    assert tree.circle_cast((9.5, -4), (0, 1), 0.25).id == 180
-
-
 # ---- rays ----------------------------------------------------------------------------------------
 
 
@@ -241,32 +231,6 @@ def test_one_origin_many_directions_and_the_other_way_round() -> None:
     assert fan.distances.tolist() == [0.5, np.inf, 0.5]
     assert tree.raycast([(-4, 0), (9, 0)], (1, 0)).ids.tolist() == [0, -1]
     assert tree.circle_cast((-4, 1.5), (1, 0), [0.1, 0.6]).ids.tolist() == [-1, 0]
-
-
-def test_a_ray_that_begins_inside_is_there() -> None:
-    tree = jostle.Quadtree([(0, 0), (0.5, 0)], radii=1.0)
-    assert tree.raycast((0.4, 0), (1, 0)) == (0, 0.0)
-    assert tree.raycast((0.4, 0), (1, 0), mask=2) == (-1, np.inf)
-
-
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("scale", [1e-18, 1.0, 1e18])
-def test_the_size_of_the_world_does_not_matter(dtype: Any, scale: float) -> None:
-    centers = (np.array([(0, 0), (3, 0), (5, 0)]) * scale).astype(dtype)
-    tree = jostle.Quadtree(centers, np.full(3, scale, dtype), leaf_capacity=1)
-    hit = tree.raycast((-4 * scale, 0), (1, 0))
-    assert hit.id == 0 and np.isclose(hit.distance, 3 * scale, rtol=1e-5)
-    near = tree.nearest((-2 * scale, 0), 2)
-    np.testing.assert_array_equal(near.ids, [0, 1])
-    np.testing.assert_allclose(near.distances, [scale, 4 * scale], rtol=1e-5)
-    square = np.array([(2.5, -0.1), (3.5, -0.1), (3.5, 0.1), (2.5, 0.1)]) * scale
-    boxes = jostle.Quadtree(centers, half_sizes=np.full((3, 2), scale, dtype))
-    np.testing.assert_array_equal(boxes.query_polygon(square), [1])
-
-
-def test_so_many_neighbours_that_there_is_no_memory_are_refused() -> None:
-    with pytest.raises(ValueError, match="k is 134217729; for 1 point that is"):
-        TREE.nearest((0, 0), k=2**27 + 1)
 
 
 def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:

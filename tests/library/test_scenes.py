@@ -123,14 +123,6 @@ def test_springs_hang_from_what_nothing_moves() -> None:
     np.testing.assert_array_equal(world.positions[~world.movable], before)
 
 
-def test_dust_merges() -> None:
-    world = scenes.create("stars", n=1000)
-    assert world.on_touch == "merge"
-    assert world.container is None
-    world.step(1 / 60, steps=300)
-    assert len(world) < 1000
-
-
 def test_two_gases_of_different_density() -> None:
     world = scenes.create("thermostat", n=1000)
     assert [type(force) for force in world.forces] == [jostle.Thermostat]
@@ -150,19 +142,6 @@ def test_one_heavy_disc_at_rest_in_the_middle() -> None:
     assert world.velocities[0].tolist() == [0, 0]
     assert world.masses[0] > 100 * world.masses[1:].max()
     assert len(world.contacts.pairs) == 0
-
-
-@pytest.mark.slow
-def test_no_grain_leaves_the_hourglass() -> None:
-    world = scenes.create("sand", 500)
-    glass = np.abs(world.walls).max(axis=(0, 1))
-    world.step(1 / 60, steps=150)
-    done = (world.positions[world.movable, 1] > 0).mean()
-    assert 0.3 < done < 0.9
-    world.step(1 / 60, steps=650)
-    grains = np.abs(world.positions[world.movable])
-    assert (grains < glass).all()
-    assert (world.positions[world.movable, 1] > 0).mean() > 0.97
 
 
 def test_the_galton_board_is_where_it_says() -> None:

@@ -172,14 +172,6 @@ def test_rounds_end_soon_if_nothing_gets_better() -> None:
     assert apart.overlaps > 0 and apart.rounds < 200
 
 
-@pytest.mark.parametrize("most", [1, 3, 40])
-def test_there_are_no_more_rounds_than_asked(most: int) -> None:
-    rng = np.random.default_rng(2)
-    for axis in (None, 0, 1):
-        apart = jostle.separate(rng.normal(0, 3, (2000, 2)), 1.0, axis=axis, max_rounds=most)
-        assert apart.rounds <= most
-
-
 def test_bounds_along_an_axis() -> None:
     # Wider than the bounds, but moved along y alone.
     wide = jostle.separate([(0, 9), (1, 9)], half_sizes=(5, 1), axis=1, bounds=(-1, -4, 1, 4))

@@ -193,36 +193,6 @@ def test_touching_exactly_is_free() -> None:
     assert len(space.pairs()) == 0
 
 
-def test_order_and_threads_change_nothing_where_walkers_do_not_meet() -> None:
-    rng = np.random.default_rng(2)
-    boxes = jostle.tiles(rng.random((200, 200)) < 0.15, 10)
-    free = rng.permutation(40_000)[:600]
-    starts = np.stack([free % 200, free // 200], 1) * 10 + 5.0
-    steps = rng.normal(0, 20, (600, 2))
-    results = []
-    for threads, order in ((1, np.arange(600)), (2, rng.permutation(600))):
-        space = jostle.Space(threads=threads)
-        space.add(boxes=boxes, categories=WALL)
-        ids = space.add(starts, 2.0, categories=WALKER)
-        for _ in range(3):
-            slides = space.move_and_slide(ids[order], steps[order], mask=WALL)
-        back = np.argsort(order)
-        results.append([space.centers(ids), slides.remaining[back], slides.on_floor[back]])
-    for one, other in zip(*results, strict=True):
-        np.testing.assert_array_equal(one, other)
-
-
-def test_walkers_do_not_enter_each_other() -> None:
-    rng = np.random.default_rng(3)
-    space = jostle.Space()
-    ids = space.add(
-        np.stack(np.meshgrid(np.arange(12), np.arange(12)), -1).reshape(-1, 2) * 3.0, 1.0
-    )
-    for _ in range(30):
-        space.move_and_slide(ids, rng.normal(0, 2, (144, 2)) - 0.02 * space.centers(ids), up=(0, 0))
-        assert len(space.pairs()) == 0
-
-
 def test_a_walker_climbs_to_the_floor_angle() -> None:
     """The slope of a large disc at an angle from its top; a small walker goes up to it."""
     for degrees, climbs in ((30, True), (44, True), (46, False), (80, False)):
@@ -326,20 +296,6 @@ def test_a_floor_that_moves_in_the_same_call_carries(order) -> None:
         assert moved[2] == pytest.approx(moved[0] + (steps[2][0], 0), abs=1e-9)
         assert len(space.pairs()) == 0
     assert not (space.centers(ids) == before).all()
-
-
-def test_a_crowd_that_falls_into_a_box_never_overlaps() -> None:
-    space = jostle.Space()
-    space.add(boxes=[(-1, 0, 0, 9), (9, 0, 10, 9), (-1, 9, 10, 10)])
-    discs = space.add([(1 + 2 * i, 1 + 2 * j) for i in range(4) for j in range(4)], radii=0.9)
-    rng, velocities = np.random.default_rng(0), np.zeros((16, 2))
-    for _ in range(100):
-        velocities[:, 1] += 0.03
-        velocities[:, 0] = rng.normal(0, 0.15, 16)
-        slides = space.move_and_slide(discs, velocities)
-        velocities = slides.remaining.copy()
-        assert len(space.contacts().depths) == 0
-    assert np.isin(slides.floors, discs).sum() >= 8  # they stand on each other
 
 
 KINDS = {

@@ -63,32 +63,6 @@ def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
     assert 4 > means[0] > means[1] > means[2] > means[3] > 1
 
 
-def test_line_segments_have_temperatures() -> None:
-    """A hot plate in a cold box that particles pass through each other in."""
-    hot, cold = jostle.ThermalWalls(4.0, walls=[1]), jostle.ThermalWalls(1.0, seed=1)
-    world = gas([])
-    world.walls = [((5, 5), (9, 9)), ((0.3 * SIDE, 0.5 * SIDE), (0.7 * SIDE, 0.5 * SIDE))]
-    world.forces = [cold, hot]
-    world.step(1.0, steps=600)
-    energies = []
-    for _ in range(20):
-        world.step(1.0, steps=20)
-        beside = np.abs(world.positions - SIDE / 2).max(axis=1) < 0.15 * SIDE
-        energies.append((world.velocities**2).sum(axis=1)[beside].mean() / 2)
-    assert 1.3 < np.mean(energies) < 4
-
-
-def test_the_order_of_adding_and_threads_do_not_show() -> None:
-    forces = [jostle.ThermalWalls(KT), jostle.AndersenThermostat(KT, 0.1)]
-    worlds = [gas(forces, threads=threads) for threads in (1, 2)]
-    order = np.random.default_rng(2).permutation(N)
-    permuted = gas(forces, order=order)
-    for world in (*worlds, permuted):
-        world.step(1.0, steps=50)
-    assert worlds[0].state_hash() == worlds[1].state_hash()
-    np.testing.assert_array_equal(permuted.velocities, worlds[0].velocities[order])
-
-
 def test_they_are_values() -> None:
     walls = jostle.ThermalWalls(2.5, sides=[3, 0], seed=7)
     bath = jostle.AndersenThermostat(2.5, rate=0.5)

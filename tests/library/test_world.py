@@ -42,19 +42,6 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
     assert getattr(world, name) == default
 
 
-def test_substeps_are_as_many_as_the_scene_needs_unless_given() -> None:
-    assert inspect.signature(jostle.World).parameters["substeps"].default is None
-    assert three().substeps == 1
-    assert three(restitution=0.5).substeps == 1  # no particles are pressed against each other
-    assert three(restitution=0.5, gravity=(0, 1)).substeps == 4
-    assert three(gravity=(0, 1)).substeps == 1
-    assert three(forces=[jostle.Gravitation(1.0)]).substeps == 4
-    world = three(substeps=2)
-    assert world.substeps == 2
-    world.substeps = None
-    assert world.substeps == 1
-
-
 def test_gravity_may_be_an_array() -> None:
     assert three(gravity=np.array([1, 2])).gravity == (1, 2)
 
@@ -70,14 +57,6 @@ def test_time_passes() -> None:
     world.step(1, 0)
     assert world.time == 1
     assert world.positions[0].tolist() == pytest.approx([1, 0])
-
-
-def test_many_steps_are_as_many_single_ones() -> None:
-    once, often = gas(), gas()
-    once.step(1 / 60, steps=30)
-    for _ in range(30):
-        often.step(1 / 60)
-    assert once.state_hash() == often.state_hash()
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
@@ -149,34 +128,7 @@ def test_the_hash_is_of_the_state() -> None:
         assert other.state_hash() != world.state_hash()
 
 
-@pytest.mark.parametrize("settings", [{"threads": 1}, {"threads": 2}, {"method": "brute"}])
-def test_settings_that_change_nothing_but_speed(settings: Any) -> None:
-    world, other = gas(3000), gas(3000, **settings)
-    for each in (world, other):
-        each.step(1 / 60, steps=10)
-    assert world.state_hash() == other.state_hash()
-
-
 # ---- touching ------------------------------------------------------------------------------------
-
-
-def test_what_touches_merges_and_ids_can_be_followed() -> None:
-    positions = [(0, 0), (9, 0), (1.5, 0), (20, 0)]
-    tie = jostle.Springs([(0, 2), (2, 3)], 18, 0)
-    world = jostle.World(positions, [(0, 0)] * 4, 1.0, on_touch="merge", forces=[tie])
-    assert world.renumbered is None
-    world.step(0.01)
-    assert world.renumbered is not None
-    assert world.renumbered.tolist() == [0, 1, 0, 3]
-    assert world.ids.tolist() == [0, 1, 3]
-    assert world.masses.tolist() == [2, 1, 1]
-    assert world.positions[0].tolist() == [0.75, 0]
-    (springs,) = world.forces
-    assert isinstance(springs, jostle.Springs)
-    assert springs.pairs.tolist() == [[0, 3]]
-    assert world.contacts.pairs.shape == (0, 2)
-    world.step(0.01)
-    assert world.renumbered is None
 
 
 def test_ids_are_followed_through_long_calls() -> None:

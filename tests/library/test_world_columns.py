@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from worlds import COLUMNS, NEW, columns, gas, three
 
 import jostle
@@ -150,16 +148,6 @@ def test_columns_may_be_reckoned_with() -> None:
     assert world.velocities.tolist() == [[2, 0], [0, 4], [0, 0]]
 
 
-@given(st.permutations(range(3)), st.integers(0, 3), st.sampled_from(COLUMNS))
-def test_set_changes_some_rows_of_some_columns(order: list[int], k: int, name: str) -> None:
-    world, ids = three(), order[:k]
-    expected = columns(world)
-    expected[name][ids] = np.array(NEW[name])[ids]
-    world.set(ids, **{name: np.array(NEW[name])[ids]})
-    for other, column in columns(world).items():
-        np.testing.assert_array_equal(column, expected[other])
-
-
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_column_is_read_only(name: str) -> None:
     world = three()
@@ -186,18 +174,6 @@ def test_columns_of_springs_are_read_only() -> None:
             getattr(springs, name)[0] = 1
 
 
-def test_removing_changes_no_id() -> None:
-    world = three()
-    marks = world.masses
-    world.remove([1])
-    assert world.renumbered is None
-    assert world.ids.tolist() == [0, 2]
-    assert (world.masses == marks[world.ids]).all()
-    with pytest.raises(ValueError, match="ids"):
-        world.remove([1])
-    assert "ids" in (jostle.World.remove.__doc__ or "").splitlines()[0]
-
-
 def test_what_became_of_ids_is_told_until_the_next_step() -> None:
     positions = [(0, 0), (9, 0), (1, 0), (20, 0)]
     world = jostle.World(positions, [(0, 0)] * 4, 1.0, on_touch="merge")
@@ -213,14 +189,6 @@ def test_what_became_of_ids_is_told_until_the_next_step() -> None:
     assert world.renumbered.tolist() == [-1, -1, -1, 3, 4]
     world.step(0.1)
     assert world.renumbered is None
-
-
-def test_set_changes_several_columns_at_once() -> None:
-    world = three()
-    world.set(np.array([1, 0], np.uint8), positions=[(5, 5), (6, 6)], radii=0.5, masses=[8, 9])
-    assert world.positions.tolist() == [[6, 6], [5, 5], [20, 5]]
-    assert world.radii.tolist() == [0.5, 0.5, 3]
-    assert world.masses.tolist() == [9, 8, 9]
 
 
 def test_the_mass_stays_when_the_radius_changes() -> None:
@@ -321,34 +289,6 @@ def test_new_grains_of_a_heap_have_its_friction() -> None:
     assert (world.friction == world.friction[0]).all()
 
 
-@given(st.sets(st.integers(0, 9)), st.randoms(use_true_random=False))
-def test_remove_closes_the_gaps(gone: set[int], random: Any) -> None:
-    world = jostle.World([(3 * i, 0) for i in range(10)], [(0, 0)] * 10, 1, masses=np.arange(1, 11))
-    world.step(0.1)
-    ids = [*gone]
-    random.shuffle(ids)
-    world.remove(ids)
-    left = [i for i in range(10) if i not in gone]
-    assert world.masses.tolist() == [i + 1 for i in left]
-    np.testing.assert_array_equal(world.positions[:, 0], np.float32(3) * np.array(left, np.float32))
-    world.step(0.1)
-    assert len(world) == len(left)
-
-
-def test_contacts_go_with_either_particle() -> None:
-    world = jostle.World([(0, 0), (50, 0), (51.5, 0)], [(0, 0)] * 3, 1.0)
-    world.step(0.01)
-    assert world.contacts.pairs.tolist() == [[1, 2]]
-    world.remove([0])
-    assert world.contacts.pairs.tolist() == [[1, 2]]
-    world.remove([1])
-    assert world.contacts.pairs.shape == (0, 2)
-    world.remove([2])
-    assert world.contacts.pairs.shape == (0, 2)
-    world.step(0.01)
-    assert world.contacts.pairs.shape == (0, 2)
-
-
 def test_contacts_after_adding() -> None:
     world = jostle.World([(50, 0), (51.5, 0)], [(0, 0)] * 2, 1.0)
     world.step(0.01)
@@ -356,16 +296,3 @@ def test_contacts_after_adding() -> None:
     assert world.contacts.pairs.tolist() == [[0, 1]]
     world.step(0.01)
     assert world.contacts.pairs.tolist() == [[0, 1]]
-
-
-def test_one_id_may_be_given_instead_of_many() -> None:
-    worlds = [jostle.World([(0, 0), (5, 0), (9, 0)], [(0, 0)] * 3, radii=1.0) for _ in range(2)]
-    one, many = worlds
-    one.set(1, positions=(4, 1), velocities=np.array([2, 3]), radii=0.5, movable=False)
-    many.set([1], positions=[(4, 1)], velocities=[(2, 3)], radii=[0.5], movable=[False])
-    assert one.positions[1].tolist() == [4, 1]
-    assert one.state_hash() == many.state_hash()
-    one.remove(np.int64(0))
-    many.remove([0])
-    assert one.radii.tolist() == [0.5, 1]
-    assert one.state_hash() == many.state_hash()

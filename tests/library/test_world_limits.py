@@ -166,27 +166,6 @@ def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
         assert again.state_hash() == world.state_hash()
 
 
-# ---- bounded work --------------------------------------------------------------------------------
-
-
-def test_walls_and_torus_take_bounded_work() -> None:
-    rng = np.random.default_rng(1)
-    center = (1e7 + 1, 1e7 + 1)
-    places = center + rng.uniform(-2, 2, (1000, 2))
-    far = jostle.World(
-        places, rng.normal(size=(1000, 2)), 0.01, container=jostle.Circle(center, 2.1)
-    )
-    velocities = rng.normal(size=(2000, 2))
-    velocities[0] = (6e6, 3e6)
-    torus = jostle.World(
-        rng.uniform(0, 1000, (2000, 2)), velocities, 1.0, container=jostle.Torus(1000, 1000)
-    )
-    start = time.perf_counter()
-    far.step(0.01)
-    torus.step(0.01)
-    assert time.perf_counter() - start < 10  # 25 s and 2 s without bounds, on a quiet machine
-
-
 # ---- Ctrl-C --------------------------------------------------------------------------------------
 
 

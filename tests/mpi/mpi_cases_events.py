@@ -1,7 +1,5 @@
 """Pairs that touch and particles that merge, of different ranks."""
 
-import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +11,19 @@ from mpi_worlds import (
     check_events,
     check_saved,
     check_touches,
-    comm,
     evenly,
     expected_now,
     gas,
     of_rank,
     scattered,
+    step_all,
     unevenly,
     up_to,
+    with_folder,
 )
 
 import jostle
 import jostle.mpi
-import jostle.mpi.storage
 
 
 def test_events() -> None:
@@ -42,8 +40,7 @@ def test_events() -> None:
         ours = scattered(world, unevenly, every=3)
         seen = 0
         for _ in range(8):
-            world.step(1 / 60, steps)
-            ours.step(1 / 60, steps)
+            step_all((world, ours), 1 / 60, steps)
             seen += check_events(name, ours, world)
         assert seen > 0, name
     try:
@@ -65,13 +62,13 @@ def check_merged(name: str, ours: jostle.mpi.World, world: jostle.World) -> None
 
 
 @up_to(3)
-def test_merging() -> None:
+@with_folder
+def test_merging(folder: Path) -> None:
     """Particles of different ranks that touch merge."""
     rows = np.arange(400)
     table = np.random.default_rng(4).normal(0, 60, (3, 3, 12))
     rolling = {"friction": 0.3, "angular_velocities": 2.0, "restitution": 0.5 + rows % 3 * 0.2}
     walls = jostle.polyline([(0, 30), (25, 36), (50, 20)])
-    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
     options: dict[str, dict[str, Any]] = {
         "box": {"gravity": (0.0, 30.0), "walls": walls, "track_events": True},
         "plane": {"container": None, "masses": np.where(rows % 7, 1.0, 3e29)},
@@ -86,8 +83,7 @@ def test_merging() -> None:
         ours = scattered(world, (evenly, unevenly, all_on_last)[number % 3], every=3)
         for steps in (1, 2, 8):
             dt = 0.4 if name == "long steps" else 1 / 60
-            world.step(dt, steps)
-            ours.step(dt, steps)
+            step_all((world, ours), dt, steps)
             check_merged(name, ours, world)
         assert 5 < ours.total < 390, (name, ours.total)
         new, gone = np.array([(3.0, 3.0), (4.0, 3.0)]), world.ids[[1, 5]]
@@ -108,6 +104,3 @@ def test_merging() -> None:
             one.on_touch = "merge"
             one.step(1 / 60, 2)
         check_asleep_now(name, ours, world)
-    comm().Barrier()
-    if comm().rank == 0:
-        shutil.rmtree(folder)

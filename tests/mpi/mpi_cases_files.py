@@ -1,10 +1,6 @@
 """Files of distributed worlds."""
 
 import resource
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +19,7 @@ from mpi_worlds import (
     sleepers,
     unevenly,
     up_to,
+    with_folder,
 )
 
 import jostle
@@ -30,39 +27,29 @@ import jostle.mpi
 import jostle.mpi.storage
 
 
-@contextmanager
-def folder_of_all() -> Iterator[Path]:
-    """A temporary folder of all ranks."""
-    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
-    yield folder
-    comm().Barrier()
-    if comm().rank == 0:
-        shutil.rmtree(folder)
-
-
 @up_to(3)
-def test_files() -> None:
+@with_folder
+def test_files(folder: Path) -> None:
     """A saved world continues with the same bits on other numbers of ranks, and in one process."""
-    with folder_of_all() as folder:
-        # More than a chunk of ids, so that several ranks write.
-        check_file(folder / "world", gas(600, movable=np.arange(600) % 9 > 0), 2, every=33)
-        check_refused_files(folder)
-        check_failed_writing(folder)
+    # More than a chunk of ids, so that several ranks write.
+    check_file(folder / "world", gas(600, movable=np.arange(600) % 9 > 0), 2, every=33)
+    check_refused_files(folder)
+    check_failed_writing(folder)
 
 
-def test_files_of_resting_particles() -> None:
+@with_folder
+def test_files_of_resting_particles(folder: Path) -> None:
     """Impulses at rest and sleeping islands are saved, and some of these wake later."""
-    with folder_of_all() as folder:
-        walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
-        check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 15)
-        for done, steps in ((110, 60), (190, 15)):
-            world = sleepers(5)
-            world.step(1 / 60, done)
-            ours = scattered(sleepers(5), unevenly)
-            ours.step(1 / 60, done)
-            assert 0 < world.asleep.sum() < len(world)
-            check_asleep("before the file", ours, world)
-            check_saved(folder / f"sleepers-{done}", ours, world, steps)
+    walls = jostle.polyline([(0, 12), (9, 14), (14, 9)])
+    check_file(folder / "pile", gas(60, friction=0.4, walls=walls, **REST), 15)
+    for done, steps in ((110, 60), (190, 15)):
+        world = sleepers(5)
+        world.step(1 / 60, done)
+        ours = scattered(sleepers(5), unevenly)
+        ours.step(1 / 60, done)
+        assert 0 < world.asleep.sum() < len(world)
+        check_asleep("before the file", ours, world)
+        check_saved(folder / f"sleepers-{done}", ours, world, steps)
 
 
 def check_file(path: Path, world: jostle.World, steps: int, every: int = 1) -> None:

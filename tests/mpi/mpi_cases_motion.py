@@ -14,13 +14,13 @@ from mpi_worlds import (
     gas,
     refuse,
     scattered,
+    step_all,
     unevenly,
     up_to,
 )
 
 import jostle
 import jostle.mpi
-import jostle.mpi.storage
 
 
 @up_to(4)
@@ -78,8 +78,7 @@ def test_refined() -> None:
     ours = scattered(world, unevenly, every=4)
     counts = []
     for step in range(7):
-        for one in (world, ours):
-            one.step(0.2)
+        step_all((world, ours), 0.2)
         assert ours.stats.substeps == world.stats.substeps, step
         assert ours.state_hash() == world.state_hash(), step
         counts.append(world.stats.substeps)
@@ -233,8 +232,7 @@ def test_given() -> None:
             assert ours.state_hash() == world.state_hash(), (name, call)
             assert alone is None or alone.state_hash() == world.state_hash(), name
             assert not ours.accelerations.any()
-        ours.step(1 / 60, 5)
-        world.step(1 / 60, 5)
+        step_all((ours, world), 1 / 60, 5)
         assert ours.state_hash() == world.state_hash(), name
     is_last = comm().rank == comm().size - 1
     refuse(
@@ -246,8 +244,7 @@ def test_given() -> None:
     first = int(comm().bcast(ours.ids[ours.movable][0] if comm().rank == 0 else None))
     refuse(lambda: ours.force([first] * 99, [(1e18, 0)] * 99), f"of particle {first} would be")
     assert not ours.accelerations.any()
-    world.step(1 / 60)
-    ours.step(1 / 60)
+    step_all((world, ours), 1 / 60)
     assert ours.state_hash() == world.state_hash()
 
 
@@ -257,8 +254,7 @@ def test_energy() -> None:
         world = jostle.scenes.create(name, n=250, seed=2)
         ours = scattered(world, unevenly)
         for _ in range(3):
-            for one in (world, ours):
-                one.step(1 / 60, 2)
+            step_all((world, ours), 1 / 60, 2)
             energy = world.potential_energy
             assert energy != 0.0
             assert abs(ours.potential_energy - energy) <= 1e-10 * abs(energy), name
@@ -341,8 +337,7 @@ def test_parts() -> None:
             assert ours.state_hash() == whole.state_hash(), (name, n)
             assert ours.total == len(whole) and len(ours) <= len(whole) // comm().size + 1
     for _ in range(2):
-        whole.step(1 / 60, 10)
-        ours.step(1 / 60, 10)
+        step_all((whole, ours), 1 / 60, 10)
         assert ours.state_hash() == whole.state_hash()
     refuse(lambda: jostle.mpi.create_scene(comm(), "nothing"), "nothing")
     refuse(lambda: jostle.mpi.create_scene(comm(), "stars", n=10), "")

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from mpi_worlds import check_touches, comm, expected_now, refuse, up_to
+from mpi_worlds import check_touches, comm, expected_now, refuse, step_all, up_to
 
 import jostle
 import jostle.mpi
@@ -161,8 +161,7 @@ def test_substeps_are_decided_by_all_ranks() -> None:
                 own[name] = column[mine]
             ours = jostle.mpi.World(comm(), **own, **gravity)
             assert ours.substeps == world.substeps == 4
-            for one in (world, ours):
-                one.step(H, 5)
+            step_all((world, ours), H, 5)
             assert ours.state_hash() == world.state_hash(), name
             ids = ours.ids
             for one, rows in ((world, np.arange(n)), (ours, ids)):
@@ -180,8 +179,7 @@ def check_shared(columns: dict[str, np.ndarray], settings: dict[str, Any], steps
     """Compare a world, with random shares, with one process."""
     world = jostle.World(**columns, **settings)
     ours = share_of(np.random.default_rng(1), columns, settings)
-    for one in (world, ours):
-        one.step(H, steps)
+    step_all((world, ours), H, steps)
     check_touches("many contacts", ours, expected_now(world, []))
     assert ours.state_hash() == world.state_hash()
 

@@ -1,7 +1,5 @@
 """Islands of several ranks that fall asleep and wake, and particles that are changed meanwhile."""
 
-import shutil
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,13 +17,13 @@ from mpi_worlds import (
     refuse,
     scattered,
     sleepers,
+    step_all,
     unevenly,
     up_to,
+    with_folder,
 )
 
 import jostle
-import jostle.mpi
-import jostle.mpi.storage
 
 
 @up_to(3)
@@ -35,8 +33,7 @@ def test_sleeping() -> None:
     ours = scattered(world, unevenly, every=7)
     counts = []
     for _ in range(14):
-        world.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((world, ours), 1 / 30, 12)
         check_asleep("sleeping", ours, world)
         counts.append(int(world.asleep.sum()))
     # Some wake when discs fall on them.
@@ -49,8 +46,7 @@ def test_sleeping_beside_others() -> None:
     tracked = sleepers(walls=walls, track_events=True)
     ours = scattered(tracked, unevenly)
     for _ in range(8):
-        tracked.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((tracked, ours), 1 / 30, 12)
         check_asleep("walls", ours, tracked)
         check_events("walls", ours, tracked)
     assert tracked.asleep.sum() > 10
@@ -60,8 +56,7 @@ def test_sleeping_beside_others() -> None:
     still.velocities = np.where(np.arange(42)[:, None] == 30, [[0.1, 0.0]], 0.0)
     ours = scattered(still, evenly)
     for _ in range(5):
-        still.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((still, ours), 1 / 30, 12)
         check_asleep("obstacles", ours, still)
     assert still.asleep.any()
     # A kinematic disc moves to sleeping ones, and wakes them.
@@ -70,8 +65,7 @@ def test_sleeping_beside_others() -> None:
     ours = scattered(coming, evenly)
     counts = []
     for _ in range(8):
-        coming.step(1 / 30, 12)
-        ours.step(1 / 30, 12)
+        step_all((coming, ours), 1 / 30, 12)
         check_asleep("a kinematic disc", ours, coming)
         counts.append(int(coming.asleep.sum()))
     assert np.diff(counts).min() < 0, counts
@@ -133,16 +127,15 @@ def resting(**options: Any) -> jostle.World:
     return world
 
 
-def test_edits() -> None:
+@with_folder
+def test_edits(folder: Path) -> None:
     """Particles that are added, removed and changed while others sleep."""
-    folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
     world = resting(track_events=True)
     ours = scattered(world, evenly, every=5)
     counts = set()
     for number, (name, change) in enumerate(edits()):
         for _ in range(2):
-            world.step(1 / 30, 16)
-            ours.step(1 / 30, 16)
+            step_all((world, ours), 1 / 30, 16)
         check_asleep(f"before {name}", ours, world)
         check_events(name, ours, world)
         change(world, lambda rows: rows)
@@ -151,13 +144,9 @@ def test_edits() -> None:
         counts.add(int(world.asleep.sum()))
         if name in ("removed", "obstacles"):
             check_saved(folder / str(number), ours, world, 0)
-    world.step(1 / 30, 16)
-    ours.step(1 / 30, 16)
+    step_all((world, ours), 1 / 30, 16)
     check_asleep("the last", ours, world)
     assert len(counts) > 3 and ours.total == len(world) == 33 + 7 - 4 - 1 + 7
-    comm().Barrier()
-    if comm().rank == 0:
-        shutil.rmtree(folder)
     check_refused_edits()
 
 

@@ -12,7 +12,6 @@ from mpi_worlds import (
 
 import jostle
 import jostle.mpi
-import jostle.mpi.storage
 
 
 def test_rebalancing() -> None:

@@ -1,6 +1,8 @@
 """Worlds of ranks and of one process, and their comparison. The programs of the tests use them."""
 
-from collections.abc import Callable
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -222,6 +224,12 @@ def check(
     return ours
 
 
+def step_all(worlds: Iterable[Any], dt: float, steps: int = 1) -> None:
+    """Step several worlds."""
+    for one in worlds:
+        one.step(dt, steps)
+
+
 def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None:
     """The contacts of all ranks together are those of one process. Sums of the impulses of several
     bounces of a pair in a step may be rounded differently."""
@@ -336,11 +344,24 @@ def ours_hash_of(world: jostle.World) -> int:
     return jostle.World.restore(world.snapshot()).state_hash()
 
 
+def with_folder(case: Callable[[Path], None]) -> Callable[[], None]:
+    """Give a case a temporary folder of all ranks."""
+
+    def with_one() -> None:
+        folder = Path(comm().bcast(tempfile.mkdtemp() if comm().rank == 0 else None))
+        case(folder)
+        comm().Barrier()
+        if comm().rank == 0:
+            shutil.rmtree(folder)
+
+    return with_one
+
+
 def refuse(call: Callable[[], Any], message: str) -> None:
     """All ranks raise, with this message or that of the rank that has it."""
     try:
         call()
-    except (ValueError, TypeError, OSError, jostle.mpi.RankError) as error:
+    except (ValueError, TypeError, AttributeError, OSError, jostle.mpi.RankError) as error:
         assert message in str(error), error
     else:
         raise AssertionError(message)

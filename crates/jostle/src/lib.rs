@@ -3,6 +3,8 @@
 //!
 //! The modules are in reading order: each uses only those above it.
 
+#![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
+
 pub mod error;
 pub mod memory;
 pub mod bytes;

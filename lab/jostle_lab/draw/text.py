@@ -15,7 +15,7 @@ from jostle_lab.draw.palette import PANEL, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 
 TITLE, BODY, SMALL = 20, 14, 12
 
-# Packages that are required, and the fonts in them, best first: text is alike on all machines.
+# Packages that jostle-lab needs, and the fonts in them, best first: text is alike on all machines.
 FONTS = (
     ("imgui_bundle", "assets/fonts/Roboto/Roboto-Regular.ttf"),
     ("matplotlib", "mpl-data/fonts/ttf/DejaVuSans.ttf"),

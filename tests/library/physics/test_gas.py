@@ -7,7 +7,7 @@ over seeds. A tolerance is four of them, plus the error of the formula where it 
 Lengths are in radii, and the mean speed of a gas is 1: a step of `dt` is one of `dt` radii of mean
 displacement. So the temperature kT is 2/π, for a mass of 1.
 
-    python tests/test_gas.py
+    PYTHONPATH=tests python tests/library/physics/test_gas.py
 
 prints the measured quantities over the formulas, as means of 20 seeds (two minutes).
 """
@@ -21,17 +21,12 @@ from functools import partial
 import numpy as np
 import pytest
 from event_driven import simulate
-from gases import Floats, displacements, lattice, random_velocities, torus
+from gases import Floats, displacements, henderson, lattice, random_velocities, torus
 
 import jostle
 
 SHORT, LONG = 0.1, 5.0
 KT = 2 / math.pi
-
-
-def henderson(eta: float) -> float:
-    """Return the compressibility Z = P/(n kT) of hard discs (Henderson, 1975)."""
-    return (1 + eta**2 / 8) / (1 - eta) ** 2
 
 
 def rate_of_collisions(speed: Floats | float, eta: float) -> Floats:

@@ -17,6 +17,13 @@ G = 9.8
 BOX = jostle.Box(-50, 0, 50, 100)
 
 
+def falling(positions: object, velocities: object = None, **settings: object) -> jostle.World:
+    """Discs of radius 1 under gravity in a box, at rest unless they have velocities."""
+    velocities = np.zeros((len(positions), 2)) if velocities is None else velocities
+    settings = {"radii": 1, "gravity": (0, -G), "container": BOX} | settings
+    return jostle.World(positions, velocities, **settings)
+
+
 def gas(
     n: int, covered: float, seed: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
@@ -80,15 +87,7 @@ def test_a_cooling_gas_obeys_haffs_law(dt: float) -> None:
 @pytest.mark.parametrize(("dt", "substeps"), [(1 / 60, None), (1 / 60, 1), (0.2, 1)])
 def test_a_ball_bounces_to_rest(restitution: float, dt: float, substeps: int | None) -> None:
     height = 10.0
-    world = jostle.World(
-        [(0, height + 1)],
-        [(0, 0)],
-        radii=1,
-        gravity=(0, -G),
-        restitution=restitution,
-        substeps=substeps,
-        container=BOX,
-    )
+    world = falling([(0, height + 1)], restitution=restitution, substeps=substeps)
     fall = math.sqrt(2 * height / G)
 
     def expected(t: float) -> float:
@@ -119,15 +118,7 @@ def test_a_ball_that_begins_slowly_bounces_in_one_step(
     restitution: float, time: float, substeps: int | None
 ) -> None:
     """It does not rest, although it is slow at first and reaches the floor within a sub-step."""
-    world = jostle.World(
-        [(0, 2)],
-        [(0, 0)],
-        radii=1,
-        gravity=(0, -G),
-        restitution=restitution,
-        substeps=substeps,
-        container=BOX,
-    )
+    world = falling([(0, 2)], restitution=restitution, substeps=substeps)
     world.step(time)
     fall = math.sqrt(2 / G)
     speed = restitution * G * fall
@@ -141,14 +132,9 @@ def test_a_ball_that_begins_slowly_bounces_in_one_step(
 @pytest.mark.parametrize("time", [0.5, 1.0, 2.0])
 def test_two_discs_do_not_gain_energy_in_a_long_step(time: float) -> None:
     def discs() -> jostle.World:
-        return jostle.World(
-            [(3.09, 2), (5.36, 2)],
-            [(1.1, -0.5), (0.9, -1.1)],
-            radii=1,
-            gravity=(0, -G),
-            restitution=0.9,
-            container=jostle.Box(0, 0, 8, 40),
-        )
+        velocities = [(1.1, -0.5), (0.9, -1.1)]
+        box = jostle.Box(0, 0, 8, 40)
+        return falling([(3.09, 2), (5.36, 2)], velocities, restitution=0.9, container=box)
 
     one, many = discs(), discs()
     one.step(time)
@@ -158,14 +144,7 @@ def test_two_discs_do_not_gain_energy_in_a_long_step(time: float) -> None:
 
 
 def test_a_disc_does_not_rest_at_the_ceiling() -> None:
-    world = jostle.World(
-        [(3, 2)],
-        [(0, 1)],
-        radii=1,
-        gravity=(0, -G),
-        restitution=0,
-        container=jostle.Box(0, 0, 8, 40),
-    )
+    world = falling([(3, 2)], [(0, 1)], restitution=0, container=jostle.Box(0, 0, 8, 40))
     world.step(100, steps=3)
     assert world.positions.tolist() == [[3, 1]]
 
@@ -174,14 +153,8 @@ def test_friction_brings_elastic_discs_to_rest() -> None:
     """Otherwise their collisions would become ever more frequent while the energy falls."""
     rng = np.random.default_rng(1)
     grid = np.stack(np.meshgrid(np.arange(10), np.arange(10)), -1).reshape(-1, 2)
-    world = jostle.World(
-        grid * 2.2 + 2 + rng.uniform(-0.09, 0.09, grid.shape),
-        np.zeros(grid.shape),
-        radii=1,
-        gravity=(0, -G),
-        friction=0.5,
-        container=jostle.Box(0, 0, 26, 100),
-    )
+    places = grid * 2.2 + 2 + rng.uniform(-0.09, 0.09, grid.shape)
+    world = falling(places, friction=0.5, container=jostle.Box(0, 0, 26, 100))
     begun = world.kinetic_energy + world.masses @ world.positions[:, 1] * G
     most = 0
     for _ in range(40):
@@ -228,14 +201,7 @@ def test_results_scale_with_the_units_of_time_and_length() -> None:
 
 
 def test_two_discs_stacked_off_axis_topple() -> None:
-    world = jostle.World(
-        [(0, 1), (0.05, 2.99)],
-        np.zeros((2, 2)),
-        radii=1,
-        gravity=(0, -G),
-        restitution=0,
-        container=BOX,
-    )
+    world = falling([(0, 1), (0.05, 2.99)], restitution=0)
     world.step(1 / 60, steps=300)
     assert world.positions[:, 1].tolist() == [1, 1]
 
@@ -246,15 +212,8 @@ def test_a_pyramid_without_friction_becomes_flat(substeps: int) -> None:
     centers = [
         (2 * i + row - 9, 1 + row * math.sqrt(3)) for row in range(10) for i in range(10 - row)
     ]
-    world = jostle.World(
-        centers,
-        np.zeros((55, 2)),
-        radii=1,
-        gravity=(0, -G),
-        restitution=0,
-        container=jostle.Box(-100, 0, 100, 100),
-        substeps=substeps,
-    )
+    wide = jostle.Box(-100, 0, 100, 100)
+    world = falling(centers, restitution=0, container=wide, substeps=substeps)
     world.step(1 / 60, steps=480)
     assert world.positions[:, 1].max() < 1.01
 
@@ -264,15 +223,9 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     """A disc that is held in the air has a velocity that grows with the time."""
     rng = np.random.default_rng(1)
     grid = np.stack(np.meshgrid(np.arange(20), np.arange(25)), -1).reshape(-1, 2)
-    world = jostle.World(
-        grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape),
-        np.zeros(grid.shape),
-        radii=2,
-        gravity=(0, -980),
-        restitution=restitution,
-        substeps=1,
-        container=jostle.Box(0, 0, 100, 1000),
-    )
+    places = grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape)
+    shaft: dict[str, object] = {"container": jostle.Box(0, 0, 100, 1000), "gravity": (0, -980)}
+    world = falling(places, radii=2, restitution=restitution, substeps=1, **shaft)
     unresolved = 0
     for _ in range(240):
         world.step(1 / 60)
@@ -294,16 +247,10 @@ def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
 @pytest.mark.parametrize("width", [9.048052168165501, 9.03675981536937])
 def test_a_light_disc_between_a_wall_and_a_heavy_disc_comes_to_rest(width: float) -> None:
     """It gains no energy from impacts at the beginning of sub-steps."""
-    world = jostle.World(
-        [(4.02, 4.5), (width - 1, 1.2)],
-        np.zeros((2, 2)),
-        radii=[4, 1],
-        masses=[64, 1],
-        gravity=(0, -160),
-        restitution=0.97,
-        substeps=1,
-        container=jostle.Box(0, 0, width, 100),
-    )
+    discs: dict[str, object] = {"radii": [4, 1], "masses": [64, 1], "restitution": 0.97}
+    box = jostle.Box(0, 0, width, 100)
+    places = [(4.02, 4.5), (width - 1, 1.2)]
+    world = falling(places, **discs, gravity=(0, -160), substeps=1, container=box)
     world.step(1 / 60, steps=3000)
     assert rms_speed(world) < 0.01 * 160 / 60
 
@@ -364,14 +311,8 @@ def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: flo
 
 def stack(lower: float, upper: float, **settings: object) -> jostle.World:
     """Two discs of radius 1 with these masses, one on the other, and both on a floor."""
-    settings = {"gravity": (0, -G), "restitution": 0.0, "container": BOX} | settings
-    return jostle.World(
-        [(0, 1), (0.5, 1 + math.sqrt(3.75))],
-        np.zeros((2, 2)),
-        radii=1,
-        masses=[lower, upper],
-        **settings,
-    )
+    places = [(0, 1), (0.5, 1 + math.sqrt(3.75))]
+    return falling(places, masses=[lower, upper], **{"restitution": 0.0, **settings})
 
 
 @pytest.mark.parametrize(
