@@ -479,7 +479,35 @@ def measure_overlaps() -> None:
             )
 
 
+def measure_shaft() -> None:
+    """Print in how many steps discs that fall into a shaft are exhausted, and how many at most."""
+    rng = np.random.default_rng(1)
+    grid = np.stack(np.meshgrid(np.arange(20), np.arange(50)), -1).reshape(-1, 2)
+    centers = grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape)
+    for substeps in (1, None):
+        for restitution in (0.0, 0.3, 0.5, 0.7, 0.9):
+            world = jostle.World(
+                centers,
+                np.zeros(grid.shape),
+                radii=2,
+                gravity=(0, -980),
+                restitution=restitution,
+                substeps=substeps,
+                container=jostle.Box(0, 0, 100, 1000),
+            )
+            counts = []
+            for _ in range(360):
+                world.step(1 / 60)
+                counts.append(world.stats.unresolved)
+            print(
+                f"1,000 discs in a shaft, e = {restitution}, substeps={substeps}: exhausted discs "
+                f"in {np.count_nonzero(counts)} of 360 steps, at most {max(counts)}",
+                flush=True,
+            )
+
+
 if __name__ == "__main__":
+    measure_shaft()
     for friction in (0, 0.3, 0.6, 1):
         measure_speeds(friction, 64)
     measure_overlaps()
