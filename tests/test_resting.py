@@ -242,7 +242,7 @@ def test_two_discs_stacked_off_axis_topple() -> None:
 
 @pytest.mark.parametrize("substeps", [4, 32])
 def test_a_pyramid_without_friction_becomes_flat(substeps: int) -> None:
-    """It takes 6.4 to 7.5 s with 4 to 256 sub-steps, and 6.3 to 7.5 s in pymunk."""
+    """It takes 6.6 to 7.1 s with 4 to 256 sub-steps, and 6.3 to 7.5 s in pymunk."""
     centers = [
         (2 * i + row - 9, 1 + row * math.sqrt(3)) for row in range(10) for i in range(10 - row)
     ]
@@ -485,7 +485,7 @@ def measure_shaft() -> None:
     grid = np.stack(np.meshgrid(np.arange(20), np.arange(50)), -1).reshape(-1, 2)
     centers = grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape)
     for substeps in (1, None):
-        for restitution in (0.0, 0.3, 0.5, 0.7, 0.9):
+        for restitution in (0.5, 0.9):
             world = jostle.World(
                 centers,
                 np.zeros(grid.shape),
