@@ -484,26 +484,25 @@ def measure_shaft() -> None:
     rng = np.random.default_rng(1)
     grid = np.stack(np.meshgrid(np.arange(20), np.arange(50)), -1).reshape(-1, 2)
     centers = grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape)
-    for substeps in (1, None):
-        for restitution in (0.5, 0.9):
-            world = jostle.World(
-                centers,
-                np.zeros(grid.shape),
-                radii=2,
-                gravity=(0, -980),
-                restitution=restitution,
-                substeps=substeps,
-                container=jostle.Box(0, 0, 100, 1000),
-            )
-            counts = []
-            for _ in range(360):
-                world.step(1 / 60)
-                counts.append(world.stats.unresolved)
-            print(
-                f"1,000 discs in a shaft, e = {restitution}, substeps={substeps}: exhausted discs "
-                f"in {np.count_nonzero(counts)} of 360 steps, at most {max(counts)}",
-                flush=True,
-            )
+    for substeps, restitution in (1, 0.5), (None, 0.5), (None, 0.9):
+        world = jostle.World(
+            centers,
+            np.zeros(grid.shape),
+            radii=2,
+            gravity=(0, -980),
+            restitution=restitution,
+            substeps=substeps,
+            container=jostle.Box(0, 0, 100, 1000),
+        )
+        counts = []
+        for _ in range(360):
+            world.step(1 / 60)
+            counts.append(world.stats.unresolved)
+        print(
+            f"1,000 discs in a shaft, e = {restitution}, substeps={substeps}: exhausted discs in "
+            f"{np.count_nonzero(counts)} of 360 steps, at most {max(counts)}",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":
