@@ -508,5 +508,5 @@ def measure_shaft() -> None:
 if __name__ == "__main__":
     measure_shaft()
     for friction in (0, 0.3, 0.6, 1):
-        measure_speeds(friction, 64)
+        measure_speeds(friction, 16)
     measure_overlaps()
