@@ -63,7 +63,7 @@ def overlaps_of(positions: Numbers, radii: Numbers) -> Numbers:
     return deepest
 
 
-def fall(name: str, running: rivals.Running, radii: Numbers, seconds: float) -> Pile:
+def fall(name: str, running: rivals.RunningSimulation, radii: Numbers, seconds: float) -> Pile:
     """Simulate the fall, and measure."""
     frame = next(reversed(running.frames.values()))
     for _ in range(round(seconds / rivals.FRAME) - TIMED):
@@ -97,7 +97,7 @@ def draw(piles: list[Pile], radii: Numbers, box: tuple[float, float, float, floa
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         axes.set_title(
-            f"{pile.name}: mean {pile.overlaps.mean():.1f} %, deepest {pile.overlaps.max():.0f} %"
+            f"{pile.name}: mean {pile.overlaps.mean():.1f} %, deepest {pile.overlaps.max():.1f} %"
         )
     drawing.colorbar(discs, ax=panels[0], label="overlap, % of\nthe smaller radius")
     title = f"{len(radii):,} discs after the same fall, four sub-steps"
@@ -111,7 +111,7 @@ def main() -> None:
     seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 8.0
     world = jostle.scenes.create("pile", n=count)
     world.substeps = 4
-    start = rivals.begun(world)
+    start = rivals.state_of(world)
     entrants = {
         "jostle": lambda: rivals.jostle_world(start, 1),
         "Box2D": lambda: rivals.box2d_world(start, 1),

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -476,26 +477,34 @@ def test_a_rack_breaks_symmetrically(dt: float, gap: float) -> None:
 # ---- energy under gravity ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("substeps", [1, 4, 16])
-def test_energy_of_an_elastic_gas_under_gravity(substeps: int) -> None:
+def falling_gas(substeps: int) -> jostle.World:
     """300 discs, g = 500 and speeds of 100 to 300, which is up to 5 radii a step, for 30 s."""
     n, side, rng = 300, 170.0, np.random.default_rng(6)
     state = discs(lattice(n, side, side) - (-1, side + 1), 100 * random_velocities(n, rng), [1] * n)
     box = jostle.Box(0, -side - 2, side + 2, 0)
-    one = world(state, container=box, gravity=(0, 500), substeps=substeps)
+    return world(state, container=box, gravity=(0, 500), substeps=substeps)
+
+
+@pytest.mark.parametrize("substeps", [1, 4, 16])
+def test_energy_of_an_elastic_gas_under_gravity(substeps: int) -> None:
+    one = falling_gas(substeps)
     before = energy(one)
     one.step(1 / 60, steps=1800)
     assert energy(one) / before == pytest.approx(1, abs=1e-3)
 
 
-@pytest.mark.parametrize("substeps", [1, 4, 16, 64])
-def test_energy_of_bouncing_balls(substeps: int) -> None:
+def bouncing_balls(substeps: int) -> jostle.World:
     """40 balls of radius 0.1 bounce about 1,000 times each, at up to 7 radii a step."""
     rng = np.random.default_rng(7)
     x = np.linspace(0.5, 19.5, 40)
     state = discs(np.stack([x, -rng.uniform(0.5, 1, 40)], 1), np.zeros((40, 2)), [0.1] * 40)
     box = jostle.Box(0, -5, 20, 0)
-    one = world(state, container=box, gravity=(0, 1000), substeps=substeps)
+    return world(state, container=box, gravity=(0, 1000), substeps=substeps)
+
+
+@pytest.mark.parametrize("substeps", [1, 4, 16, 64])
+def test_energy_of_bouncing_balls(substeps: int) -> None:
+    one = bouncing_balls(substeps)
     before = energy(one)
     one.step(1 / 60, steps=4400)
     assert energy(one) / before == pytest.approx(1, abs=1e-3)
@@ -629,12 +638,16 @@ def trapped_energy(one: jostle.World, strength: float) -> float:
     return float(0.5 * (speeds**2).sum() + 0.5 * strength * (distances**2).sum())
 
 
-@pytest.mark.parametrize("substeps", [1, 4])
-def test_a_gas_in_a_harmonic_trap_keeps_its_energy(substeps: int) -> None:
+def gas_in_a_trap(substeps: int) -> jostle.World:
     rng = np.random.default_rng(1)
     state = discs(lattice(300, 54, 54) - 27, 10 * random_velocities(300, rng), np.ones(300))
     trap = jostle.Attractor((0, 0), strength=0.5)
-    one = world(state, forces=[trap], substeps=substeps)
+    return world(state, forces=[trap], substeps=substeps)
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+def test_a_gas_in_a_harmonic_trap_keeps_its_energy(substeps: int) -> None:
+    one = gas_in_a_trap(substeps)
     before = trapped_energy(one, 0.5)
     for _ in range(10):
         one.step(1 / 60, steps=60)
@@ -762,5 +775,42 @@ def test_a_shaken_granular_cluster(dt: float) -> None:
     assert deepest(one.positions, np.ones(60)) < 0.01
 
 
+def measure_energies() -> None:
+    """Print the energies after the longest simulations, over those of the beginning."""
+    for substeps in 1, 4, 16:
+        one = falling_gas(substeps)
+        before = energy(one)
+        one.step(1 / 60, steps=1800)
+        print(f"gas under gravity, {substeps} sub-steps: 1 {energy(one) / before - 1:+.1e}")
+    for substeps in 1, 4, 16, 64:
+        one = bouncing_balls(substeps)
+        before = energy(one)
+        one.step(1 / 60, steps=4400)
+        print(f"bouncing balls, {substeps} sub-steps: 1 {energy(one) / before - 1:+.1e}")
+    for substeps in 1, 4:
+        one = gas_in_a_trap(substeps)
+        before = trapped_energy(one, 0.5)
+        one.step(1 / 60, steps=1800)
+        print(f"harmonic trap, {substeps} sub-steps: {trapped_energy(one, 0.5) / before:.5f}")
+
+
+def measure_long_steps() -> None:
+    """Print the time in which 1,000 discs move by a thousand radii."""
+    n, eta = 1000, 0.3
+    period = torus(n, eta)
+    velocities = random_velocities(n, np.random.default_rng(0))
+    state = discs(lattice(n, period.width, period.height), velocities, np.ones(n))
+    for container in jostle.Box(0, 0, period.width, period.height), period:
+        for radii, steps in (1.0, 1000), (10.0, 100), (100.0, 10), (1000.0, 1):
+            one = world(state, container=container, threads=1)
+            one.step(1.0, steps=20)
+            begun = time.perf_counter()
+            one.step(radii, steps=steps)
+            seconds = time.perf_counter() - begun
+            print(f"{type(container).__name__}, {steps} steps of {radii:g} radii: {seconds:.2f} s")
+
+
 if __name__ == "__main__":
+    measure_energies()
+    measure_long_steps()
     measure_diffusion()

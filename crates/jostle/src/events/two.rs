@@ -49,7 +49,7 @@ impl Simulation<'_> {
             return false;
         }
         let now = |k: usize| courses[k].segment.moved(time, window.gravity());
-        // Arrays that are mapped are copied through memory once more.
+        // Arrays that are mapped are copied through memory again.
         let now = [now(0), now(1)];
         let counts = courses.map(|course| course.count);
         let recent = courses.map(|course| course.recent);

@@ -64,7 +64,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// Repeats the motions that have brought the obstacles to where they are, all at the same time,
     /// while the floor on which it stands carries it by `displacement`. What meets it pushes it,
     /// and an obstacle that moves with its floor is at rest relative to it. Between obstacles that
-    /// leave it no room on the way, it stays where it was, if it is free there.
+    /// leave it no room along the path, it stays where it was, if it is free there.
     pub fn carry(&mut self, displacement: [T; 2]) {
         let start = self.body;
         let was_inside = self.overlap(T::ONE).is_some_and(|(_, depth, close)| depth > close);
