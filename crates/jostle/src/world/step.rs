@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::bounds::largest;
+use super::reductions::largest;
 use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
