@@ -52,8 +52,8 @@ const PARTS: f64 = 1024.0;
 /// because that would add energy.
 const MAX_AT_ONCE: usize = 8;
 
-/// A disc has no room if it approaches surfaces that nothing moves with more than this share of its
-/// speed, squared, after their contacts were solved.
+/// Square of the share of its speed with which a disc may approach surfaces that nothing moves
+/// without counting as one that has no room.
 const NO_ROOM: f64 = 1e-12;
 
 impl Flight<'_> {

@@ -208,8 +208,6 @@ struct StepScratch {
     grown: bounds::Grown,
     /// Rows that were exhausted in the step.
     exhausted: Vec<u32>,
-    /// Collisions of the particle in each row in the parts of the step so far.
-    collisions_of: Vec<u32>,
     /// Those of the step.
     collisions: Collisions,
     touching: touching::Scratch,
