@@ -1,9 +1,10 @@
 //! Lengths that count as nothing: one rule for all of them.
 //!
-//! A tolerance is a share of the smaller of two bodies, or of the rounding of positions at the place
-//! where they meet. It is never a share of the larger body: a small disc would then sink into a large
-//! one. A gap is computed from the difference of the exact positions, in float64, before anything is
-//! rounded: the difference of two rounded lengths has an error of the size of the larger body.
+//! A tolerance is a share of the smaller of two bodies, or of the rounding of positions at the
+//! place where they meet. It is never a share of the larger body: a small disc would then sink into
+//! a large one. A gap is computed from the difference of the exact positions, in float64, before
+//! anything is rounded: the difference of two rounded lengths has an error of the size of the
+//! larger body.
 
 use crate::trajectory::Vector;
 

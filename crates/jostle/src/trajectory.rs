@@ -244,9 +244,9 @@ impl Relative {
         }
     }
 
-    /// Where two discs in straight relative motion meet before `until`. The closest approach is found
-    /// first and the meeting from there, which keeps its accuracy when the displacement is a thousand
-    /// radii long.
+    /// Where two discs in straight relative motion meet before `until`. The closest approach is
+    /// found first and the meeting from there, which keeps its accuracy when the displacement is a
+    /// thousand radii long.
     #[inline(always)]
     pub fn meeting(&self, contact_distance: f64, until: f64) -> Option<Meeting> {
         let (q, w) = (self.offset, self.velocity);

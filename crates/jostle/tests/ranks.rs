@@ -354,21 +354,26 @@ fn errors_name_the_ids_among_all_particles() {
     }
 }
 
-#[test]
-fn all_ranks_refuse_a_step_with_too_many_collisions() {
-    let mut all = gas(20);
-    all.velocities.iter_mut().flatten().for_each(|v| *v *= 3e6);
-    let container = Container::Box { min: [-1.2; 2], max: [11.2, 8.7] };
+/// Checks that all ranks refuse a step of `dt` with too many collisions, as one process does, and
+/// continue from where they were.
+fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
     let settings = WorldSettings { container, ..Default::default() };
-    let results = on_ranks(&all, settings, ranks(2), |_, mut world| {
-        let error = world.step(0.01, 1).unwrap_err();
-        let counted = matches!(error, Error::TooManyCollisions { id: 0..20, .. });
-        assert!(counted || matches!(error, Error::OtherRank { .. }), "{error}");
+    let results = on_ranks(all, settings, ranks(size), |_, mut world| {
+        let error = world.step(dt, 1).unwrap_err();
+        let named = match error {
+            Error::TooManyCollisions { id, .. } => Some(id),
+            Error::OtherRank { .. } => None,
+            other => panic!("{other}"),
+        };
         world.step(1e-8, 3).unwrap();
-        (counted, world.own_records())
+        (named, world.own_records())
     });
-    assert!(results.iter().any(|(counted, _)| *counted));
-    let mut whole = World::new(all, settings).unwrap();
+    let mut whole = World::new(all.clone(), settings).unwrap();
+    let error = whole.step(dt, 1).unwrap_err();
+    assert!(matches!(error, Error::TooManyCollisions { .. }), "{error}");
+    let ids = 0..all.len() as Id;
+    assert!(results.iter().filter_map(|(named, _)| *named).all(|id| ids.contains(&id)));
+    assert!(results.iter().any(|(named, _)| named.is_some()));
     whole.step(1e-8, 3).unwrap();
     for (_, bytes) in results {
         let (own, ids, _) = read_records(&bytes);
@@ -376,4 +381,26 @@ fn all_ranks_refuse_a_step_with_too_many_collisions() {
             assert_eq!(own.positions[row], whole.positions()[id as usize]);
         }
     }
+}
+
+#[test]
+fn all_ranks_refuse_a_step_with_too_many_collisions() {
+    let mut all = gas(20);
+    all.velocities.iter_mut().flatten().for_each(|v| *v *= 3e6);
+    let container = Container::Box { min: [-1.2; 2], max: [11.2, 8.7] };
+    check_refused(&all, container, 0.01, 2);
+}
+
+/// Few discs have few first impacts, so the step is one window: none follows in which ranks could
+/// learn that one has failed.
+#[test]
+fn all_ranks_refuse_one_window_with_too_many_collisions() {
+    let mut all = gas(2);
+    all.velocities = vec![[0.0, 3e5], [0.0; 2]];
+    let container = Container::Box { min: [-1.2, -1.01], max: [3.7, 1.01] };
+    for size in [1, 2, 3] {
+        check_refused(&all, container, 0.01, size);
+    }
+    all.velocities.fill([0.0, 3e5]);
+    check_refused(&all, container, 0.01, 2);
 }

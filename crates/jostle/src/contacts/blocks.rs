@@ -175,9 +175,9 @@ impl Blocks {
         self.colours.clear();
     }
 
-    /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with contacts
-    /// of uneven masses have blocks of their own, and those in sequence one each: `rounds` has how many
-    /// contacts of uneven masses, and how many others, are in each round.
+    /// Reserves memory for the contacts of each kind of each colour. Contacts of particles with
+    /// contacts of uneven masses have blocks of their own, and those in sequence one each: `rounds`
+    /// has how many contacts of uneven masses, and how many others, are in each round.
     pub fn arrange(&mut self, counts: &[[usize; KINDS]], rounds: &[[usize; 2]]) -> Lanes {
         self.colours.clear();
         let mut lanes = Lanes([[0; KINDS]; COLOURS]);

@@ -224,7 +224,8 @@ impl Previous {
 }
 
 impl Contacts {
-    /// Takes the pairs of a step: a sorted list for each torus image. [`Contacts::collect`] follows.
+    /// Takes the pairs of a step: a sorted list for each torus image. [`Contacts::collect`]
+    /// follows.
     pub fn colour(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
@@ -240,8 +241,8 @@ impl Contacts {
         self.sequence.list(lists, &self.colours, &self.kinds);
     }
 
-    /// Makes the contacts of the pairs. `before` gives the index that each particle had in the previous step's
-    /// order; those that are solved in sequence are in so many `rounds`.
+    /// Makes the contacts of the pairs. `before` gives the index that each particle had in the
+    /// previous step's order; those that are solved in sequence are in so many `rounds`.
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
@@ -306,7 +307,8 @@ impl Contacts {
         });
     }
 
-    /// The contacts that are solved in sequence, of which some may be removed before [`Contacts::collect`].
+    /// The contacts that are solved in sequence, of which some may be removed before
+    /// [`Contacts::collect`].
     pub fn sequential(&mut self) -> &mut Vec<Sequential> {
         self.sequence.contacts()
     }
@@ -570,7 +572,8 @@ fn are_near(particles: &Particles, [a, b]: [usize; 2], image: [f32; 2]) -> bool 
     x * x + y * y < most * most
 }
 
-/// Sorts contacts by their keys. Sums of impulses depend on the order, so equal keys are sorted by these.
+/// Sorts contacts by their keys. Sums of impulses depend on the order, so equal keys are sorted by
+/// these.
 fn sort(list: &mut [Contact]) {
     let key = |of: &Contact| (of.key(), of.totals.map(f32::to_bits));
     if !list.is_sorted_by_key(key) {

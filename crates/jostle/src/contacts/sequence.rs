@@ -1,7 +1,9 @@
-//! Contacts for which there is no colour, because a particle has many. They are solved one after the other: first
-//! those of particles that have contacts of uneven masses, then the others, each in canonical order.
+//! Contacts for which there is no colour, because a particle has many. They are solved one after
+//! the other: first those of particles that have contacts of uneven masses, then the others, each
+//! in canonical order.
 //!
-//! The ranks of a distributed world solve them in rounds, see [`crate::decomposition`]. One process has one round.
+//! The ranks of a distributed world solve them in rounds, see [`crate::decomposition`]. One process
+//! has one round.
 
 use super::blocks::Blocks;
 use super::{COLOURS, NEAR_KIND, UNEVEN_KIND, UNSOLVED};
@@ -67,8 +69,8 @@ impl Sequence {
         self.is_any
     }
 
-    /// Puts the contacts in the order in which they are solved. Writes the kind of each, and that of the pairs that
-    /// have been removed; returns the numbers of contacts of each round.
+    /// Puts the contacts in the order in which they are solved. Writes the kind of each, and that
+    /// of the pairs that have been removed; returns the numbers of contacts of each round.
     pub fn arrange(&mut self, rounds: usize, colours: &[u8], kinds: &mut [u8]) -> &[[usize; 2]] {
         let Self { contacts, rounds: counts, places, is_any } = self;
         counts.clear();

@@ -28,9 +28,9 @@ pub(super) struct Enclosure<'a> {
 }
 
 impl Enclosure<'_> {
-    /// Moves a particle into the container; returns its position. The stored float32 is inside, too:
-    /// where rounding to the nearest would not be, the residual has the rest. The exact position
-    /// stays where it is if it is inside, so that the slowest discs arrive at the wall.
+    /// Moves a particle into the container; returns its position. The stored float32 is inside,
+    /// too: where rounding to the nearest would not be, the residual has the rest. The exact
+    /// position stays where it is if it is inside, so that the slowest discs arrive at the wall.
     pub fn clamp(&self, index: u32) -> [f32; 2] {
         let (position, radius) =
             (self.motions.position(index), self.particles.radii[index as usize]);

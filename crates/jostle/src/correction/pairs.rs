@@ -100,8 +100,9 @@ impl Block {
         }
     }
 
-    /// The same for contacts that are too uneven for float32; `before` are those that overlapped in earlier sub-steps. Near the small disc the large one is
-    /// replaced by a smaller one with the same surface there.
+    /// The same for contacts that are too uneven for float32; `before` are those that overlapped in
+    /// earlier sub-steps. Near the small disc the large one is replaced by a smaller one with the
+    /// same surface there.
     #[cold]
     fn measure_exactly(
         &mut self,

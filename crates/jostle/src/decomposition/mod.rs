@@ -81,8 +81,8 @@ impl Halo<'_> {
         locked(self.group).exchange_known(&to, &sent, &received)
     }
 
-    /// The bits that are set on any rank, in bytes of which other ranks may have more or fewer. Returns an error
-    /// if a rank has failed.
+    /// The bits that are set on any rank, in bytes of which other ranks may have more or fewer.
+    /// Returns an error if a rank has failed.
     pub fn any_of_each(&self, own: &[u8]) -> Result<Vec<u8>> {
         let mut any = Vec::new();
         for bytes in locked(self.group).share(own)? {

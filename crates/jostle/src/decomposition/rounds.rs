@@ -1,10 +1,10 @@
-//! Contacts that one process solves in sequence, divided into rounds which ranks solve at the same time, with the
-//! same result.
+//! Contacts that one process solves in sequence, divided into rounds which ranks solve at the same
+//! time, with the same result.
 //!
-//! A rank solves all contacts of its own moving particles, in the order of the sequence; a contact of two ranks is
-//! solved by both. Before each round ghosts get the values of their own ranks. So a rank knows a particle after
-//! one of its contacts if it has solved this contact, otherwise in the next round. The rounds of all
-//! contacts follow from that, and all ranks compute the same ones.
+//! A rank solves all contacts of its own moving particles, in the order of the sequence; a contact
+//! of two ranks is solved by both. Before each round ghosts get the values of their own ranks. So a
+//! rank knows a particle after one of its contacts if it has solved this contact, otherwise in the
+//! next round. The rounds of all contacts follow from that, and all ranks compute the same ones.
 
 use std::collections::HashMap;
 
@@ -53,7 +53,8 @@ impl Link {
 }
 
 impl Halo<'_> {
-    /// The round of each contact in the sequence of this rank, and the number of rounds of all ranks.
+    /// The round of each contact in the sequence of this rank, and the number of rounds of all
+    /// ranks.
     pub fn rounds(&self, own: &[Link]) -> Result<(Vec<u32>, usize)> {
         let mut bytes = Vec::with_capacity(own.len() * SIZE);
         own.iter().for_each(|link| link.put(&mut bytes));
@@ -66,8 +67,8 @@ impl Halo<'_> {
     }
 }
 
-/// The round of each contact in the sequences of all ranks. Of each particle that moves the contacts follow each
-/// other as in the sequence of its rank.
+/// The round of each contact in the sequences of all ranks. Of each particle that moves the
+/// contacts follow each other as in the sequence of its rank.
 fn rounds_of(sequences: &[Vec<Link>]) -> HashMap<Link, u32> {
     // The contacts before and after each one at its two particles.
     let (mut links, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());

@@ -25,7 +25,7 @@ impl Simulation<'_> {
         let course = &self.history.courses[number as usize];
         // A disc without room has several events at one moment.
         let has_just_turned = course.count > 0 && course.segment.time == time;
-        if has_just_turned || course.is_exhausted || course.recent + 1 >= self.max_events(index) {
+        if has_just_turned || course.is_exhausted || self.is_nearly_exhausted(course) {
             return false;
         }
         let now = course.segment.moved(time, window.gravity());

@@ -9,13 +9,13 @@ use crate::trajectory::{Segment, Vector};
 
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait Bounds {
-    /// Distances from their positions at the beginning of the step, or when bounds were renewed, within which
-    /// discs were searched for neighbours.
+    /// Distances from their positions at the beginning of the step, or when bounds were renewed,
+    /// within which discs were searched for neighbours.
     fn max_displacements(&self) -> &[f32];
     /// Until when they are made, in seconds since the beginning of the flight.
     fn horizon(&self) -> f64;
-    /// Makes bounds around the present places of all discs for some of the `left` seconds, and replaces the pairs
-    /// that may meet in them. Returns for how many seconds.
+    /// Makes bounds around the present places of all discs for some of the `left` seconds, and
+    /// replaces the pairs that may meet in them. Returns for how many seconds.
     fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64>;
     /// Forgets what was added for the window before.
     fn begin_window(&mut self);
@@ -93,7 +93,8 @@ impl Events {
     pub(super) fn find_outside_limits(&mut self, window: &Window<'_>) {
         let mut listed = std::mem::take(&mut self.may_be_outside_limits);
         if !window.flight.limits.is_empty() {
-            // Limits may be smaller than bounds. Without events only renewed bounds let a disc get further.
+            // Limits may be smaller than bounds. Without events only renewed bounds let a disc get
+            // further.
             let has_events = |&index: &u32| self.course_of[index as usize] != NONE;
             let all = 0..window.starts.len() as u32;
             listed.extend(all.filter(|index| window.anchors.is_some() || has_events(index)));

@@ -66,9 +66,9 @@ impl Start {
         Now { position, velocity, radius, falls, sizes: length(position) }
     }
 
-    /// Whether it is settled in a window of `span` seconds, where `smallest` is the smallest radius.
-    /// Two such discs approach by less than [`DEFERRED`] of their size, so nothing happens to them,
-    /// also if they overlap.
+    /// Whether it is settled in a window of `span` seconds, where `smallest` is the smallest
+    /// radius. Two such discs approach by less than [`DEFERRED`] of their size, so nothing happens
+    /// to them, also if they overlap.
     #[inline(always)]
     pub fn is_settled(&self, span: f32, smallest: f32) -> bool {
         let farthest = DEFERRED as f32 * self.radius.min(smallest) * (1.0 - MARGIN);

@@ -165,7 +165,7 @@ fn first_impact(
     pair: [u32; 2],
     code: u32,
 ) -> Option<Event> {
-    // Also of discs that had too many events, one of a pair must move.
+    // Discs that have ended count as immovable: one of a pair must move.
     if !pair.iter().any(|&disc| window.now[disc as usize].is_movable) {
         return None;
     }

@@ -16,8 +16,8 @@ use crate::trajectory::{
 };
 use crate::walls::{Around, Contact, FIRST};
 
-/// An impact without which the surfaces would overlap by less than this share of the size at the end
-/// of the flight is left out, if it loses energy and follows another impact in the flight.
+/// An impact without which the surfaces would overlap by less than this share of the size at the
+/// end of the flight is left out, if it loses energy and follows another impact in the flight.
 const SLIGHT: f64 = 1e-6;
 
 /// The same for other impacts. It is below the displacements of the slowest discs in a step.
@@ -26,11 +26,12 @@ const SLIGHTEST: f64 = 1e-11;
 /// Overlap of two discs, as a share of the size, from which on position correction separates them.
 const DEEP: f64 = 0.01;
 
-/// Relative reserve for rounding of the time in which a disc is far from the sides of the container.
+/// Relative reserve for rounding of the time in which a disc is far from the sides of the
+/// container.
 const FAR: f64 = 1e-6;
 
-/// Two supported particles do not collide if they would overlap by less than this share of the size:
-/// their contact is solved at the beginning of the next sub-step.
+/// Two supported particles do not collide if they would overlap by less than this share of the
+/// size: their contact is solved at the beginning of the next sub-step.
 pub const DEFERRED: f64 = 0.01;
 
 /// How a disc begins a flight, or in float32 a window of it.
@@ -119,8 +120,8 @@ impl Window<'_> {
         self.end == self.flight.end
     }
 
-    /// Writes where all discs are when the window begins, rounded to float32. Those that had too many
-    /// events do not move.
+    /// Writes where all discs are when the window begins, rounded to float32. Those that have
+    /// ended count as immovable.
     pub fn fill_now(&self, now: &mut Vec<Start>) {
         now.resize(self.starts.len(), Start::default());
         parallel::for_chunks(self.flight.threads, now, |first, now| {
@@ -190,7 +191,7 @@ impl Flight<'_> {
         self.motion(index).velocity.map(|v| (f64::from(v) * longer) as f32)
     }
 
-    /// Writes how all discs begin. Those in `exhausted` stand still where energy is conserved.
+    /// Writes how all discs begin. Those in `exhausted` that lose no energy stand still.
     pub fn fill(&self, starts: &mut Vec<Start>, exhausted: &[u32]) {
         starts.resize(self.particles.len(), Start::default());
         let Self { particles, kicks, .. } = *self;
@@ -219,27 +220,26 @@ impl Flight<'_> {
                     !self.is_lossless && start.is_settled(self.end as f32, self.smallest_radius);
             }
         });
-        for &index in exhausted.iter().filter(|&&index| !self.lose_energy([index])) {
-            let start = &mut starts[index as usize];
-            (start.velocity, start.falls) = ([0.0; 2], false);
-        }
+        self.stop(starts, exhausted);
     }
 }
 
 /// A part of a sub-step at whose end all discs are known.
 ///
-/// Windows are a schedule and nothing more: no number of a trajectory depends on where they begin and
-/// end. Times are seconds since the beginning of the flight, trajectories continue from window to window
-/// without rounding, and a prediction is that of the whole flight, left out if it is later than the window.
+/// Windows are a schedule and nothing more: no number of a trajectory depends on where they begin
+/// and end. Times are seconds since the beginning of the flight, trajectories continue from window
+/// to window without rounding, and a prediction is that of the whole flight, left out if it is
+/// later than the window.
 #[derive(Clone, Copy)]
 pub struct Window<'a> {
     /// The sub-step.
     pub flight: &'a Flight<'a>,
     /// How the discs begin the flight.
     pub starts: &'a [Start],
-    /// Discs that had too many events in earlier flights of the step, sorted.
+    /// Discs that were exhausted in earlier flights of the step, sorted.
     pub exhausted: &'a [u32],
-    /// Where they are when the window begins, rounded to float32, for tests that leave out pairs.
+    /// Where all discs are when the window begins, rounded to float32, for tests that leave out
+    /// pairs.
     pub now: &'a [Start],
     /// The discs that had events in earlier windows.
     pub carried: &'a Carried,
@@ -315,22 +315,8 @@ impl Window<'_> {
         }
     }
 
-    /// Whether a disc had too many events in the step before the window.
-    #[inline(always)]
-    pub fn is_exhausted(&self, index: u32) -> bool {
-        match self.carried(index) {
-            Some(course) => course.is_exhausted,
-            None => !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok(),
-        }
-    }
-
-    /// Whether a disc had too many events in an earlier window of the flight.
-    pub fn was_exhausted(&self, index: u32) -> bool {
-        self.carried(index).is_some_and(|course| course.is_exhausted)
-    }
-
-    /// Moves a disc along its last segment to the end of the flight; `stopped` is its velocity after it
-    /// had too many events, where it keeps it.
+    /// Moves a disc along its last segment to the end of the flight; `stopped` is the velocity that
+    /// it keeps, if it was exhausted and loses no energy.
     #[inline(always)]
     pub fn move_disc(&self, index: u32, last: &Segment, stopped: Option<Vector>) {
         let Start { position, residual, .. } = self.starts[index as usize];
@@ -558,8 +544,8 @@ impl Window<'_> {
         limits.kind(approach / length, 0.0, first.time).is_some() || all()
     }
 
-    /// Calls `act` with each wall that a disc touches as it begins a segment, and that it approaches or
-    /// `all` is true, and its unit normal. `contacts` is scratch.
+    /// Calls `act` with each wall that a disc touches as it begins a segment, and that it
+    /// approaches or `all` is true, and its unit normal. `contacts` is scratch.
     pub fn each_touched_wall(
         &self,
         index: u32,
@@ -636,8 +622,8 @@ impl Window<'_> {
         }
     }
 
-    /// Square of the longest distance from a position that a disc has while it moves along a segment to the end
-    /// of the window.
+    /// Square of the longest distance from a position that a disc has while it moves along a
+    /// segment to the end of the window.
     #[inline(always)]
     pub fn longest_square(&self, anchor: Vector, segment: &Segment) -> f64 {
         let square = |p: Vector| {

@@ -16,9 +16,10 @@ pub struct Course {
     pub index: u32,
     /// The number of its events in the window.
     pub count: u32,
-    /// Its events in the flight since it has moved by its radius.
+    /// Its recent events, see [`exhaustion`](super::exhaustion).
     pub recent: u32,
-    /// How far it has moved in these, from event to event: the sum of the distances along both axes.
+    /// How far it has moved in these, from event to event: the sum of the distances along both
+    /// axes.
     pub travelled: f32,
     /// The segment that it is on, in the end its last one.
     pub segment: Segment,
@@ -33,11 +34,11 @@ pub struct Course {
     pub island: u32,
     /// The next course of the island; the last one is followed by the first.
     pub next: u32,
-    /// Whether the disc has had too many events in the step.
+    /// Whether the disc was exhausted in the step.
     pub is_exhausted: bool,
-    /// Whether all that touched it was solved together at some moment.
+    /// Whether its contacts were solved jointly at some moment of the window.
     pub is_joint: bool,
-    /// The velocity after the flight, if the disc had too many events in it and loses no energy.
+    /// The velocity after the flight, if the disc was exhausted in it and loses no energy.
     pub stopped: Option<Vector>,
     /// A hash of the discs that collided with it at the same moment, where these were at least two.
     pub groups: u64,
@@ -95,13 +96,13 @@ pub struct History {
     pub bounces: Vec<Bounce>,
     /// Discs that leave their bounds.
     pub outside: Vec<Outside>,
-    /// The courses of discs that had too many events.
+    /// The courses of discs that were exhausted.
     pub exhausted_courses: Vec<u32>,
     /// The courses of discs whose collisions became elastic, because they had many.
     pub collapsed: Vec<u32>,
     /// Whether courses were removed from `course_of`, because their discs are simulated again.
     pub has_removed: bool,
-    /// Discs that had too many events.
+    /// Discs that were exhausted; written by [`History::retain`].
     pub exhausted: Vec<u32>,
 }
 
@@ -203,8 +204,8 @@ impl Carried {
         self.turnings.get(number as usize)
     }
 
-    /// Takes the courses with events of a window of `len` discs. `mark` is added to the numbers of valid
-    /// courses in `course_of`.
+    /// Takes the courses with events of a window of `len` discs. `mark` is added to the numbers of
+    /// valid courses in `course_of`.
     pub fn take(&mut self, history: &History, mark: u32, course_of: &[u32]) {
         let Self { numbers, courses, turnings } = self;
         numbers.resize(course_of.len(), NONE);

@@ -38,13 +38,16 @@ pub const MAX_ITERATIONS: usize = 60;
 /// Change of speed, relative to the fastest approach, below which the iteration ends.
 pub const TOLERANCE: f64 = 1e-14;
 
-/// The same for contacts of which some touch without approaching. Of rows of discs that are pressed as
-/// many as the square of their length are needed.
+/// The same for contacts of which some touch without approaching. Of rows of discs that are pressed
+/// as many as the square of their length are needed.
 const MAX_JOINT_ITERATIONS: usize = 1000;
 const JOINT_TOLERANCE: f64 = 1e-10;
 
-/// Iterations in which the changes become smaller if there are velocities that satisfy all contacts.
-const WITHOUT_END: usize = 100;
+/// After each so many iterations it is tested whether the largest change has become smaller than
+/// this share of that before them. If not, no velocities satisfy all contacts, and the iteration
+/// ends.
+const TESTED: usize = 100;
+const CONVERGING: f64 = 0.9;
 
 /// Directions whose cosine is above this are the same.
 const SAME: f64 = 1.0 - 1e-9;
@@ -64,9 +67,9 @@ pub fn apply_jointly(
     iterate((MAX_JOINT_ITERATIONS, JOINT_TOLERANCE), touches, velocities, impulses);
 }
 
-/// Corrects the velocity of each body by the mean of what its contacts need, again and again (G. Cimmino,
-/// *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This converges to the
-/// least sum of squares of what is left.
+/// Corrects the velocity of each body by the mean of what its contacts need, again and again (G.
+/// Cimmino, *Calcolo approssimato per le soluzioni dei sistemi di equazioni lineari*, 1938). This
+/// converges to the least sum of squares of what is left.
 pub fn project<'a>(
     touches: impl Iterator<Item = &'a Touch> + Clone,
     velocities: &mut [Vector],
@@ -130,8 +133,8 @@ fn iterate(
         if touches.len() == 1 || largest <= tolerance * fastest {
             break;
         }
-        if iteration % WITHOUT_END == 0 {
-            if largest > 0.9 * largest_before {
+        if iteration % TESTED == 0 {
+            if largest > CONVERGING * largest_before {
                 break;
             }
             largest_before = largest;

@@ -13,6 +13,7 @@ mod block;
 mod bounds;
 mod conflicts;
 mod early;
+mod exhaustion;
 mod first;
 mod flight;
 mod friction;
@@ -51,8 +52,8 @@ use window::{end_for_the_fast, most_impacts, shortest_of_all};
 /// Windows of a sub-step at most, apart from the last of all.
 const MAX_WINDOWS: f64 = 1024.0;
 
-/// Collisions of one disc in a step at most; a step with more is refused. At a thousand radii a step in
-/// a crystal the discs have about a third of these.
+/// Collisions of one disc in a step at most; a step with more is refused. At a thousand radii a
+/// step in a crystal the discs have about a third of these.
 pub const MAX_COLLISIONS: u32 = 100_000;
 
 /// Scratch, and the results of a sub-step.
@@ -65,8 +66,7 @@ pub struct Events {
     /// Pairs that touched during the step, of those that pass through each other; some may be listed
     /// twice.
     pub sensed: Vec<[u32; 2]>,
-    /// Discs that had too many events, sorted. Until the end of the step what touches them stays with
-    /// them.
+    /// Discs that were exhausted, sorted. See [`exhaustion`].
     pub exhausted: Vec<u32>,
     /// Discs whose collisions became elastic in a window, because they had many, once for each window.
     pub collapsed: Vec<u32>,
@@ -128,14 +128,13 @@ impl Events {
         let mut candidates = std::mem::take(&mut self.candidates);
         let before = std::mem::take(&mut self.exhausted);
         flight.fill(&mut starts, &before);
-        // Discs that lose no energy stand still, and keep their velocities.
-        let stands = before.iter().filter(|&&index| !flight.lose_energy([index]));
-        let kept: Vec<_> = stands.map(|&index| (index, flight.motion(index).velocity)).collect();
+        let kept = flight.kept_velocities(&before);
         carried.clear();
         let (mut begin, mut horizon) = (0.0, bounds.horizon());
         let mut shortest = horizon.min(flight.end) / MAX_WINDOWS;
         while begin < flight.end {
-            // Before each window but the first of a sub-step all ranks learn that one has failed.
+            // Before each window but the first of a sub-step all ranks learn that one has failed,
+            // which ends long steps early.
             if begin > 0.0 && *self.has_too_many.get_mut() {
                 return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
             }
@@ -155,14 +154,10 @@ impl Events {
                 window.now = &now;
             }
             if begin >= horizon {
-                let seconds = bounds.renew(window.now, flight.end - begin, &mut candidates)?;
-                let seconds = shortest_of_all(flight, seconds)?;
+                let seconds = self.renew(&window, bounds, &mut candidates, &mut anchors)?;
                 shortest = seconds / MAX_WINDOWS;
                 let is_last = seconds >= flight.end - begin;
                 horizon = if is_last { f64::INFINITY } else { begin + seconds };
-                anchors.clear();
-                anchors.extend(window.now.iter().map(|of| of.position));
-                self.take_renewed(starts.len(), &candidates, flight.threads);
             }
             if self.is_renewed {
                 (window.anchors, window.candidates) = (Some(&anchors[..]), &candidates.pairs[..]);
@@ -174,7 +169,7 @@ impl Events {
                 self.carry_over(&mut carried);
             }
         }
-        // Other ranks learn it before their next window.
+        // Of a distributed world [`World::step`](crate::World::step) refuses it, on all ranks.
         if flight.halo.is_none() && *self.has_too_many.get_mut() {
             return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
         }
@@ -188,13 +183,31 @@ impl Events {
         Ok(())
     }
 
-    /// Takes the pairs of renewed bounds.
-    fn take_renewed(&mut self, len: usize, all: &Candidates, threads: Option<usize>) {
+    /// Renews the bounds around where the discs of a window are, and takes their pairs. Returns for
+    /// how many seconds all ranks have made them.
+    fn renew(
+        &mut self,
+        window: &Window<'_>,
+        bounds: &mut dyn Bounds,
+        candidates: &mut Candidates,
+        anchors: &mut Vec<[f32; 2]>,
+    ) -> Result<f64> {
+        let flight = window.flight;
+        let seconds = bounds.renew(window.now, flight.end - window.begin, candidates)?;
+        let seconds = shortest_of_all(flight, seconds)?;
+        anchors.clear();
+        anchors.extend(window.now.iter().map(|of| of.position));
         self.is_renewed = true;
-        let lists = (&all.pairs[..], all.offsets.iter().copied());
-        self.neighbors.fill(len, lists, self.size, threads);
+        let lists = (&candidates.pairs[..], candidates.offsets.iter().copied());
+        self.neighbors.fill(window.starts.len(), lists, self.size, flight.threads);
         self.sensed_near.clear();
-        self.sensed_near.extend(&all.sensed);
+        self.sensed_near.extend(&candidates.sensed);
+        Ok(seconds)
+    }
+
+    /// Whether a disc of this rank has more than [`MAX_COLLISIONS`] collisions in the step.
+    pub fn has_too_many(&self) -> bool {
+        self.has_too_many.load(Ordering::Relaxed)
     }
 
     /// Moves all discs to the end of the window, or of a shorter one, and returns its end.

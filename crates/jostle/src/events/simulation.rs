@@ -6,9 +6,10 @@
 
 use std::ops::Range;
 
+use super::exhaustion::approaches_still;
 use super::flight::Window;
 use super::friction::Rubbing;
-use super::history::{Bounce, Course, History, NONE, Trajectory};
+use super::history::{Bounce, Course, History, NONE};
 use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
@@ -16,36 +17,7 @@ use super::{MAX_COLLISIONS, Outside};
 use crate::decomposition::{digest, digest_all};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
-use crate::walls::{Contact, FIRST};
-
-/// Events of a disc while it moves by its radius after which it is exhausted until the end of the step: of
-/// one that loses no energy, and of others. All that touches an exhausted disc is solved together and without
-/// restitution, so that surfaces that press it stay with it.
-/// Larger numbers would take minutes for a long row that collapses.
-const MAX_EVENTS: [u32; 2] = [1024, 384];
-
-/// Further such events of an exhausted disc at most. After that it moves with walls and immovable discs that
-/// press it, and has no more events in the flight.
-const MORE_EVENTS: u32 = 128;
-
-/// Square of the part of its speed with which a disc may approach walls without counting as one that has
-/// no room.
-const NO_ROOM: f64 = 1e-12;
-
-/// After so many events an inelastic disc collides elastically with other discs, until it has moved by its
-/// radius since the first of them. Inelastic discs can have infinitely many collisions in finite time (inelastic collapse;
-/// S. Luding and S. McNamara, *How to handle the inelastic collapse of a dissipative hard-sphere gas
-/// with the TC model*, 1998).
-const COLLAPSE: u32 = 64;
-
-/// Points have no radius: their events are counted in parts of a flight, as many as this.
-const PARTS: f64 = 1024.0;
-
-/// Events of a disc at one moment after which all that touches it is solved together, also what does not
-/// approach it, and without restitution. Between a wall that pushes and another disc there can be infinitely
-/// many. Where energy is conserved their number is finite, and surfaces that separate may not be solved with
-/// others, because that would add energy.
-const MAX_AT_ONCE: usize = 8;
+use crate::walls::Contact;
 
 /// Impacts between two polls.
 const POLL_EVERY: usize = 256;
@@ -53,11 +25,11 @@ const POLL_EVERY: usize = 256;
 /// A disc that gets a new velocity at this moment.
 #[derive(Clone, Debug)]
 pub(super) struct InGroup {
-    index: u32,
+    pub(super) index: u32,
     /// The number of its course.
     pub(super) number: u32,
-    /// Whether all that touches it is solved together.
-    is_joint: bool,
+    /// Whether its contacts are solved jointly, see [`exhaustion`](super::exhaustion).
+    pub(super) is_joint: bool,
     /// The segment that begins now, with the velocity before the impacts.
     now: Segment,
     /// Which of the list of nearby discs are near it.
@@ -97,8 +69,8 @@ pub struct Scratch {
     pub(super) touches: Vec<Touch>,
     pub(super) velocities: Vec<Vector>,
     /// The same before they are corrected, and sums of corrections with their numbers.
-    before: Vec<Vector>,
-    sums: Vec<(Vector, f64)>,
+    pub(super) before: Vec<Vector>,
+    pub(super) sums: Vec<(Vector, f64)>,
 }
 
 /// The simulation of the discs of a range.
@@ -167,7 +139,7 @@ impl Simulation<'_> {
 
     /// The course of a disc, if it takes part and has one.
     #[inline(always)]
-    fn find(&self, index: u32) -> Option<&Course> {
+    pub(super) fn find(&self, index: u32) -> Option<&Course> {
         self.number(index).map(|number| &self.history.courses[number as usize])
     }
 
@@ -245,8 +217,8 @@ impl Simulation<'_> {
         impacts
     }
 
-    /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on the segments
-    /// with which they begin the window.
+    /// Adds a movable disc to the group, with the discs near it: all as they are at `time`, or on
+    /// the segments with which they begin the window.
     fn join(&mut self, index: u32, time: Option<f64>) {
         let (gravity, neighbors) = (self.window.gravity(), self.neighbors);
         let at = |segment: &Segment| time.map_or(*segment, |time| segment.moved(time, gravity));
@@ -272,21 +244,6 @@ impl Simulation<'_> {
         self.scratch.group.push(InGroup { index, number, is_joint, now, near });
     }
 
-    /// Whether all that touches the disc of a course now is solved together.
-    pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
-        let is_lossy = || self.window.flight.lose_energy([course.index]);
-        course.is_exhausted || self.has_many_at_once(course, time) && is_lossy()
-    }
-
-    /// Whether the disc of a course has had more than [`MAX_AT_ONCE`] events at this moment.
-    fn has_many_at_once(&self, course: &Course, time: f64) -> bool {
-        let has_many = || {
-            let segments = Trajectory::of(self.history, course, time);
-            segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
-        };
-        course.count as usize >= MAX_AT_ONCE && course.segment.time == time && has_many()
-    }
-
     /// Ends the group.
     fn dissolve(&mut self) {
         let Scratch { group, nearby, touches, .. } = &mut *self.scratch;
@@ -304,12 +261,8 @@ impl Simulation<'_> {
         let course = &courses[*number as usize];
         let Course { segment: own, count: own_count, .. } = course;
         let has_ended = window.has_ended(course);
-        // Without room no velocity keeps a disc from approaching all that was solved together.
-        let is_without_room = |wall: u32| {
-            let is_it = |touch: &Touch| touch.key == [*index, WALL, wall];
-            let approaches = |touch: &Touch| touch.separation_speed(velocities) < 0.0;
-            *is_joint && touches.iter().any(|touch| is_it(touch) && approaches(touch))
-        };
+        let is_without_room =
+            |wall: u32| *is_joint && approaches_still(touches, velocities, [*index, WALL, wall]);
         if !has_ended
             && let Some(event) = window.wall_event(*index, own, *own_count, &is_without_room)
         {
@@ -392,17 +345,9 @@ impl Simulation<'_> {
 
     fn touch_wall(&mut self, index: u32, wall: u32, normal: Vector) {
         let (position, own, course) = self.in_group(index).expect("it is in the group");
-        let (number, is_lossy) = (own.number, self.window.flight.lose_energy([index]));
-        // Without room between walls a disc that loses no energy would bounce without end, and faster.
-        let is_without_room =
-            wall >= FIRST && !is_lossy && self.has_many_at_once(course, own.now.time);
+        let (number, time) = (own.number, own.now.time);
         self.add(self.wall_touch(index, position, course, wall, normal));
-        if is_without_room {
-            // It is exhausted from its next event on, which is this one.
-            let recent = self.max_events(index) - 1;
-            let course = &mut self.history.courses[number as usize];
-            course.recent = course.recent.max(recent);
-        }
+        self.exhaust_without_room(number, wall, time);
     }
 
     /// The contact of the disc of a course, the body `position`, and a wall.
@@ -414,18 +359,10 @@ impl Simulation<'_> {
         wall: u32,
         normal: Vector,
     ) -> Touch {
-        // Between walls at an acute angle, too, there can be infinitely many collisions.
-        let restitution = if course.is_exhausted {
-            0.0
-        } else if wall >= FIRST && course.recent >= COLLAPSE {
-            1.0
-        } else {
-            self.window.wall_restitution(index, wall)
-        };
         Touch {
             bodies: [Some(position), None],
             inverse_masses: [course.inverse_mass, 0.0],
-            restitution,
+            restitution: self.wall_restitution(course, wall),
             friction: self.window.wall_friction(index, wall),
             carried: self.window.flight.walls.velocity(wall),
             ..Touch::of_wall(index, wall, normal)
@@ -459,21 +396,12 @@ impl Simulation<'_> {
         }
         let image = self.neighbors.image_of(code);
         let offset = vector(|k| q[k] - p[k] + image[k]);
-        let counts = found.map(|found| found.map_or(0, |(.., course)| course.recent));
-        let is_exhausted =
-            |found: Option<(_, _, &Course)>| found.is_none_or(|(.., course)| course.is_exhausted);
-        let are_exhausted = found.map(is_exhausted);
-        // Where energy is conserved, the others bounce off an exhausted disc as off an immovable one.
-        let conserves = !window.flight.lose_energy(pair) && are_exhausted != [true; 2];
-        let inverse_mass = |(_, own, course): (usize, &InGroup, &Course)| {
-            let is_fixed = conserves && course.is_exhausted || self.has_ended(own.index);
-            if is_fixed { 0.0 } else { course.inverse_mass }
-        };
-        let sticks = !conserves && found.into_iter().flatten().any(|(.., of)| of.is_exhausted);
+        let courses = found.map(|found| found.map(|(.., course)| course));
+        let (inverse_masses, restitution) = self.masses_and_restitution(pair, courses);
         let touch = Touch {
             bodies: found.map(|found| found.map(|(position, ..)| position)),
-            inverse_masses: found.map(|found| found.map_or(0.0, inverse_mass)),
-            restitution: if sticks { 0.0 } else { self.pair_restitution(pair, counts) },
+            inverse_masses,
+            restitution,
             friction: window.pair_friction(pair),
             carried,
             carried_turning,
@@ -517,10 +445,7 @@ impl Simulation<'_> {
         velocities.extend(group.iter().map(|own| own.now.velocity));
         let is_joint = group.iter().any(|own| own.is_joint);
         if is_joint {
-            if group.iter().any(|own| window.flight.lose_energy([own.index])) {
-                touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
-            }
-            impulses::apply_jointly(touches, velocities, impulses);
+            self.apply_jointly();
         } else {
             impulses::apply(touches, velocities, impulses);
         }
@@ -553,40 +478,6 @@ impl Simulation<'_> {
             self.turn(number, new);
         }
         self.record_bounces();
-    }
-
-    /// Divides the approach that is left evenly, if no velocities keep all surfaces of the group from
-    /// approaching: a disc between two walls that close in moves with the mean of their velocities, and stays
-    /// between them. Surfaces that no impulse moves come last, so that others do not push a disc through
-    /// them. A disc that has no room between them, or no further events in the flight, moves with them alone.
-    fn share(&mut self) {
-        let window = self.window;
-        let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
-        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
-        let has_fixed = fixed.clone().next().is_some();
-        if has_fixed {
-            impulses::project(touches.iter(), velocities, sums);
-        }
-        for (own, velocity) in group.iter().zip(&mut *velocities) {
-            let course = &self.history.courses[own.number as usize];
-            if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
-                *velocity = [0.0; 2];
-            }
-        }
-        if !has_fixed {
-            return;
-        }
-        impulses::project(fixed.clone(), velocities, sums);
-        before.clone_from(velocities);
-        for touch in fixed.clone().filter(|touch| touch.separation_speed(before) < 0.0) {
-            for body in touch.bodies.into_iter().flatten() {
-                let (missing, velocity) = (touch.separation_speed(before), before[body]);
-                if missing * missing > NO_ROOM * dot(velocity, velocity) {
-                    velocities[body] = [0.0; 2];
-                }
-            }
-        }
-        impulses::project(fixed, velocities, sums);
     }
 
     /// Notes which discs collide at the same moment, if these are at least three: the velocities of each
@@ -649,80 +540,22 @@ impl Simulation<'_> {
     /// Lets a disc continue on a new segment.
     pub(super) fn turn(&mut self, number: u32, new: Segment) {
         let window = self.window;
-        let History { courses, ended, outside, exhausted_courses, collapsed, .. } =
-            &mut *self.history;
+        let History { courses, ended, .. } = &mut *self.history;
         let course = &mut courses[number as usize];
-        let is_lossy = window.flight.lose_energy([course.index]);
-        course.count_recent(&new, window.radius(course.index), window.flight.end / PARTS);
+        course.count_recent(&new, window.radius(course.index), window.flight.end);
         ended.push((course.segment, course.before));
         course.before = ended.len() as u32 - 1;
         course.segment = new;
         course.count += 1;
-        if course.recent == COLLAPSE && is_lossy {
-            collapsed.push(number);
-        }
-        if course.recent >= MAX_EVENTS[usize::from(is_lossy)] && !course.is_exhausted {
-            course.is_exhausted = true;
-            exhausted_courses.push(number);
-            if !is_lossy {
-                // It keeps its energy. Until the end of the step it moves only with what pushes it.
-                course.stopped = Some(new.velocity);
-                course.segment.velocity = [0.0; 2];
-                course.segment.falls = false;
-            }
-        }
-        if window.has_ended(course) {
-            // Nothing would stop its fall.
-            course.segment.falls = false;
-        }
+        self.exhaust_if_many(number);
+        let History { courses, outside, .. } = &mut *self.history;
+        let course = &courses[number as usize];
         let square = window.longest_square(window.anchor(course.index), &course.segment);
         let max_displacement = f64::from(self.max_displacements[course.index as usize]);
         if square > max_displacement * max_displacement {
             let Course { index, segment, .. } = *course;
             outside.push(Outside { index, distance: square.sqrt(), segment });
         }
-    }
-
-    /// Recent events of a disc after which it is exhausted.
-    pub(super) fn max_events(&self, index: u32) -> u32 {
-        MAX_EVENTS[usize::from(self.window.flight.lose_energy([index]))]
-    }
-
-    /// Whether a disc has had so many that it has no more. Others bounce off it as off an immovable one.
-    fn has_ended(&self, index: u32) -> bool {
-        let course = self.find(index).or_else(|| self.window.carried(index));
-        course.is_some_and(|course| self.window.has_ended(course))
-    }
-
-    /// Coefficient of restitution of two discs that have had so many recent events.
-    pub(super) fn pair_restitution(&self, pair: [u32; 2], counts: [u32; 2]) -> f64 {
-        let collapses = counts.iter().any(|&count| count >= COLLAPSE);
-        if collapses { 1.0 } else { self.window.pair_restitution(pair) }
-    }
-}
-
-impl Window<'_> {
-    /// Whether the disc of a course has had so many events that it has no more in the flight.
-    pub(super) fn has_ended(&self, course: &Course) -> bool {
-        let most = MAX_EVENTS[usize::from(self.flight.lose_energy([course.index]))];
-        course.recent >= most + MORE_EVENTS
-    }
-}
-
-impl Course {
-    /// Counts an event after which the disc of this radius continues on `new`. What is counted follows from
-    /// its own trajectory alone. A point moves by nothing; its events are counted in parts of `seconds`.
-    fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
-        if radius > 0.0 {
-            let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
-            self.travelled += (by[0] + by[1]) as f32;
-        } else if (self.segment.time / seconds).floor() < (new.time / seconds).floor() {
-            self.travelled = f32::INFINITY;
-        }
-        if self.travelled > radius as f32 {
-            (self.recent, self.travelled) = (0, 0.0);
-        }
-        self.recent += 1;
     }
 }
 

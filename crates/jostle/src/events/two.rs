@@ -44,8 +44,9 @@ impl Simulation<'_> {
         }
         let numbers = discs.map(|disc| self.course(disc));
         let courses = numbers.map(|number| &self.history.courses[number as usize]);
-        let is_last = |course: &&Course| course.recent + 1 >= self.max_events(course.index);
-        if courses.iter().any(|course| is_last(course) || self.is_joint(course, time)) {
+        let needs_group =
+            |course: &Course| self.is_nearly_exhausted(course) || self.is_joint(course, time);
+        if courses.into_iter().any(needs_group) {
             return false;
         }
         let now = |k: usize| courses[k].segment.moved(time, window.gravity());

@@ -18,8 +18,8 @@ pub(super) fn most_impacts(discs: usize) -> usize {
 }
 
 impl Events {
-    /// The end of the window, halved until few first impacts happen in it, but not shorter than `shortest`.
-    /// Impacts at the start are in every window, so they do not count.
+    /// The end of the window, halved until few first impacts happen in it, but not shorter than
+    /// `shortest`. Impacts at the start are in every window, so they do not count.
     pub(super) fn end_of_window(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
         if !window.flight.pairs {
             return Ok(window.end);
@@ -36,7 +36,8 @@ impl Events {
 }
 
 impl Window<'_> {
-    /// The end of the window, which is halved while it is too long, but not shorter than `shortest`.
+    /// The end of the window, which is halved while it is too long, but not shorter than
+    /// `shortest`.
     fn shortened(&self, end: f64, shortest: f64, is_too_long: impl Fn(f64) -> bool) -> f64 {
         let (mut length, mut end) = (end - self.begin, end);
         while 0.5 * length >= shortest && is_too_long(end) {
@@ -47,8 +48,8 @@ impl Window<'_> {
     }
 }
 
-/// The end of the window, halved until no disc travels further than around a torus in it, but not shorter
-/// than `shortest`. Refuses a sub-step in which forces make one too fast.
+/// The end of the window, halved until no disc travels further than around a torus in it, but not
+/// shorter than `shortest`. Refuses a sub-step in which forces make one too fast.
 pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
     let container = &window.flight.container;
     if container.period().is_none() {

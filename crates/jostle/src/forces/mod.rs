@@ -330,6 +330,9 @@ pub fn bath(forces: &[Force]) -> Option<Andersen> {
     })
 }
 
+/// Stands for the index of a particle that is asleep.
+pub const ASLEEP: u32 = u32::MAX;
+
 /// The particles as arguments of the forces, in any order.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies<'a> {
@@ -343,8 +346,8 @@ pub struct Bodies<'a> {
     pub radii: &'a [f32],
     /// The row of each.
     pub rows: &'a [u32],
-    /// `indices[row]` is the index of the particle in `row`; may be empty if no force refers to
-    /// particles.
+    /// `indices[row]` is the index of the particle in `row`, or [`ASLEEP`]; may be empty if no
+    /// force refers to particles.
     pub indices: &'a [u32],
     /// The container; on a torus, offsets are minimum images.
     pub container: Container,

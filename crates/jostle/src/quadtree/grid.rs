@@ -39,9 +39,10 @@ impl Grid {
         Self { prescale, origin, side }
     }
 
-    /// The smallest grid over all centres between `min` and `max` of those that contain each other: squares
-    /// whose sides are powers of two and whose corners are multiples of their sides, and squares around the
-    /// origin. Their Morton orders agree, so the order of two shapes does not depend on other shapes.
+    /// The smallest grid over all centres between `min` and `max` of those that contain each other:
+    /// squares whose sides are powers of two and whose corners are multiples of their sides, and
+    /// squares around the origin. Their Morton orders agree, so the order of two shapes does not
+    /// depend on other shapes.
     pub fn nested_around(min: [f64; 2], max: [f64; 2]) -> Self {
         let Self { prescale, side, .. } = Self::around(min, max);
         let [min, max] = [min, max].map(|corner| corner.map(|v| v * prescale));

@@ -396,8 +396,8 @@ impl Resting {
         self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick.1);
     }
 
-    /// Begins a sub-step of springs that are solved together with contacts. They count as forces that
-    /// may press particles against each other.
+    /// Begins a sub-step of springs that are solved together with contacts. They count as forces
+    /// that may press particles against each other.
     fn begin_held(&mut self, scene: &Support<'_>, springs: &mut SpringSolver, kicks: &mut [Kick]) {
         if !springs.holds_any() {
             return;
@@ -411,8 +411,8 @@ impl Resting {
         self.speed_of_all = None;
     }
 
-    /// Leaves out the impacts of contacts that are solved together with springs: springs press their surfaces
-    /// together anew in each sub-step, and a bounce would add energy to them.
+    /// Leaves out the impacts of contacts that are solved together with springs: springs press
+    /// their surfaces together anew in each sub-step, and a bounce would add energy to them.
     fn forgo_impacts(&mut self, springs: &SpringSolver) {
         for place in springs.places() {
             match place {

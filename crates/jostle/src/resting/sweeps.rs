@@ -80,8 +80,8 @@ impl Sweeps<'_> {
         }
     }
 
-    /// Whether there are fast contacts, and for each colour a bit if any contacts rest, and one if any of uneven
-    /// masses do.
+    /// Whether there are fast contacts, and for each colour a bit if any contacts rest, and one if
+    /// any of uneven masses do.
     fn work_of_colours(&self, has_fast: bool) -> Vec<u8> {
         let any = |blocks: &[Block]| u8::from(blocks.iter().any(|block| block.resting > 0));
         let work = |colour: &contacts::Colour| {
@@ -126,8 +126,8 @@ impl Sweeps<'_> {
         iterate(Pass::Exact, All)
     }
 
-    /// Solves all contacts on this thread, in a distributed world together with other ranks, of which any have
-    /// `work` in each colour.
+    /// Solves all contacts on this thread, in a distributed world together with other ranks, of
+    /// which any have `work` in each colour.
     fn run_alone(self, has_fast: bool, work: Option<&[u8]>) -> Result<()> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, mut springs, .. } = self;
         let State { scene, .. } = all;

@@ -204,8 +204,9 @@ impl Walls {
 }
 
 impl WallContact {
-    /// The contact with the wall of a number, with the impulses of the sub-step before, if it may rest in this
-    /// sub-step. `is_between` tells whether walls beside those of the container are near.
+    /// The contact with the wall of a number, with the impulses of the sub-step before, if it may
+    /// rest in this sub-step. `is_between` tells whether walls beside those of the container are
+    /// near.
     fn of(
         index: usize,
         (number, wall, pushes): (u32, Wall, [f32; 2]),

@@ -262,8 +262,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         })
     }
 
-    /// The deepest overlap of a shape with a solid obstacle, before the share `left` of its motion: the unit normal towards the obstacle,
-    /// the depth, and the upper bound of its rounding errors.
+    /// The deepest overlap of a shape with a solid obstacle, before the share `left` of its motion:
+    /// the unit normal towards the obstacle, the depth, and the upper bound of its rounding errors.
     fn deepest(
         &self,
         body: &Shape<T>,

@@ -68,8 +68,8 @@ pub struct Scratch<T> {
     /// Whether each also touches such a shape, and neither stands on the other: both are parts of
     /// one body. Empty if nothing stands on another.
     are_parts: Vec<bool>,
-    /// The longest motions before this call, and of the shapes that have moved in it, as far as
-    /// those that are no obstacles meet them.
+    /// How far along each axis any shape has moved at most: before this call, and, of obstacles, in
+    /// it. The second is for shapes that are no obstacles, which meet all motions of the call.
     reach: [[T; 2]; 2],
     /// For each shape; empty if nothing stands on another.
     pushed: Vec<Pushed<T>>,
@@ -193,8 +193,8 @@ impl<T: Scalar> Island<'_, T> {
         Ok(())
     }
 
-    /// Lists the shapes that a shape would enter and that stand on another one with its displacement:
-    /// both are parts of one floor.
+    /// Lists the shapes that a shape would enter and that stand on another one with its
+    /// displacement: both are parts of one floor.
     fn list_on_twins(&mut self, index: usize) {
         let (call, rows) = (self.call, self.rows);
         let Scratch { crowd, riders, twins, above, .. } = &mut *self.scratch;
@@ -383,8 +383,8 @@ impl<T: Scalar> Island<'_, T> {
 struct Around<T> {
     /// How far away from the path these shapes may be now.
     reach: [T; 2],
-    /// Whether it meets all of them. Otherwise the others have been stopped by it, and it meets only
-    /// those that move with its floor.
+    /// Whether it meets all of them. Otherwise the others have been stopped by it, and it meets
+    /// only those that move with its floor.
     is_passed: bool,
     /// The motion of its floor, as far as it has not followed it yet.
     carried: [T; 2],

@@ -1,5 +1,5 @@
-//! Where shapes were before they moved, so that a shape that slides meets obstacles along the motions
-//! that they have made since its own last motion, and not only where they are.
+//! Where shapes were before they moved, so that a shape that slides meets obstacles along the
+//! motions that they have made since its own last motion, and not only where they are.
 //!
 //! Each shape has one record: its centre before its first motion after a call of
 //! [`Space::move_and_slide`](super::Space::move_and_slide), and the number of that call. Motions

@@ -44,9 +44,10 @@ impl<T: Scalar> Space<T> {
     /// Moves shapes by displacements; they slide along the other shapes and do not enter them.
     ///
     /// A shape that stood on a floor after its last motion is carried first if the floor has moved
-    /// since, and obstacles that have moved since push it. A shape that overlaps others is moved out of them first if other shapes do not
-    /// prevent it; those that it still overlaps do not stop it. A shape given as a box is stored as
-    /// its centre and half its size from then on. Errors as in [`Space::move_to`].
+    /// since, and obstacles that have moved since push it. A shape that overlaps others is moved
+    /// out of them first if other shapes do not prevent it; those that it still overlaps do not
+    /// stop it. A shape given as a box is stored as its centre and half its size from then on.
+    /// Errors as in [`Space::move_to`].
     pub fn move_and_slide(
         &mut self,
         ids: &[Id],

@@ -3,8 +3,8 @@
 //! Shapes whose paths may meet form an island, and so do a shape and the moving floor on which it
 //! stands. The shapes of an island move one after another, in the order of the call, with three
 //! exceptions: a floor moves before the shapes that stand on it, the foremost of shapes with the
-//! same displacement first, and shapes that are no obstacles last. Islands move in parallel. So results do not depend on
-//! threads, nor on the order of shapes that do not meet.
+//! same displacement first, and shapes that are no obstacles last. Islands move in parallel. So
+//! results do not depend on threads, nor on the order of shapes that do not meet.
 
 use super::call::Call;
 use super::islands::{Islands, join_overlapping};
@@ -120,8 +120,8 @@ impl<T: Scalar> Call<'_, T> {
     }
 
     /// A box that contains all positions that a shape may take or has had since the last motions of
-    /// others, with a margin for rounding, unless it leaves an obstacle from far inside, an obstacle
-    /// that has moved pushes it, or its floor is carried too.
+    /// others, with a margin for rounding, unless it leaves an obstacle from far inside, an
+    /// obstacle that has moved pushes it, or its floor is carried too.
     fn region(&self, row: usize) -> [[T; 2]; 2] {
         let (shape, displacement) = (self.body(row), self.displacements[row]);
         let sum = |v: [T; 2]| v[0].abs() + v[1].abs();

@@ -145,8 +145,8 @@ impl Around<'_> {
         }
     }
 
-    /// The first impact of a disc on a wall before `until`, or of some after it, and the number of the wall.
-    /// `limits` gives those of each wall.
+    /// The first impact of a disc on a wall before `until`, or of some after it, and the number of
+    /// the wall. `limits` gives those of each wall.
     pub fn impact(
         &self,
         index: u32,

@@ -136,8 +136,8 @@ fn least(all: impl Iterator<Item = Contact>, value: impl Fn(&Contact) -> f64) ->
     all.min_by(|a, b| value(a).total_cmp(&value(b)).then_with(|| a.compare(b)))
 }
 
-/// Unit vector and length of the displacement after which the gaps of two opposed contacts are 0, or equal
-/// if their walls are parallel and leave no room. The first has the smaller gap.
+/// Unit vector and length of the displacement after which the gaps of two opposed contacts are 0,
+/// or equal if their walls are parallel and leave no room. The first has the smaller gap.
 fn out_of_both(a: &Contact, b: &Contact) -> Option<(Vector, f64)> {
     let ([p, q], [u, v]) = (a.normal, b.normal);
     let sine = p * v - q * u;

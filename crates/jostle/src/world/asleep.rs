@@ -212,8 +212,8 @@ impl Asleep {
     }
 
     /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
-    /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it returns any. All
-    /// islands, if there are too many pairs to list.
+    /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it
+    /// returns any. All islands, if there are too many pairs to list.
     pub(super) fn touched(
         &self,
         circles: &Quadtree<f32>,

@@ -5,12 +5,11 @@
 //! circles along its trajectory.
 
 use std::cmp;
-use std::collections::{HashMap, HashSet};
-use std::f64::consts::TAU;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::force_step::{ForceScratch, force_displacement};
-use super::search::{self, ListScratch, Lists};
+use super::renewal::{Crowding, Renewed};
 use super::{MAX_CANDIDATES, OnTouch, World, WorldSettings};
 use crate::container::Container;
 use crate::error::{Error, Result};
@@ -24,31 +23,11 @@ use crate::query::each_overlap;
 use crate::shapes::{Filter, Shapes, fill_filters};
 use crate::trajectory::{Segment, Vector, dot};
 
-/// Displacement that bounds allow for, in mean displacements, because collisions make slow particles
-/// faster.
-const USUAL: f32 = 1.7;
-
 /// Circles of a chain at most.
 const MAX_CIRCLES: f64 = 4096.0;
 
 /// Pairs that one call of [`StepBounds::grow`] may find.
 const MAX_NEW: usize = MAX_CANDIDATES / 8;
-
-/// Collisions that the fastest particle on a torus may have in a part of a step if it meets the
-/// others at random places.
-const MAX_COLLISIONS: f64 = 16.0;
-
-/// Parts into which the rest of a step is cut at most because of few fast particles.
-const MAX_FOR_FEW: f64 = 128.0;
-
-/// Candidate pairs that a particle may have because it moves, in a dilute gas.
-const CANDIDATES: f64 = 1.5;
-
-/// Parts into which a step is cut at most so that there are few candidate pairs.
-const MAX_SPLITS: f64 = 4096.0;
-
-/// Candidate pairs of a particle that cost less to test than another part of the step.
-const WORTH_A_SPLIT: f64 = 4.0;
 
 /// Displacements, in units of [`Container::max_displacement`], up to which one circle is made. It and a particle
 /// together are at most half as large as the torus.
@@ -134,184 +113,12 @@ impl World {
                 if !may_rest {
                     return;
                 }
-                // In a loop of its own: bounds contain what contacts are made of.
                 let bounds = max_displacements.iter_mut().zip(radii).zip(first..);
-                for ((max_displacement, radius), index) in bounds {
-                    let own_radius = particles.radii[index];
-                    let least = reach(free.of(particles, index), own_radius) + RESERVE * own_radius;
-                    *radius += (least - *max_displacement).max(0.0);
-                    *max_displacement = max_displacement.max(least);
-                }
+                contain_contacts(particles, &free, bounds);
             },
         );
         self.scratch.bounded = !is_cut.into_inner();
     }
-
-    /// The speed that bounds allow for.
-    pub(super) fn usual_speed(&self) -> Result<f32> {
-        let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
-        let mean = self.mean(&self.particles.velocities, speed)?;
-        Ok(USUAL * mean as f32)
-    }
-
-    /// Finds out how crowded the particles are, and for how many of the `dt` seconds of a step bounds are made.
-    pub(super) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
-        self.scratch.usual_speed = self.usual_speed()?;
-        self.scratch.horizon = dt;
-        if self.settings.on_touch != OnTouch::Bounce {
-            return Ok(());
-        }
-        let count = self.count_of_all() as f64;
-        let area = match self.settings.container.area() {
-            Some(area) => area,
-            None => self.area_of_extent()?,
-        };
-        let [gx, gy] = self.settings.gravity.map(f64::from);
-        let crowd = Crowd {
-            density: count / area,
-            radius: self.mean(&self.particles.radii, |&radius| radius)?,
-            most: (count / WORTH_A_SPLIT).floor().clamp(1.0, MAX_SPLITS),
-            acceleration: (gx * gx + gy * gy).sqrt(),
-            is_torus: self.settings.container.period().is_some(),
-        };
-        let parts = crowd.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
-        let parts = parts.max(self.parts_with_few_collisions(&crowd, f64::from(dt))?);
-        self.scratch.crowd = crowd;
-        self.scratch.horizon = dt / parts as f32;
-        Ok(())
-    }
-
-    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions.
-    fn parts_with_few_collisions(&self, crowd: &Crowd, dt: f64) -> Result<f64> {
-        if !crowd.is_torus {
-            return Ok(1.0);
-        }
-        let Particles { velocities, radii, .. } = &self.particles;
-        let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowd.collisions(v, radius));
-        let most = match &self.domain {
-            None => all.fold(0.0, f64::max),
-            Some(domain) => {
-                let most = domain.own_or(0.0, all, &self.rows).fold(0.0, f64::max);
-                self.largest_of_all([most])?[0]
-            }
-        };
-        Ok(Crowd::parts_of_the_fastest(most * dt))
-    }
-
-    /// The mean of a number of all particles, none negative; the same whatever their order and ranks.
-    fn mean<V>(&self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
-        let most = match &self.domain {
-            None => f64::from(largest(column.iter().map(number))),
-            Some(domain) => {
-                let own = domain.own_or(0.0, column.iter().map(number), &self.rows);
-                self.largest_of_all([f64::from(largest(own))])?[0]
-            }
-        };
-        if most == 0.0 {
-            return Ok(0.0);
-        }
-        // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts it into
-        // the last bits.
-        let scale = f64::from(i32::MAX) / most;
-        let whole = |value: &V| (f64::from(number(value)) * scale + WHOLE).to_bits() - WHOLE_BITS;
-        let sum = match &self.domain {
-            None => column.iter().map(whole).sum(),
-            Some(domain) => {
-                let own = domain.own_or(0, column.iter().map(whole), &self.rows);
-                self.sum_of_all([own.sum()])?[0]
-            }
-        };
-        Ok(sum as f64 / scale / self.count_of_all() as f64)
-    }
-
-    /// Area of the smallest AABB around all particles.
-    fn area_of_extent(&self) -> Result<f64> {
-        let [right, bottom, left, top] = self.farthest()?;
-        Ok((right + left) * (bottom + top))
-    }
-}
-
-/// How crowded the particles of a step are. It decides for how long bounds are made, so that there are few
-/// candidate pairs. The result of a step does not depend on it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Crowd {
-    /// Particles in a unit of area.
-    density: f64,
-    /// Their mean radius.
-    radius: f64,
-    /// Parts into which a step is divided at most.
-    most: f64,
-    /// That of gravity.
-    acceleration: f64,
-    is_torus: bool,
-}
-
-impl Crowd {
-    /// Parts of `dt` seconds in which the bounds of a particle meet few others. With the number
-    /// density n, a typical radius r and a typical displacement d, a particle has 2 π n (r + d)²
-    /// candidate pairs.
-    fn parts(&self, usual_speed: f64, dt: f64) -> f64 {
-        let Self { density, radius, most, acceleration, .. } = *self;
-        let displacement = usual_speed * dt + 0.5 * acceleration * dt * dt;
-        let least = TAU * density * radius * radius;
-        let clearance = ((2.0 * least + CANDIDATES) / (TAU * density)).sqrt() - radius;
-        let parts = (displacement / clearance).ceil();
-        // Not finite where there is no area.
-        if parts.is_finite() { parts.clamp(1.0, most) } else { 1.0 }
-    }
-
-    /// Collisions of a particle in a second, if it meets others at random places. A particle of radius r meets
-    /// 2 v n (r + r̄), with the number density n and the mean radius r̄.
-    fn collisions(&self, velocity: [f32; 2], radius: f32) -> f64 {
-        let velocity = velocity.map(f64::from);
-        let size = f64::from(radius) + self.radius;
-        2.0 * dot(velocity, velocity).sqrt() * size * self.density
-    }
-
-    /// Parts of a time in which the fastest particle of a torus has so many collisions.
-    fn parts_of_the_fastest(collisions: f64) -> f64 {
-        (collisions / MAX_COLLISIONS).ceil().clamp(1.0, MAX_FOR_FEW)
-    }
-
-    /// Of `left` seconds those for which bounds around particles with these velocities are made, and the speed
-    /// that they allow for.
-    fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
-        let speed = |of: &Start| dot(of.velocity.map(f64::from), of.velocity.map(f64::from)).sqrt();
-        let mean = now.iter().map(speed).sum::<f64>() / now.len() as f64;
-        let usual = f64::from(USUAL) * mean;
-        let mut parts = self.parts(usual, left);
-        if self.is_torus {
-            let all = now.iter().map(|of| self.collisions(of.velocity, of.radius));
-            parts = parts.max(Self::parts_of_the_fastest(all.fold(0.0, f64::max) * left));
-        }
-        (left / parts, usual as f32)
-    }
-}
-
-/// The bounds that replace those with which a step began, after the particles have moved far.
-#[derive(Debug, Default)]
-pub(super) struct Renewed {
-    /// Whether they do.
-    is_used: bool,
-    /// Centres, on the torus, and the copies of the torus in which they are.
-    centers: Vec<[f32; 2]>,
-    tiles: Vec<[i32; 2]>,
-    shapes: Shapes<f32>,
-    tree: Quadtree<f32>,
-    listing: ListScratch,
-    found: Lists,
-    /// The number of the list of each image.
-    numbers: HashMap<[i32; 2], usize>,
-}
-
-/// Numbers from this one on, 2⁵², are whole.
-const WHOLE: f64 = (1u64 << 52) as f64;
-const WHOLE_BITS: u64 = WHOLE.to_bits();
-
-/// The largest of some numbers, none negative, which have the order of their bits; 0 if there are
-/// none.
-pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
-    f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
 }
 
 /// How far particles get in a step by their velocities and by forces, if nothing hits them.
@@ -337,6 +144,27 @@ impl<'a> FreeDisplacements<'a> {
         let by_forces = if is_movable { self.fall + pulled().unwrap_or(0.0) } else { 0.0 };
         (distance_at(particles.velocities[index], self.dt) + by_forces).min(self.longest)
     }
+
+    /// The same, but at most how far bounds let it get. Unlike bounds it depends on no other
+    /// particle.
+    pub(super) fn within(&self, particles: &Particles, index: usize, bounds: f32) -> f32 {
+        self.of(particles, index).min(bounds)
+    }
+}
+
+/// Makes bounds contain what contacts are made of: displacements and radii, with the index of each
+/// particle.
+fn contain_contacts<'a>(
+    particles: &Particles,
+    free: &FreeDisplacements<'_>,
+    bounds: impl Iterator<Item = ((&'a mut f32, &'a mut f32), usize)>,
+) {
+    for ((max_displacement, radius), index) in bounds {
+        let own_radius = particles.radii[index];
+        let least = reach(free.of(particles, index), own_radius) + RESERVE * own_radius;
+        *radius += (least - *max_displacement).max(0.0);
+        *max_displacement = max_displacement.max(least);
+    }
 }
 
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
@@ -350,15 +178,15 @@ pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
     0.5 * dt * dt * (x * x + y * y).sqrt()
 }
 
-/// How far from its surface at the beginning of a step a particle may rest on another: its free displacement,
-/// but at most its radius, and a share of its radius for surfaces that nearly touch.
+/// How far from its surface at the beginning of a step a particle may rest on another: its free
+/// displacement, but at most its radius, and a share of its radius for surfaces that nearly touch.
 #[inline(always)]
 pub(super) fn reach(free: f32, radius: f32) -> f32 {
     free.min(radius) + SLACK * radius
 }
 
-/// Upper bound of the residual of a position, which on a torus may be that of the far side, and of the
-/// error of a distance of about the radius in float32.
+/// Upper bound of the residual of a position, which on a torus may be that of the far side, and of
+/// the error of a distance of about the radius in float32.
 pub(super) fn rounding(position: [f32; 2], radius: f32, container: &Container) -> f32 {
     rounding_of(position, radius, torus_sides(container))
 }
@@ -404,13 +232,6 @@ pub(super) struct Grown {
     stack: Vec<u32>,
 }
 
-impl Renewed {
-    /// Begins a step.
-    pub(super) fn clear(&mut self) {
-        self.is_used = false;
-    }
-}
-
 impl Grown {
     /// Begins a step.
     pub(super) fn clear(&mut self) {
@@ -425,7 +246,7 @@ pub(super) struct BoundsScratch<'a> {
     pub(super) max_displacements: &'a mut [f32],
     pub(super) grown: &'a mut Grown,
     pub(super) renewed: &'a mut Renewed,
-    pub(super) crowd: Crowd,
+    pub(super) crowding: Crowding,
 }
 
 /// The bounds of a step, and the tree of those that it began with.
@@ -439,14 +260,14 @@ pub(super) struct StepBounds<'a> {
     container: Container,
     /// Typical distance between neighbouring particles.
     spacing: f32,
-    crowd: Crowd,
+    crowding: Crowding,
     /// Until when the bounds are made, in seconds since the beginning of the flight.
     horizon: f64,
 }
 
 impl<'a> StepBounds<'a> {
-    /// The bounds of a step, for a sub-step of `duration` seconds of flight. Those with which the step began
-    /// last for a `share` of the first sub-step, if they are to be renewed in the step.
+    /// The bounds of a step, for a sub-step of `duration` seconds of flight. Those with which the
+    /// step began last for a `share` of the first sub-step, if they are to be renewed in the step.
     pub(super) fn new(
         particles: &'a Particles,
         settings: &'a WorldSettings,
@@ -454,7 +275,7 @@ impl<'a> StepBounds<'a> {
         share: Option<f64>,
         duration: f64,
     ) -> Self {
-        let BoundsScratch { tree, max_displacements, grown, renewed, crowd } = scratch;
+        let BoundsScratch { tree, max_displacements, grown, renewed, crowding } = scratch;
         let container = settings.container;
         let area = container.area().unwrap_or(f64::INFINITY);
         let spacing = (area / particles.len() as f64).sqrt() as f32;
@@ -468,85 +289,9 @@ impl<'a> StepBounds<'a> {
             settings,
             container,
             spacing,
-            crowd,
+            crowding,
             horizon,
         }
-    }
-
-    /// The tree of the present bounds.
-    fn present(&self) -> &Quadtree<f32> {
-        if self.renewed.is_used { &self.renewed.tree } else { self.tree }
-    }
-
-    /// The particle at an index of that tree, and the copy of the torus in which it is.
-    fn at(&self, index: usize) -> (u32, [i32; 2]) {
-        if !self.renewed.is_used {
-            return (index as u32, [0; 2]);
-        }
-        let particle = self.renewed.tree.rows()[index];
-        (particle, self.renewed.tiles[particle as usize])
-    }
-
-    /// Makes bounds around the present places of all particles, for some seconds.
-    fn rebuild(&mut self, now: &[Start], seconds: f32, usual_speed: f32) -> Result<()> {
-        let Self { renewed, particles, container, max_displacements, settings, .. } = self;
-        let Renewed { is_used, centers, tiles, shapes, tree, .. } = &mut **renewed;
-        *is_used = true;
-        tiles.clear();
-        tiles.extend(now.iter().map(|of| container.tile(of.position.map(f64::from))));
-        centers.clear();
-        centers.extend(now.iter().zip(&*tiles).map(|(of, &tile)| {
-            let offset = container.offset(tile);
-            [0, 1].map(|k| (f64::from(of.position[k]) - offset[k]) as f32)
-        }));
-        let usual = usual_speed * seconds;
-        let fall = distance_of_fall(settings.gravity, seconds);
-        let longest = container.max_displacement();
-        for (to, of) in max_displacements.iter_mut().zip(now) {
-            let least = if of.is_movable { usual } else { 0.0 };
-            *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
-        }
-        shapes.centers.clone_from(centers);
-        let radii = shapes.radii.rows_mut();
-        radii.clear();
-        let all = now.iter().zip(max_displacements.iter());
-        radii.extend(
-            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
-        );
-        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
-        tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
-    }
-
-    /// Lists the pairs of the new bounds.
-    fn list_renewed(&mut self, to: &mut Candidates) -> Result<()> {
-        let Self { renewed, particles, container, settings, .. } = self;
-        let Renewed { tree, tiles, listing, found, numbers, .. } = &mut **renewed;
-        search::list(tree, settings, false, listing, found)?;
-        let sides = container.period().unwrap_or([1.0; 2]);
-        numbers.clear();
-        to.clear();
-        // Most pairs are in the same list as the pair before.
-        let mut last = None;
-        for (image, pairs) in &*found {
-            let image = [0, 1].map(|k| (image[k] / sides[k]).round() as i32);
-            for pair in pairs {
-                let [a, b] = pair.map(|index| tree.rows()[index as usize] as usize);
-                let tile = [0, 1].map(|k| image[k] + tiles[a][k] - tiles[b][k]);
-                let pair = [a as u32, b as u32];
-                if particles.is_sensor(a) || particles.is_sensor(b) {
-                    let offset = container.offset(tile);
-                    to.sensed.push(NearPair { pair, offset, lasts: true });
-                    continue;
-                }
-                let number = match last {
-                    Some((last, number)) if last == tile => number,
-                    _ => *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile))),
-                };
-                last = Some((tile, number));
-                to.pairs[number].1.push(pair);
-            }
-        }
-        Ok(())
     }
 
     /// Appends circles around where a particle gets, and adapts its bounds if one circle is enough.
@@ -560,11 +305,8 @@ impl<'a> StepBounds<'a> {
         if distance > f64::from(*max_displacement) {
             *max_displacement = (distance * GROWTH) as f32;
             let at = index as usize;
-            let (center, tile) = if self.renewed.is_used {
-                (self.renewed.centers[at], self.renewed.tiles[at])
-            } else {
-                (self.particles.positions[at], [0; 2])
-            };
+            let of_step = || (self.particles.positions[at], [0; 2]);
+            let (center, tile) = self.renewed.center(at).unwrap_or_else(of_step);
             let radius = self.particles.radii[at]
                 + *max_displacement
                 + rounding(center, self.particles.radii[at], &self.container);
@@ -633,10 +375,12 @@ impl Bounds for StepBounds<'_> {
     }
 
     fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
-        let (seconds, usual_speed) = self.crowd.horizon(now, left);
-        self.grown.clear();
-        self.rebuild(now, seconds as f32, usual_speed)?;
-        self.list_renewed(to)?;
+        let (seconds, usual_speed) = self.crowding.horizon(now, left);
+        let Self { particles, settings, max_displacements, grown, renewed, .. } = self;
+        grown.clear();
+        let allowed = (seconds as f32, usual_speed);
+        renewed.rebuild(now, allowed, (particles, settings), max_displacements)?;
+        renewed.list(particles, settings, to)?;
         Ok(seconds)
     }
 
@@ -685,7 +429,9 @@ impl StepBounds<'_> {
         pairs: &mut Vec<NearPair>,
     ) -> Result<()> {
         let Grown { circles, tree, .. } = &*self.grown;
-        let trees = [self.present(), tree];
+        let renewed = self.renewed.tree();
+        let present = renewed.unwrap_or(self.tree);
+        let trees = [present, tree];
         let largest = trees.map(|tree| tree.bounds().first().map_or(0.0, |root| root.radius));
         let largest = largest[0].max(largest[1]);
         let mut pulse = Pulse::current();
@@ -711,8 +457,11 @@ impl StepBounds<'_> {
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }
                 };
-                let work = each_overlap(self.present(), &of, 0.0, stack, |index| {
-                    let (other, tile) = self.at(index);
+                let work = each_overlap(present, &of, 0.0, stack, |index| {
+                    let (other, tile) = match renewed {
+                        Some(_) => self.renewed.at(index),
+                        None => (index as u32, [0; 2]),
+                    };
                     add(other, tile, true);
                 });
                 pulse.check(work)?;

@@ -24,10 +24,11 @@ const APART: f32 = 1e-5;
 const FILTERED: usize = 1 << 14;
 
 impl World {
-    /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose positions
-    /// may have to be corrected or that may rest: of a world in which something may rest, the pairs that may
-    /// come near each other by themselves, and else those that overlap. Which pairs these are depends on the
-    /// state of the two alone, not on the candidates, which are more.
+    /// Finds the neighbours of all particles from the candidate pairs, and the contacts whose
+    /// positions may have to be corrected or that may rest: of a world in which something may rest,
+    /// the pairs that may come near each other by themselves, and else those that overlap. Which
+    /// pairs these are depends on the state of the two alone, not on the candidates, which are
+    /// more.
     pub(super) fn make_contacts(&mut self, dt: f32) -> Result<()> {
         let (threads, may_rest, is_lossless) =
             (self.threads(), self.may_rest(), self.is_lossless());
@@ -73,7 +74,8 @@ impl World {
         Ok(())
     }
 
-    /// Finds the particles that lose energy, if some do and others do not; returns whether this is so.
+    /// Finds the particles that lose energy, if some do and others do not; returns whether this is
+    /// so.
     fn find_lossy(&mut self, is_lossless: bool) -> bool {
         let Self { particles, scratch, settings, walls, domain, .. } = self;
         scratch.lossy.clear();
@@ -90,9 +92,9 @@ impl World {
         true
     }
 
-    /// Of a world in which some particles lose energy and others do not: adds those that may touch one that does,
-    /// and leaves out the pairs of others, unless they overlap. They cannot come to rest, and are those of a
-    /// world in which nothing loses energy.
+    /// Of a world in which some particles lose energy and others do not: adds those that may touch
+    /// one that does, and leaves out the pairs of others, unless they overlap. They cannot come to
+    /// rest, and are those of a world in which nothing loses energy.
     fn leave_out_elastic(&mut self) -> Result<()> {
         let Self { particles, scratch, domain, .. } = self;
         let StepScratch { lossy, overlaps, .. } = scratch;
@@ -137,7 +139,7 @@ impl World {
 }
 
 /// Whether the collisions of a particle lose energy by its own coefficients.
-fn loses_energy(particles: &Particles, index: usize) -> bool {
+pub(super) fn loses_energy(particles: &Particles, index: usize) -> bool {
     particles.restitutions[index] < 1.0 || particles.spin(index).friction > 0.0
 }
 

@@ -348,18 +348,18 @@ impl Domain {
         Ok((ContactShape { colours, rounds, has_uneven: has_uneven > 0 }, refinement))
     }
 
-    /// Divides the contacts that one process solves in sequence into rounds, in which ranks solve them at the
-    /// same time; returns how many there are. Removes those that other ranks solve.
+    /// Divides the contacts that one process solves in sequence into rounds, in which ranks solve
+    /// them at the same time; returns how many there are. Removes those that other ranks solve.
     pub(super) fn divide(
         &self,
         contacts: &mut Vec<Sequential>,
-        moving: &[bool],
+        movable: &[bool],
         rows: &[u32],
     ) -> Result<usize> {
-        let is_own = |&index: &u32| moving[index as usize] && self.owns(rows[index as usize]);
+        let is_own = |&index: &u32| movable[index as usize] && self.owns(rows[index as usize]);
         contacts.retain(|of| of.indices.iter().any(is_own));
         let rank =
-            |index: u32| moving[index as usize].then(|| self.rank_of(rows[index as usize]) as u32);
+            |index: u32| movable[index as usize].then(|| self.rank_of(rows[index as usize]) as u32);
         let link = |of: &Sequential| Link {
             ids: of.indices.map(|index| self.id(rows[index as usize])),
             image: of.image,
@@ -389,7 +389,7 @@ impl Domain {
         self.left.clear();
         if self.sent.len() < 2 {
             let all = max_displacements.iter().enumerate().filter(|_| has_sleepers);
-            limits.extend(all.map(|(index, &most)| free.of(particles, index).min(most)));
+            limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
             return;
         }
         let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).enumerate();
@@ -411,7 +411,7 @@ impl Domain {
                 self.far.push((row, moved + max_displacement));
             }
             self.left.push(left);
-            let free = || free.of(particles, index).min(max_displacement);
+            let free = || free.within(particles, index, max_displacement);
             limits.push(if has_sleepers { left.min(free()) } else { left });
         }
     }

@@ -6,7 +6,7 @@ use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
 use crate::flow::{Flow, Kick};
-use crate::forces::{self, Bodies, Force, springs::SpringSolver};
+use crate::forces::{self, ASLEEP, Bodies, Force, springs::SpringSolver};
 use crate::interrupt;
 use crate::motion::Motions;
 use crate::parallel;
@@ -179,9 +179,6 @@ pub(super) fn awake_springs<'a>(
         |spring: &&forces::Spring| spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP);
     springs(forces).flat_map(|springs| &springs.0).filter(is_awake)
 }
-
-/// Stands for no index: the particle of the row is asleep.
-pub(super) const ASLEEP: u32 = u32::MAX;
 
 /// Writes the index of each row, if any force names particles, of which some are asleep.
 pub(super) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {

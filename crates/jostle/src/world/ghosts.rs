@@ -86,7 +86,7 @@ impl World {
         if any && !self.is_alone() { self.share_exhausted() } else { Ok(()) }
     }
 
-    /// Finds out which ghosts have had too many events in the step.
+    /// Finds out which ghosts were exhausted in the step.
     fn share_exhausted(&mut self) -> Result<()> {
         self.find_shared();
         let Some(domain) = &self.domain else { return Ok(()) };

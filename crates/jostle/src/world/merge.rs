@@ -199,7 +199,7 @@ impl World {
     }
 
     /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
-    /// that one had too many events. Their resting impulses begin with 0.
+    /// that one was exhausted. Their resting impulses begin with 0.
     fn inherit(&mut self, heirs: &[u32]) {
         let mut has_merged = vec![false; heirs.len()];
         for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {

@@ -297,7 +297,7 @@ impl World {
     }
 
     /// Writes merged particles over those of their members that keep their ids, and gives them what has been
-    /// recorded of all in this step: the impulses of walls, and that one had too many events. Their
+    /// recorded of all in this step: the impulses of walls, and that one was exhausted. Their
     /// resting impulses begin with 0.
     fn write_merged(&mut self, members: &[Member], merged: &[Merged], starts: &Particles) {
         let rows: Vec<u32> = members.iter().map(|of| self.rows[of.index as usize]).collect();

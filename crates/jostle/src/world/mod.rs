@@ -30,6 +30,7 @@ mod migration;
 mod record;
 mod reductions;
 mod refinement;
+mod renewal;
 mod reorder;
 mod search;
 mod settings;
@@ -205,10 +206,8 @@ struct StepScratch {
     sleeping: sleeping::Scratch,
     waking: waking::Scratch,
     grown: bounds::Grown,
-    /// Rows that have had too many events in the step.
+    /// Rows that were exhausted in the step.
     exhausted: Vec<u32>,
-    /// Collisions of the particle in each row in the parts of the step so far.
-    collisions_of: Vec<u32>,
     /// Those of the step.
     collisions: Collisions,
     touching: touching::Scratch,
@@ -240,13 +239,13 @@ struct StepScratch {
     overlap_parts: Vec<Vec<[u32; 2]>>,
     /// How far from its surface each particle may rest in the step.
     reaches: Vec<f32>,
-    /// Which particles lose energy, or may touch one that does, of a world in which some do and others do not;
-    /// else empty.
+    /// Which particles lose energy, or may touch one that does, of a world in which some do and
+    /// others do not; else empty.
     lossy: Vec<bool>,
     /// Seconds for which the bounds of the step are made.
     horizon: f32,
-    crowd: bounds::Crowd,
-    renewed: bounds::Renewed,
+    crowding: renewal::Crowding,
+    renewed: renewal::Renewed,
     /// The candidate pairs of a world whose particles merge.
     candidate_merges: Vec<merge::CandidateMerge>,
     /// Of a distributed one: the particles at the beginning of a part of the step, by indices.

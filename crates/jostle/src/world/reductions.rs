@@ -1,10 +1,14 @@
 //! Collective reductions: sums and maxima of numbers of all ranks, and what their particles require.
 
 use super::World;
+use super::contacts::loses_energy;
 use crate::error::Result;
 use crate::parallel::locked;
-use crate::particles::Particles;
 use crate::quadtree::extent_of;
+
+/// Numbers from this one on, 2⁵², are whole.
+const WHOLE: f64 = (1u64 << 52) as f64;
+const WHOLE_BITS: u64 = WHOLE.to_bits();
 
 impl World {
     /// The number of particles of all ranks that are awake.
@@ -66,18 +70,47 @@ impl World {
         self.largest_of_all(most.map(f64::from))
     }
 
-    /// Finds out whether any rank has collisions that lose energy, on which the automatic number of sub-steps
-    /// depends. All ranks call it after a change.
+    /// The mean of a number of all particles, none negative; the same whatever their order and
+    /// ranks.
+    pub(super) fn mean<V>(&self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
+        let most = match &self.domain {
+            None => f64::from(largest(column.iter().map(number))),
+            Some(domain) => {
+                let own = domain.own_or(0.0, column.iter().map(number), &self.rows);
+                self.largest_of_all([f64::from(largest(own))])?[0]
+            }
+        };
+        if most == 0.0 {
+            return Ok(0.0);
+        }
+        // Whole numbers have sums without rounding. To add 2⁵² rounds a number below 2³¹ and puts
+        // it into the last bits.
+        let scale = f64::from(i32::MAX) / most;
+        let whole = |value: &V| (f64::from(number(value)) * scale + WHOLE).to_bits() - WHOLE_BITS;
+        let sum = match &self.domain {
+            None => column.iter().map(whole).sum(),
+            Some(domain) => {
+                let own = domain.own_or(0, column.iter().map(whole), &self.rows);
+                self.sum_of_all([own.sum()])?[0]
+            }
+        };
+        Ok(sum as f64 / scale / self.count_of_all() as f64)
+    }
+
+    /// Area of the smallest AABB around all particles.
+    pub(super) fn area_of_extent(&self) -> Result<f64> {
+        let [right, bottom, left, top] = self.farthest()?;
+        Ok((right + left) * (bottom + top))
+    }
+
+    /// Finds out whether any rank has collisions that lose energy, on which the automatic number of
+    /// sub-steps depends. All ranks call it after a change.
     pub fn agree_on_losses(&mut self) -> Result<()> {
         let Some(domain) = &self.domain else { return Ok(()) };
-        let Particles { restitutions, spins, .. } = &self.particles;
-        let is_lossy = |index: usize| {
-            restitutions[index] != 1.0 || spins.get(index).is_some_and(|spin| spin.friction > 0.0)
-        };
         let own = (0..).zip(&self.rows).filter(|(_, row)| domain.owns(**row));
         let is_lossy = self.settings.restitution != 1.0
             || !self.walls.are_elastic()
-            || own.map(|of| of.0).any(is_lossy);
+            || own.map(|of| of.0).any(|index| loses_energy(&self.particles, index));
         let is_lossy = self.any_of_all(is_lossy)?;
         if let Some(domain) = &mut self.domain {
             domain.is_lossless = !is_lossy;
@@ -110,4 +143,10 @@ impl World {
         }
         Ok(())
     }
+}
+
+/// The largest of some numbers, none negative, which have the order of their bits; 0 if there are
+/// none.
+pub(super) fn largest(numbers: impl Iterator<Item = f32>) -> f32 {
+    f32::from_bits(numbers.map(|number| number.to_bits() as i32).fold(0, i32::max) as u32)
 }

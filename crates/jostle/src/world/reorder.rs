@@ -27,8 +27,8 @@ impl World {
         self.reorder_forces(threads);
     }
 
-    /// Keeps the contacts of the previous step for [`World::undo`]. A step has several parts only if particles
-    /// merge, which have no contacts.
+    /// Keeps the contacts of the previous step for [`World::undo`]. A step has several parts only
+    /// if particles merge, which have no contacts.
     fn set_contacts_aside(&mut self) {
         let before = &mut self.scratch.before;
         if !before.is_reordered {

@@ -282,13 +282,17 @@ impl World {
         Ok(Some([[-left, -top], [right, bottom]]))
     }
 
-    /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks, on all
-    /// ranks.
+    /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks,
+    /// on all ranks. Refuses, on all ranks, a step that is the same on all and in which a particle
+    /// has too many collisions.
     pub(super) fn compare_with_other_ranks(&mut self) -> Result<Agreement> {
         let Some(domain) = &self.domain else { return Ok(Agreement::Same) };
         let mut group = locked(&domain.group);
         if group.size() < 2 {
-            return Ok(Agreement::Same);
+            return match self.scratch.events.has_too_many() {
+                true if !self.scratch.meets_sleepers => Err(self.too_many_collisions()),
+                _ => Ok(Agreement::Same),
+            };
         }
         let far = group.sum([domain.far.len() as u64])?;
         if far != [0] {
@@ -309,7 +313,19 @@ impl World {
             let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
             domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
         });
-        let different = group.sum([differ.count() as u64])?;
-        Ok(if different == [0] { Agreement::Same } else { Agreement::Different })
+        // A step that ended early, or that differs, is repeated.
+        let is_refused = !self.scratch.meets_sleepers && self.scratch.events.has_too_many();
+        let [different, refused] = group.sum([differ.count() as u64, u64::from(is_refused)])?;
+        if different > 0 {
+            return Ok(Agreement::Different);
+        }
+        if is_refused {
+            return Err(self.too_many_collisions());
+        }
+        if refused > 0 {
+            // The ranks that refuse it report this now.
+            group.gather([])?;
+        }
+        Ok(Agreement::Same)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::bounds::largest;
+use super::reductions::largest;
 use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
@@ -139,7 +139,6 @@ impl World {
 
     pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.scratch.exhausted.clear();
-        self.scratch.collisions_of.clear();
         self.scratch.meets_sleepers = false;
         self.scratch.agreement = None;
         self.stats = Stats::default();
@@ -149,7 +148,10 @@ impl World {
         for _ in 0..parts {
             self.renew_ghosts(part)?;
             let done = self.step_once(part, substeps, watch);
-            self.check_collisions(done, part < dt)?;
+            done.map_err(|error| match error {
+                Error::TooManyCollisions { .. } => self.too_many_collisions(),
+                other => other,
+            })?;
             if self.scratch.meets_sleepers || self.must_repeat() {
                 break;
             }
@@ -193,36 +195,18 @@ impl World {
         Err(Error::of("dt", dt, &rule))
     }
 
-    /// Refuses a step in which a particle has too many collisions. `done` is the result of a part of the
-    /// step. If it is not the whole step, its collisions are added to those of the parts before.
-    fn check_collisions(&mut self, done: Result<()>, is_part: bool) -> Result<()> {
-        let is_counted = match done {
-            // Merging changes the rows, and merging particles collide with walls alone.
-            Ok(()) => is_part && self.settings.on_touch == OnTouch::Bounce,
-            Err(Error::TooManyCollisions { .. }) => true,
-            Err(_) => false,
-        };
-        if !is_counted {
-            return done;
-        }
-        let StepScratch { events, collisions_of, .. } = &mut self.scratch;
-        collisions_of.resize(self.rows.len(), 0);
-        for (&row, count) in self.rows.iter().zip(&events.counts) {
-            collisions_of[row as usize] += count;
-        }
+    /// The error of a step in which particles of this rank have too many collisions, with the id of
+    /// the one that has most.
+    pub(super) fn too_many_collisions(&self) -> Error {
         let domain = self.domain.as_ref();
-        let own = self.rows.iter().filter(|&&row| domain.is_none_or(|domain| domain.owns(row)));
-        let counts = own.map(|&row| (self.scratch.collisions_of[row as usize], row));
-        let too_many = counts.filter(|&(count, _)| count > MAX_COLLISIONS);
-        let most = too_many.map(|(count, row)| (Reverse(count), self.id_among_all(row))).min();
-        match most {
-            Some((_, id)) => Err(Error::TooManyCollisions { id, limit: MAX_COLLISIONS }),
-            None => done,
-        }
+        let all = self.rows.iter().zip(&self.scratch.events.counts);
+        let own = all.filter(|of| domain.is_none_or(|domain| domain.owns(*of.0)));
+        let most = own.map(|(&row, &count)| (Reverse(count), self.id_among_all(row))).min();
+        Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
     }
 
-    /// The number of parts of a step of `dt` seconds: one, unless particles merge on a torus. These touch only
-    /// their nearest images.
+    /// The number of parts of a step of `dt` seconds: one, unless particles merge on a torus. These
+    /// touch only their nearest images.
     fn parts(&self, dt: f32) -> Result<usize> {
         if self.settings.on_touch != OnTouch::Merge {
             return Ok(1);

@@ -35,7 +35,8 @@ pub(super) struct Substeps {
     has_kicks: bool,
     /// Whether all particles without events stay in their bounds in the first sub-step.
     is_bounded: bool,
-    /// The share of the first sub-step for which the bounds of the step are made, if these are renewed.
+    /// The share of the first sub-step for which the bounds of the step are made, if these are
+    /// renewed.
     horizon: Option<f64>,
     /// Whether there are more sub-steps than [`World::apply_forces`] knew of.
     is_refined: bool,
@@ -131,7 +132,7 @@ impl World {
         if !self.asleep.is_empty() {
             let free = FreeDisplacements::new(settings, &scratch.forces, dt);
             let all = scratch.max_displacements.iter().enumerate();
-            scratch.limits.extend(all.map(|(index, &most)| free.of(particles, index).min(most)));
+            scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
         if let Some(domain) = domain {
             domain.fill_limits(particles, rows, settings, dt, scratch);
@@ -250,8 +251,9 @@ impl World {
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, domain, .. } = self;
-        let StepScratch { tree, max_displacements, grown, renewed, crowd, .. } = scratch;
-        let of_bounds = BoundsScratch { tree, max_displacements, grown, renewed, crowd: *crowd };
+        let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
+        let of_bounds =
+            BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
         let share = of.horizon.map(|share| if substep == 0 { share } else { 0.0 });
         let mut bounds = StepBounds::new(particles, settings, of_bounds, share, of.flow.duration);
         let flight = Flight {

@@ -106,7 +106,7 @@ impl World {
         self.scratch.events.sensed = sensed;
     }
 
-    /// Lists the rows that had too many events, and counts those whose collisions became elastic.
+    /// Lists the rows that were exhausted, and counts those whose collisions became elastic.
     fn list_exhausted(&mut self) {
         let exhausted = &mut self.scratch.exhausted;
         let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
@@ -145,8 +145,8 @@ impl World {
         }));
     }
 
-    /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed through each
-    /// other (`sensed`), and measures all.
+    /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
+    /// through each other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
         let threads = self.threads();
         let Self { settings, scratch, particles, contacts, .. } = self;

@@ -48,8 +48,8 @@ impl World {
         !self.asleep.is_empty() || self.domain.as_ref().is_some_and(|domain| domain.asleep > 0)
     }
 
-    /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any rank; lists the islands
-    /// of these. The bounds are larger, and depend on other particles.
+    /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any rank;
+    /// lists the islands of these. The bounds are larger, and depend on other particles.
     pub(super) fn is_near_sleepers(&mut self, dt: f32) -> Result<bool> {
         if !self.any_sleeps() {
             return Ok(false);
@@ -62,7 +62,7 @@ impl World {
             let most = scratch.max_displacements[at];
             let rounding =
                 rounding(particles.positions[at], particles.radii[at], &settings.container);
-            moves.then(|| particles.radii[at] + free.of(particles, at).min(most) + rounding)
+            moves.then(|| particles.radii[at] + free.within(particles, at, most) + rounding)
         };
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
         asleep.touched(&scratch.tree, radius, settings, shared)?;
@@ -176,8 +176,8 @@ impl World {
         self.wake_to_stay(&all);
     }
 
-    /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of which
-    /// only the velocities have changed.
+    /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of
+    /// which only the velocities have changed.
     pub(super) fn wake_driven(&mut self, rows: &mut [u32]) {
         if self.asleep.is_empty() || rows.is_empty() {
             return;

@@ -1,18 +1,18 @@
 //! Springs of stiff bodies that are near anything, solved together with the resting contacts.
 //!
 //! With the direction n of a spring, its stretch s and the velocity w of its second end relative to
-//! the first, its tension in a sub-step of h seconds is J = h (k (s + h n·w) + c n·w), where w is that at
-//! the end of the sub-step (D. Baraff and A. Witkin, *Large Steps in Cloth Simulation*, 1998). This is
-//! stable at any stiffness and never adds energy; it damps oscillations that are fast compared with
-//! the sub-step. The tensions of a body are the solution of a symmetric positive definite system, which
-//! the method of conjugate gradients finds. All impulses are between pairs, so momentum is conserved
-//! after any number of iterations.
+//! the first, its tension in a sub-step of h seconds is J = h (k (s + h n·w) + c n·w), where w is
+//! that at the end of the sub-step (D. Baraff and A. Witkin, *Large Steps in Cloth Simulation*,
+//! 1998). This is stable at any stiffness and never adds energy; it damps oscillations that are
+//! fast compared with the sub-step. The tensions of a body are the solution of a symmetric positive
+//! definite system, which the method of conjugate gradients finds. All impulses are between pairs,
+//! so momentum is conserved after any number of iterations.
 //!
-//! Resting contacts and springs take turns, each with the velocities that the others leave. The iterations
-//! of contacts know the mass of one particle, but what they push is the whole body. So the system of
-//! a turn of the springs includes the contacts that push, as springs without softness that only push
-//! (M. Silcowitz et al., *Projected Gauss-Seidel Subspace Minimization Method for Interactive Rigid Body
-//! Dynamics*, 2010). The contacts find out which of them push.
+//! Resting contacts and springs take turns, each with the velocities that the others leave. The
+//! iterations of contacts know the mass of one particle, but what they push is the whole body. So
+//! the system of a turn of the springs includes the contacts that push, as springs without softness
+//! that only push (M. Silcowitz et al., *Projected Gauss-Seidel Subspace Minimization Method for
+//! Interactive Rigid Body Dynamics*, 2010). The contacts find out which of them push.
 
 use std::ops::Range;
 
@@ -39,8 +39,8 @@ const NEAR: f32 = 0.01;
 /// Stands for no body.
 const NONE: u32 = u32::MAX;
 
-/// Share of the diagonal of the system by which contacts are soft, so that it has a solution where contacts
-/// contradict each other.
+/// Share of the diagonal of the system by which contacts are soft, so that it has a solution where
+/// contacts contradict each other.
 const SOFTNESS: f64 = 1e-6;
 
 /// Scratch.
@@ -205,9 +205,9 @@ impl SpringSolver {
         self.held.any
     }
 
-    /// Finds out which bodies are held in a sub-step: those that are stiff and near anything. `each_pair`
-    /// calls a function with the particles of each contact that the step may have, the image of the second
-    /// particle, and the distance at which they touch.
+    /// Finds out which bodies are held in a sub-step: those that are stiff and near anything.
+    /// `each_pair` calls a function with the particles of each contact that the step may have, the
+    /// image of the second particle, and the distance at which they touch.
     pub fn find_held(
         &mut self,
         of: &Surroundings<'_>,
@@ -243,13 +243,14 @@ impl SpringSolver {
         held.any = bodies.iter().any(|body| body.is_held);
     }
 
-    /// Begins a sub-step: directions and stretches of the springs of held bodies. Calls `pull` with the
-    /// index of each particle and the change of velocity that its springs would give it, each alone.
+    /// Begins a sub-step: directions and stretches of the springs of held bodies. Calls `pull` with
+    /// the index of each particle and the change of velocity that its springs would give it, each
+    /// alone.
     pub fn begin_held(
         &mut self,
         flow: &Flow,
         motions: &Motions,
-        moving: &[bool],
+        movable: &[bool],
         mut pull: impl FnMut(u32, [f64; 2]),
     ) {
         let Self { bodies, links, nodes, container, held, .. } = self;
@@ -257,14 +258,14 @@ impl SpringSolver {
         ends.clear();
         ties.clear();
         end_of.clear();
-        end_of.resize(moving.len(), NONE);
+        end_of.resize(movable.len(), NONE);
         for body in bodies.iter().filter(|body| body.is_held) {
             for node in &mut nodes[body.nodes.clone()] {
                 let motion = motions.get(node.index);
                 node.position = exact(motion.position, motion.residual);
                 node.velocity = motion.velocity.map(f64::from);
-                let is_moving = moving[node.index as usize];
-                end(ends, end_of, node.index, if is_moving { node.inverse_mass } else { 0.0 });
+                let is_movable = movable[node.index as usize];
+                end(ends, end_of, node.index, if is_movable { node.inverse_mass } else { 0.0 });
             }
             for link in &links[body.links.clone()] {
                 let [a, b] = link.nodes.map(|node| nodes[node as usize]);
@@ -295,8 +296,8 @@ impl SpringSolver {
         }
     }
 
-    /// Adds the resting contacts of the particles of held bodies, and finds the systems.
-    /// `pushes` are the places of contacts, their particles and one over the masses of these; a contact with
+    /// Adds the resting contacts of the particles of held bodies, and finds the systems. `pushes`
+    /// are the places of contacts, their particles and one over the masses of these; a contact with
     /// a wall has one particle twice.
     pub fn add_pushes(&mut self, pushes: impl Iterator<Item = (Place, [u32; 2], [f32; 2])>) {
         let Scratch { ends, end_of, ties, groups, systems, .. } = &mut self.held;
@@ -333,9 +334,9 @@ impl SpringSolver {
         self.held.ties.iter().filter_map(|tie| tie.place)
     }
 
-    /// A turn of the springs of held bodies: changes their tensions, the impulses of the contacts that
-    /// push, and the velocities. In the first turn springs begin with a share of the tensions that they
-    /// have at rest.
+    /// A turn of the springs of held bodies: changes their tensions, the impulses of the contacts
+    /// that push, and the velocities. In the first turn springs begin with a share of the tensions
+    /// that they have at rest.
     pub fn take_turn(&mut self, velocities: &Vectors, pushes: &mut impl Pushes, is_first: bool) {
         let Scratch { ends, ties, systems, .. } = &mut self.held;
         for end in ends.iter_mut() {

@@ -3,12 +3,12 @@
 //! A *body* is a set of movable particles connected by springs. Springs are much stiffer than other
 //! forces, so the sub-step of a body is divided into parts (multiple time stepping). Its stiffest
 //! spring determines the number of parts, up to a limit; the stiffness of springs that need more is
-//! reduced. Each part is a leapfrog step: half of the displacement, the change of velocity, the other
-//! half.
+//! reduced. Each part is a leapfrog step: half of the displacement, the change of velocity, the
+//! other half.
 //!
-//! The parts know of no contacts. If contacts stop the ends of stiff springs, this would add energy.
-//! So the springs of a stiff body that is near anything are solved together with the resting
-//! contacts: see [`held`].
+//! The parts know of no contacts. If contacts stop the ends of stiff springs, this would add
+//! energy. So the springs of a stiff body that is near anything are solved together with the
+//! resting contacts: see [`held`].
 
 mod held;
 
@@ -16,7 +16,7 @@ use std::ops::Range;
 
 pub use held::{Place, Push, Pushes, Surroundings};
 
-use super::{Bodies, check_number};
+use super::{ASLEEP, Bodies, check_number};
 use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
@@ -37,11 +37,11 @@ const MAX_PHASE: f64 = 1.0;
 /// Maximum relative change of a velocity by damping in one part.
 const MAX_DAMPING: f64 = 0.25;
 
-/// A body is stiff if the sum of the stiffness of the springs of one of its particles, over the mass
-/// and times the square of the sub-step, is more than this. Up to 1.48 the parts are stable with
-/// contacts: a particle that contacts support moves with the velocity of the last part, which is stable
-/// while the phase x of the fastest oscillation in a sub-step has x tan(x/2) < 2, and x² is at most twice
-/// that sum.
+/// A body is stiff if the sum of the stiffness of the springs of one of its particles, over the
+/// mass and times the square of the sub-step, is more than this. Up to 1.48 the parts are stable
+/// with contacts: a particle that contacts support moves with the velocity of the last part, which
+/// is stable while the phase x of the fastest oscillation in a sub-step has x tan(x/2) < 2, and x²
+/// is at most twice that sum.
 const STIFF: f64 = 1.45;
 
 /// The same of damping over mass, times the sub-step.
@@ -119,7 +119,7 @@ impl Springs {
     pub fn break_stretched(&mut self, bodies: &Bodies<'_>) {
         self.0.retain(|spring| {
             spring.max_stretch == f32::INFINITY
-                || spring.pair.iter().any(|&row| bodies.indices[row as usize] == u32::MAX)
+                || spring.pair.iter().any(|&row| bodies.indices[row as usize] == ASLEEP)
                 || length(spring, bodies) - f64::from(spring.length)
                     <= f64::from(spring.max_stretch)
         });
@@ -190,7 +190,8 @@ pub struct SpringSolver {
 struct Body {
     nodes: Range<usize>,
     links: Range<usize>,
-    /// Sums over the springs of a particle, divided by its mass: the largest of stiffness, and of damping.
+    /// Sums over the springs of a particle, divided by its mass: the largest of stiffness, and of
+    /// damping.
     most: [f64; 2],
     /// Whether its springs are solved together with resting contacts in this sub-step.
     is_held: bool,
@@ -277,8 +278,22 @@ impl SpringSolver {
     ) {
         self.container = container;
         self.held.any = false;
-        let Self { bodies, links, nodes, sets, .. } = self;
         let inverse_mass = |index: u32| f64::from(inverse_mass(index as usize));
+        self.list_links(springs, indices, len, &inverse_mass);
+        self.list_nodes(&inverse_mass);
+        self.list_bodies();
+    }
+
+    /// Lists the springs that act on anything, in the order of their bodies. Their nodes are
+    /// indices of particles.
+    fn list_links<'a>(
+        &mut self,
+        springs: impl Iterator<Item = &'a Spring>,
+        indices: &[u32],
+        len: usize,
+        inverse_mass: &impl Fn(u32) -> f64,
+    ) {
+        let Self { links, sets, .. } = self;
         links.clear();
         links.extend(springs.map(|spring| {
             let [a, b] = spring.pair.map(|row| indices[row as usize]);
@@ -308,6 +323,11 @@ impl SpringSolver {
             let by_numbers = by_numbers.unwrap_or(std::cmp::Ordering::Equal);
             (a.body, a.nodes).cmp(&(b.body, b.nodes)).then(by_numbers)
         });
+    }
+
+    /// Lists the ends of the springs of each body, and gives springs the numbers of their nodes.
+    fn list_nodes(&mut self, inverse_mass: &impl Fn(u32) -> f64) {
+        let Self { links, nodes, .. } = self;
         nodes.clear();
         let ends = links.iter().flat_map(|link| link.nodes.map(|index| (link.body, index)));
         nodes.extend(ends.map(|(body, index)| Node {
@@ -331,6 +351,11 @@ impl SpringSolver {
                 node.damping += link.damping * node.inverse_mass;
             }
         }
+    }
+
+    /// Lists the bodies: nodes and springs that follow each other.
+    fn list_bodies(&mut self) {
+        let Self { bodies, links, nodes, .. } = self;
         bodies.clear();
         let (mut node, mut link) = (0, 0);
         let runs = nodes.chunk_by(|a, b| a.body == b.body);
@@ -347,8 +372,8 @@ impl SpringSolver {
     }
 
     /// Adds the effect of the springs in a sub-step of `step` seconds to the kicks: particles move
-    /// with the mean velocity of the parts, and afterwards have the velocity of the last part. Bodies that
-    /// are held get no kicks.
+    /// with the mean velocity of the parts, and afterwards have the velocity of the last part.
+    /// Bodies that are held get no kicks.
     pub fn act(&mut self, motions: &Motions, kicks: &mut [Kick], step: f64) {
         let Self { bodies, links, nodes, container, .. } = self;
         for body in bodies.iter().filter(|body| !body.is_held) {
@@ -436,8 +461,8 @@ fn rate(along: [f64; 2], a: &Node, b: &Node) -> f64 {
 }
 
 impl Link {
-    /// The unit vector from its first node to its second, and their distance; the vector is 0 if the
-    /// nodes coincide.
+    /// The unit vector from its first node to its second, and their distance; the vector is 0 if
+    /// the nodes coincide.
     fn direction(&self, a: &Node, b: &Node, container: &Container) -> ([f64; 2], f64) {
         let offset = container.minimum_image([0, 1].map(|k| b.position[k] - a.position[k]));
         let [x, y] = offset;

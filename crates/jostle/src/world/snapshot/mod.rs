@@ -78,7 +78,8 @@ impl World {
         to.finish(MAGIC, VERSION)
     }
 
-    /// Refuses the first bytes of `size` if no snapshot begins with them, before the others are read.
+    /// Refuses the first bytes of `size` if no snapshot begins with them, before the others are
+    /// read.
     pub fn check_head(head: &[u8], size: u64) -> Result<()> {
         let is_whole = head.len() as u64 == size;
         if is_whole || parts::are_parts(head) || head.starts_with(&MAGIC) {

@@ -1,0 +1,286 @@
+//! Discs that have had many events: what ends collisions that would go on without end.
+//!
+//! A disc can have infinitely many collisions in finite time: in a crowd that loses energy
+//! (inelastic collapse; S. Luding and S. McNamara, *How to handle the inelastic collapse of a
+//! dissipative hard-sphere gas with the TC model*, 1998), between walls at an acute angle, and
+//! between surfaces that close in. So each disc counts its recent events: those of the flight since
+//! it has moved by its radius. The more there are, the simpler its collisions become.
+//!
+//! 1. From 64 recent events on ([`COLLAPSE`]), its collisions with other discs and with walls, except
+//!    the sides of the container, are elastic: the number of elastic collisions is finite.
+//! 2. From 384 on, or 1,024 if the disc loses no energy ([`MAX_EVENTS`]), it is *exhausted* until the
+//!    end of the step. Its contacts are solved jointly: at each event all that touches it, approaching
+//!    or not, in one problem without restitution. So what presses it stays with it. A disc that loses
+//!    no energy must keep it: it stands still, others bounce off it as off an immovable one, and after
+//!    the flight it has its velocity again.
+//! 3. After 128 more ([`MORE_EVENTS`]), it has *ended*: it has no more events of its own in the flight.
+//!    It moves with the walls and immovable discs that press it, or stands still, and for other discs
+//!    it is immovable.
+//!
+//! In every state other discs have events with it, because nothing may pass through it. An overlap
+//! is corrected along the shortest way out: a disc whose centre has passed a wall or another disc
+//! is pushed further to the wrong side, and does not come back. So only contacts of two surfaces
+//! that no impulse moves are left out, such as two discs that have ended.
+//!
+//! The counts follow from the trajectory of the disc alone, and continue from window to window.
+//! They begin anew in each flight; which discs are exhausted is known until the end of the step.
+
+use super::flight::{Flight, Start, Window};
+use super::history::{Course, History, Trajectory};
+use super::impulses::{self, Touch};
+use super::simulation::{Scratch, Simulation};
+use crate::trajectory::{Segment, Vector, dot, vector};
+use crate::walls::FIRST;
+
+/// Recent events from which on the collisions of a disc are elastic.
+const COLLAPSE: u32 = 64;
+
+/// Recent events from which on a disc is exhausted: of one that loses no energy, and of others.
+/// Larger numbers would take minutes for a long row that collapses.
+const MAX_EVENTS: [u32; 2] = [1024, 384];
+
+/// Recent events of an exhausted disc after which it has ended.
+const MORE_EVENTS: u32 = 128;
+
+/// Points have no radius by which they could move: their events are counted in each of so many
+/// equal parts of a flight.
+const PARTS: f64 = 1024.0;
+
+/// Events of a disc at one moment after which its contacts are solved jointly in this moment.
+/// Between a wall that pushes and another disc there can be infinitely many. Where energy is
+/// conserved their number is finite, and surfaces that separate may not be solved with others,
+/// because that would add energy.
+const MAX_AT_ONCE: usize = 8;
+
+/// Square of the share of its speed with which a disc may approach surfaces that nothing moves
+/// without counting as one that has no room.
+const NO_ROOM: f64 = 1e-12;
+
+impl Flight<'_> {
+    /// Of the discs that are exhausted as the flight begins those that stand still in it: those
+    /// that lose no energy.
+    fn standing(&self, exhausted: &[u32]) -> impl Iterator<Item = u32> {
+        exhausted.iter().copied().filter(|&index| !self.lose_energy([index]))
+    }
+
+    /// Lets them stand still.
+    pub(super) fn stop(&self, starts: &mut [Start], exhausted: &[u32]) {
+        for index in self.standing(exhausted) {
+            let start = &mut starts[index as usize];
+            (start.velocity, start.falls) = ([0.0; 2], false);
+        }
+    }
+
+    /// The velocities that they have again after the flight.
+    pub(super) fn kept_velocities(&self, exhausted: &[u32]) -> Vec<(u32, [f32; 2])> {
+        self.standing(exhausted).map(|index| (index, self.motion(index).velocity)).collect()
+    }
+
+    /// Recent events of a disc from which on it is exhausted.
+    #[inline(always)]
+    fn max_events(&self, index: u32) -> u32 {
+        MAX_EVENTS[usize::from(self.lose_energy([index]))]
+    }
+}
+
+impl Window<'_> {
+    /// Whether a disc was exhausted when the window began.
+    #[inline(always)]
+    pub fn is_exhausted(&self, index: u32) -> bool {
+        match self.carried(index) {
+            Some(course) => course.is_exhausted,
+            None => !self.exhausted.is_empty() && self.exhausted.binary_search(&index).is_ok(),
+        }
+    }
+
+    /// Whether an earlier window of the flight exhausted a disc, or one that was exhausted had
+    /// events in it.
+    pub fn was_exhausted(&self, index: u32) -> bool {
+        self.carried(index).is_some_and(|course| course.is_exhausted)
+    }
+
+    /// Whether the disc of a course has no more events in the flight.
+    pub(super) fn has_ended(&self, course: &Course) -> bool {
+        course.recent >= self.flight.max_events(course.index) + MORE_EVENTS
+    }
+}
+
+impl Course {
+    /// Counts an event after which the disc of this radius continues on `new`, in a flight of
+    /// `seconds`.
+    pub(super) fn count_recent(&mut self, new: &Segment, radius: f64, seconds: f64) {
+        if radius > 0.0 {
+            let by = vector(|k| (new.position[k] - self.segment.position[k]).abs());
+            self.travelled += (by[0] + by[1]) as f32;
+        } else {
+            let part = |time: f64| (time / (seconds / PARTS)).floor();
+            if part(self.segment.time) < part(new.time) {
+                self.travelled = f32::INFINITY;
+            }
+        }
+        if self.travelled > radius as f32 {
+            (self.recent, self.travelled) = (0, 0.0);
+        }
+        self.recent += 1;
+    }
+}
+
+impl Simulation<'_> {
+    /// Applies the rule to a disc after an event was counted.
+    #[inline(always)]
+    pub(super) fn exhaust_if_many(&mut self, number: u32) {
+        let window = self.window;
+        let History { courses, exhausted_courses, collapsed, .. } = &mut *self.history;
+        let course = &mut courses[number as usize];
+        let is_lossy = window.flight.lose_energy([course.index]);
+        if course.recent == COLLAPSE && is_lossy {
+            collapsed.push(number);
+        }
+        if course.recent >= window.flight.max_events(course.index) && !course.is_exhausted {
+            course.is_exhausted = true;
+            exhausted_courses.push(number);
+            if !is_lossy {
+                course.stopped = Some(course.segment.velocity);
+                course.segment.velocity = [0.0; 2];
+                course.segment.falls = false;
+            }
+        }
+        if window.has_ended(course) {
+            // Nothing would stop its fall.
+            course.segment.falls = false;
+        }
+    }
+
+    /// Whether the next event of the disc of a course exhausts it. The paths for simple collisions
+    /// leave such an event to [`Simulation::happen`].
+    pub(super) fn is_nearly_exhausted(&self, course: &Course) -> bool {
+        course.recent + 1 >= self.window.flight.max_events(course.index)
+    }
+
+    /// Lets the event at `time` exhaust a disc that loses no energy and has no room between walls:
+    /// it would bounce without end, and ever faster.
+    pub(super) fn exhaust_without_room(&mut self, number: u32, wall: u32, time: f64) {
+        let course = &self.history.courses[number as usize];
+        let most = self.window.flight.max_events(course.index);
+        let is_lossy = self.window.flight.lose_energy([course.index]);
+        if wall >= FIRST && !is_lossy && self.has_many_at_once(course, time) {
+            let course = &mut self.history.courses[number as usize];
+            // The event itself is counted later.
+            course.recent = course.recent.max(most - 1);
+        }
+    }
+
+    /// Whether a disc has no more events in the flight.
+    pub(super) fn has_ended(&self, index: u32) -> bool {
+        let course = self.find(index).or_else(|| self.window.carried(index));
+        course.is_some_and(|course| self.window.has_ended(course))
+    }
+
+    /// Whether the contacts of the disc of a course are solved jointly at `time`.
+    pub(super) fn is_joint(&self, course: &Course, time: f64) -> bool {
+        let is_lossy = || self.window.flight.lose_energy([course.index]);
+        course.is_exhausted || self.has_many_at_once(course, time) && is_lossy()
+    }
+
+    /// Whether the disc of a course has had more than [`MAX_AT_ONCE`] events at this moment.
+    fn has_many_at_once(&self, course: &Course, time: f64) -> bool {
+        let has_many = || {
+            let segments = Trajectory::of(self.history, course, time);
+            segments.take_while(|part| part.segment.time == time).count() > MAX_AT_ONCE
+        };
+        course.count as usize >= MAX_AT_ONCE && course.segment.time == time && has_many()
+    }
+
+    /// Coefficient of restitution of two discs that have had so many recent events.
+    pub(super) fn pair_restitution(&self, pair: [u32; 2], counts: [u32; 2]) -> f64 {
+        let collapses = counts.iter().any(|&count| count >= COLLAPSE);
+        if collapses { 1.0 } else { self.window.pair_restitution(pair) }
+    }
+
+    /// Coefficient of restitution of the disc of a course and a wall.
+    pub(super) fn wall_restitution(&self, course: &Course, wall: u32) -> f64 {
+        if course.is_exhausted {
+            0.0
+        } else if wall >= FIRST && course.recent >= COLLAPSE {
+            1.0
+        } else {
+            self.window.wall_restitution(course.index, wall)
+        }
+    }
+
+    /// One over the masses of two discs of the group and their coefficient of restitution; a disc
+    /// without a course cannot move.
+    pub(super) fn masses_and_restitution(
+        &self,
+        pair: [u32; 2],
+        courses: [Option<&Course>; 2],
+    ) -> ([f64; 2], f64) {
+        let window = self.window;
+        let are_exhausted = courses.map(|of| of.is_none_or(|course| course.is_exhausted));
+        // Others bounce off an exhausted disc that must keep its energy, but two of them stay
+        // together.
+        let conserves = !window.flight.lose_energy(pair) && are_exhausted != [true; 2];
+        let inverse_mass = |course: &Course| {
+            let is_fixed = conserves && course.is_exhausted || window.has_ended(course);
+            if is_fixed { 0.0 } else { course.inverse_mass }
+        };
+        let inverse_masses = courses.map(|of| of.map_or(0.0, inverse_mass));
+        let sticks = !conserves && courses.into_iter().flatten().any(|of| of.is_exhausted);
+        let counts = courses.map(|of| of.map_or(0, |course| course.recent));
+        let restitution = if sticks { 0.0 } else { self.pair_restitution(pair, counts) };
+        (inverse_masses, restitution)
+    }
+
+    /// Changes the velocities of the group by the impulses of all its contacts, solved jointly.
+    pub(super) fn apply_jointly(&mut self) {
+        let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
+        if group.iter().any(|own| self.window.flight.lose_energy([own.index])) {
+            touches.iter_mut().for_each(|touch| touch.restitution = 0.0);
+        }
+        impulses::apply_jointly(touches, velocities, impulses);
+    }
+
+    /// Divides the approach that is left evenly, if no velocities keep all surfaces of the group
+    /// from approaching: a disc between two walls that close in moves with the mean of their
+    /// velocities, and stays between them. Surfaces that no impulse moves come last, so that others
+    /// do not push a disc through them. A disc that has no room between them, or that ends with
+    /// this event, moves with them alone.
+    pub(super) fn share(&mut self) {
+        let window = self.window;
+        let Scratch { group, touches, velocities, before, sums, .. } = &mut *self.scratch;
+        let fixed = touches.iter().filter(|touch| touch.is_with_fixed());
+        let has_fixed = fixed.clone().next().is_some();
+        if has_fixed {
+            impulses::project(touches.iter(), velocities, sums);
+        }
+        for (own, velocity) in group.iter().zip(&mut *velocities) {
+            let course = &self.history.courses[own.number as usize];
+            // The event is counted later.
+            if window.has_ended(&Course { recent: course.recent + 1, ..*course }) {
+                *velocity = [0.0; 2];
+            }
+        }
+        if !has_fixed {
+            return;
+        }
+        impulses::project(fixed.clone(), velocities, sums);
+        before.clone_from(velocities);
+        for touch in fixed.clone().filter(|touch| touch.separation_speed(before) < 0.0) {
+            for body in touch.bodies.into_iter().flatten() {
+                let (missing, velocity) = (touch.separation_speed(before), before[body]);
+                if missing * missing > NO_ROOM * dot(velocity, velocity) {
+                    velocities[body] = [0.0; 2];
+                }
+            }
+        }
+        impulses::project(fixed, velocities, sums);
+    }
+}
+
+/// Whether the surfaces of the contact with a key still approach after it was solved: a disc
+/// without room has no velocity with which they do not. To predict their impact again would be
+/// without end.
+pub(super) fn approaches_still(touches: &[Touch], velocities: &[Vector], key: [u32; 3]) -> bool {
+    let approaches = |touch: &Touch| touch.separation_speed(velocities) < 0.0;
+    touches.iter().any(|touch| touch.key == key && approaches(touch))
+}

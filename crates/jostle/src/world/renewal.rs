@@ -1,0 +1,265 @@
+//! The renewal of bounds within a step.
+//!
+//! Where particles travel far in a step, bounds for all of it overlap many others, and most
+//! candidate pairs are far apart. So bounds are made for a part of the step, up to a *horizon*, and
+//! renewed there: circles around where the particles are then, with a tree and candidate pairs of
+//! their own. The horizon decides how fast a step is, and changes no result.
+
+use std::cmp;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+use super::bounds::{distance_at, distance_of_fall, rounding};
+use super::search::{self, ListScratch, Lists};
+use super::{OnTouch, World, WorldSettings};
+use crate::error::Result;
+use crate::events::{Candidates, NearPair, Start};
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::shapes::{Shapes, fill_filters};
+use crate::trajectory::dot;
+
+/// Displacement that bounds allow for, in mean displacements, because collisions make slow
+/// particles faster.
+const USUAL: f32 = 1.7;
+
+/// Collisions that the fastest particle on a torus may have until the horizon if it meets the
+/// others at random places.
+const FEW_COLLISIONS: f64 = 16.0;
+
+/// Parts into which the horizon divides a step at most because of few fast particles.
+const MAX_PARTS_FOR_FEW: f64 = 128.0;
+
+/// Candidate pairs that a particle may have because it moves, in a dilute gas.
+const CANDIDATES: f64 = 1.5;
+
+/// Parts into which the horizon divides a step at most so that there are few candidate pairs.
+const MAX_PARTS: f64 = 4096.0;
+
+/// Candidate pairs of a particle that cost less to test than another renewal.
+const WORTH_A_PART: f64 = 4.0;
+
+impl World {
+    /// The speed that bounds allow for.
+    fn usual_speed(&self) -> Result<f32> {
+        let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
+        let mean = self.mean(&self.particles.velocities, speed)?;
+        Ok(USUAL * mean as f32)
+    }
+
+    /// Finds out how crowded the particles are, and for how many of the `dt` seconds of a step its
+    /// first bounds are made.
+    pub(super) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
+        self.scratch.usual_speed = self.usual_speed()?;
+        self.scratch.horizon = dt;
+        if self.settings.on_touch != OnTouch::Bounce {
+            return Ok(());
+        }
+        let count = self.count_of_all() as f64;
+        let area = match self.settings.container.area() {
+            Some(area) => area,
+            None => self.area_of_extent()?,
+        };
+        let [gx, gy] = self.settings.gravity.map(f64::from);
+        let crowding = Crowding {
+            density: count / area,
+            radius: self.mean(&self.particles.radii, |&radius| radius)?,
+            max_parts: (count / WORTH_A_PART).floor().clamp(1.0, MAX_PARTS),
+            acceleration: (gx * gx + gy * gy).sqrt(),
+            is_torus: self.settings.container.period().is_some(),
+        };
+        let parts = crowding.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
+        let parts = parts.max(self.parts_with_few_collisions(&crowding, f64::from(dt))?);
+        self.scratch.crowding = crowding;
+        self.scratch.horizon = dt / parts as f32;
+        Ok(())
+    }
+
+    /// Parts of `dt` seconds in which the fastest particle on a torus has few collisions.
+    fn parts_with_few_collisions(&self, crowding: &Crowding, dt: f64) -> Result<f64> {
+        if !crowding.is_torus {
+            return Ok(1.0);
+        }
+        let Particles { velocities, radii, .. } = &self.particles;
+        let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowding.collisions(v, radius));
+        let most = match &self.domain {
+            None => all.fold(0.0, f64::max),
+            Some(domain) => {
+                let most = domain.own_or(0.0, all, &self.rows).fold(0.0, f64::max);
+                self.largest_of_all([most])?[0]
+            }
+        };
+        Ok(Crowding::parts_of_the_fastest(most * dt))
+    }
+}
+
+/// How crowded the particles of a step are, from which horizons follow.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Crowding {
+    /// Particles in a unit of area.
+    density: f64,
+    /// Their mean radius.
+    radius: f64,
+    /// Parts into which the horizon divides a step at most.
+    max_parts: f64,
+    /// Magnitude of gravity.
+    acceleration: f64,
+    is_torus: bool,
+}
+
+impl Crowding {
+    /// Parts of `dt` seconds for each of which the bounds of a particle overlap few others. With
+    /// the number density n, a typical radius r and a typical displacement d, a particle has 2 π n
+    /// (r + d)² candidate pairs.
+    fn parts(&self, usual_speed: f64, dt: f64) -> f64 {
+        let Self { density, radius, max_parts, acceleration, .. } = *self;
+        let displacement = usual_speed * dt + 0.5 * acceleration * dt * dt;
+        let least = TAU * density * radius * radius;
+        let clearance = ((2.0 * least + CANDIDATES) / (TAU * density)).sqrt() - radius;
+        let parts = (displacement / clearance).ceil();
+        // Not finite where there is no area.
+        if parts.is_finite() { parts.clamp(1.0, max_parts) } else { 1.0 }
+    }
+
+    /// Collisions of a particle in a second, if it meets others at random places. With the speed v
+    /// and the radius r it meets 2 v n (r + r̄), with the number density n and the mean radius r̄.
+    fn collisions(&self, velocity: [f32; 2], radius: f32) -> f64 {
+        let velocity = velocity.map(f64::from);
+        let size = f64::from(radius) + self.radius;
+        2.0 * dot(velocity, velocity).sqrt() * size * self.density
+    }
+
+    /// Parts of a time in which the fastest particle on a torus has so many collisions, each with
+    /// few.
+    fn parts_of_the_fastest(collisions: f64) -> f64 {
+        (collisions / FEW_COLLISIONS).ceil().clamp(1.0, MAX_PARTS_FOR_FEW)
+    }
+
+    /// For how many of the `left` seconds bounds of these particles are made, and the speed that
+    /// they allow for.
+    pub(super) fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
+        let speed = |of: &Start| dot(of.velocity.map(f64::from), of.velocity.map(f64::from)).sqrt();
+        let mean = now.iter().map(speed).sum::<f64>() / now.len() as f64;
+        let usual = f64::from(USUAL) * mean;
+        let mut parts = self.parts(usual, left);
+        if self.is_torus {
+            let all = now.iter().map(|of| self.collisions(of.velocity, of.radius));
+            parts = parts.max(Self::parts_of_the_fastest(all.fold(0.0, f64::max) * left));
+        }
+        (left / parts, usual as f32)
+    }
+}
+
+/// The bounds that replace those with which a step began, after the particles have moved far.
+#[derive(Debug, Default)]
+pub(super) struct Renewed {
+    /// Whether they do, in this step.
+    is_used: bool,
+    /// Centres, on the torus, and the copies of the torus in which they are.
+    centers: Vec<[f32; 2]>,
+    tiles: Vec<[i32; 2]>,
+    shapes: Shapes<f32>,
+    tree: Quadtree<f32>,
+    listing: ListScratch,
+    found: Lists,
+    /// The number of the list of each image.
+    numbers: HashMap<[i32; 2], usize>,
+}
+
+impl Renewed {
+    /// Begins a step.
+    pub(super) fn clear(&mut self) {
+        self.is_used = false;
+    }
+
+    /// Their tree, if they are used.
+    pub(super) fn tree(&self) -> Option<&Quadtree<f32>> {
+        self.is_used.then_some(&self.tree)
+    }
+
+    /// The particle at an index of that tree, and the copy of the torus in which it is.
+    pub(super) fn at(&self, index: usize) -> (u32, [i32; 2]) {
+        let particle = self.tree.rows()[index];
+        (particle, self.tiles[particle as usize])
+    }
+
+    /// The centre of the bounds of a particle, and the copy of the torus in which it is, if they
+    /// are used.
+    pub(super) fn center(&self, particle: usize) -> Option<([f32; 2], [i32; 2])> {
+        self.is_used.then(|| (self.centers[particle], self.tiles[particle]))
+    }
+
+    /// Makes bounds for some seconds around where all particles are `now`, which allow for a usual
+    /// speed, and writes how far particles get in them.
+    pub(super) fn rebuild(
+        &mut self,
+        now: &[Start],
+        (seconds, usual_speed): (f32, f32),
+        (particles, settings): (&Particles, &WorldSettings),
+        max_displacements: &mut [f32],
+    ) -> Result<()> {
+        let Self { is_used, centers, tiles, shapes, tree, .. } = self;
+        let container = &settings.container;
+        *is_used = true;
+        tiles.clear();
+        tiles.extend(now.iter().map(|of| container.tile(of.position.map(f64::from))));
+        centers.clear();
+        centers.extend(now.iter().zip(&*tiles).map(|(of, &tile)| {
+            let offset = container.offset(tile);
+            [0, 1].map(|k| (f64::from(of.position[k]) - offset[k]) as f32)
+        }));
+        let usual = usual_speed * seconds;
+        let fall = distance_of_fall(settings.gravity, seconds);
+        let longest = container.max_displacement();
+        for (to, of) in max_displacements.iter_mut().zip(now) {
+            let least = if of.is_movable { usual } else { 0.0 };
+            *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
+        }
+        shapes.centers.clone_from(centers);
+        let radii = shapes.radii.rows_mut();
+        radii.clear();
+        let all = now.iter().zip(max_displacements.iter());
+        radii.extend(
+            all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
+        );
+        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
+        tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
+    }
+
+    /// Lists the candidate pairs of the new bounds.
+    pub(super) fn list(
+        &mut self,
+        particles: &Particles,
+        settings: &WorldSettings,
+        to: &mut Candidates,
+    ) -> Result<()> {
+        let Self { tree, tiles, listing, found, numbers, .. } = self;
+        let container = &settings.container;
+        search::list(tree, settings, false, listing, found)?;
+        let sides = container.period().unwrap_or([1.0; 2]);
+        numbers.clear();
+        to.clear();
+        // Most pairs are in the same list as the pair before.
+        let mut last = None;
+        for (image, pairs) in &*found {
+            let image = [0, 1].map(|k| (image[k] / sides[k]).round() as i32);
+            for pair in pairs {
+                let [a, b] = pair.map(|index| tree.rows()[index as usize] as usize);
+                let tile = [0, 1].map(|k| image[k] + tiles[a][k] - tiles[b][k]);
+                let pair = [a as u32, b as u32];
+                if particles.is_sensor(a) || particles.is_sensor(b) {
+                    let offset = container.offset(tile);
+                    to.sensed.push(NearPair { pair, offset, lasts: true });
+                    continue;
+                }
+                let number = match last {
+                    Some((last, number)) if last == tile => number,
+                    _ => *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile))),
+                };
+                last = Some((tile, number));
+                to.pairs[number].1.push(pair);
+            }
+        }
+        Ok(())
+    }
+}
