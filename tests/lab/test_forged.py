@@ -23,7 +23,7 @@ import jostle
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.session import Session
-from jostle_lab.simulate.packing import blob, pack, seal, unpack, unseal
+from jostle_lab.simulate.packing import pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.start import start
 
@@ -114,9 +114,9 @@ class File:
     """A scene file taken apart: `scene` and `state` facts, and arrays of the state."""
 
     def __init__(self, data: bytes) -> None:
-        self.scene, arrays = unpack("scene", unseal(data))
-        state = arrays["state"].tobytes()
-        self.state, self.arrays = unpack("world", state)
+        self.scene, (state,) = unpack("scene", unseal(data), 1)
+        self.state, (born, world) = unpack("world", state, 2)
+        self.arrays = {"born": np.frombuffer(born), "world": np.frombuffer(world, np.uint8)}
 
     def changes(self) -> Iterator[Change]:
         """Every change."""
@@ -135,8 +135,8 @@ class File:
         parts = copy.deepcopy({"scene": self.scene, "state": self.state, "arrays": self.arrays})
         for part, path, value in changes:
             put(parts[part], path, value)
-        state = pack("world", parts["state"], parts["arrays"])
-        return seal(pack("scene", parts["scene"], {"state": blob(state)}))
+        arrays = [array.tobytes() for array in parts["arrays"].values()]
+        return seal(pack("scene", parts["scene"], pack("world", parts["state"], *arrays)))
 
 
 class Trial:
@@ -213,8 +213,8 @@ NAMED: list[tuple[str, tuple[Any, ...], Any, str]] = [
     ("state", ("home", "kind"), "cone", "home.kind is 'cone'; it must be one of box, circle"),
     ("state", ("view",), [1, 0, 0, 1], "view is [1, 0, 0, 1]; it must be [min_x, min_y, max_x"),
     ("state", ("own_forces",), 99, "own_forces is 99; its world has"),
-    ("arrays", ("born",), np.zeros(3), "born is an array (3,) of <f8; it must be ("),
-    ("arrays", ("born",), REMOVED, "born is missing"),
+    ("arrays", ("born",), np.zeros(3), "born has 24 bytes; it must have "),
+    ("arrays", ("born",), REMOVED, "it is damaged"),
 ]
 
 

@@ -3,7 +3,7 @@
 ======================= ========================================================================
 validation, settings    rules for values and their messages; the settings of a simulation
 frame                   `Frame` and `StepStats`: one state, and the numbers of a step
-packing                 values and arrays as bytes, and their checks
+packing                 values and bytes packed together, and their checks
 world_frame             the columns of a world that edits alone change; a world as a frame
 forces                  between kinds, of walls, and to attractors of the user
 wall_segments           line segments: the walls inside a container
