@@ -37,8 +37,8 @@ from jostle_lab.draw.text import (
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.race import article_of
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.frame import Frame, Rect
-from jostle_lab.simulate.settings import METHODS, Settings
+from jostle_lab.simulate.frame import Frame
+from jostle_lab.simulate.settings import METHODS
 from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.storage.encoder import Encoder, write_png
 from jostle_lab.storage.paths import free_name
@@ -213,8 +213,6 @@ def make_film(
 
 # The table
 
-TableRow = tuple[str, str, str]  # what, how much, remark
-
 PATIENCE = 1.0  # seconds of measuring for each method
 BRUTE_LIMIT = 20_000  # particles; above, brute force is timed with fewer and scaled by n²
 BRUTE_SAMPLE = 10_000
@@ -238,54 +236,43 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     table.add_column(style="dim")
     recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
     part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
-    rows: list[TableRow] = [
-        ("particles", f"{n:,}", ""),
-        ("steps", f"{film.steps:,}", plural(film.frames, "frame")),
-        ("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}"),
-        ("pairs tested", f"{facts.pairs_tested:,}", part),
-        ("touching", f"{facts.touching:,}", "pairs, in the last step"),
-    ]
+    table.add_row("particles", f"{n:,}")
+    table.add_row("steps", f"{film.steps:,}", plural(film.frames, "frame"))
+    table.add_row("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}")
+    table.add_row("pairs tested", f"{facts.pairs_tested:,}", part)
+    table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
     if facts.asleep:
-        rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
-    nothing: list[TableRow] = [("other methods", "–", "no pairs, so nothing to compare")]
-    others = _comparison(simulation, state) if every_pair else nothing
-    for part_of_table in (rows, others):
-        table.add_section()
-        for row in part_of_table:
-            table.add_row(*row)
+        table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
+    table.add_section()
+    if every_pair:
+        _compare(table, simulation, state)
+    else:
+        table.add_row("other methods", "–", "no pairs, so nothing to compare")
     return table
 
 
-def _comparison(simulation: Simulation, state: Frame) -> list[TableRow]:
-    """Return a row for each method, all at the same state."""
-    settings, world = simulation.settings, simulation.world
+def _compare(table: Table, simulation: Simulation, state: Frame) -> None:
+    """Add a row for each method, all at the same state unless it has too many particles."""
+    settings, world, n = simulation.settings, simulation.world, len(simulation)
     ours, our_pairs = _time_world(world, "quadtree")
-    return [
-        ("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs"),
-        _brute_row(world, settings, ours, our_pairs),
-        _article_row(state, simulation.view, settings, ours),
-    ]
-
-
-def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: float) -> TableRow:
-    n, remark, about, scale = len(world), "", "", 1.0
+    table.add_row("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs")
+    about, remark, scale = "", "", 1.0
     if n > BRUTE_LIMIT:
         world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
         world.sleeping = False
-        remark, about, scale = f" (scaled from {BRUTE_SAMPLE:,})", "≈ ", (n / BRUTE_SAMPLE) ** 2
-    step, pairs = (value * scale for value in _time_world(world, "brute"))
-    remark = f"{_times(step, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
-    return "brute force, per step", about + _ms(step), remark
-
-
-def _article_row(state: Frame, view: Rect, settings: Settings, ours: float) -> TableRow:
-    name = "article's tree, per frame"
-    if len(state.radii) > ARTICLE_LIMIT:
-        sample = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
-        needed = _milliseconds(article_of(sample.frame(), sample.view, "quadtree").frame)
-        return name, _ms(needed), f"with only {ARTICLE_LIMIT:,} particles"
-    needed = _milliseconds(article_of(state, view, "quadtree").frame)
-    return name, _ms(needed), f"{_times(needed, ours)}, in plain Python"
+        about, remark = "≈ ", f" (scaled from {BRUTE_SAMPLE:,})"
+        scale = (n / BRUTE_SAMPLE) ** 2
+    brute, pairs = (milliseconds * scale for milliseconds in _time_world(world, "brute"))
+    remark = f"{_times(brute, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
+    table.add_row("brute force, per step", about + _ms(brute), remark)
+    if n > ARTICLE_LIMIT:
+        simulation = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
+        state = simulation.frame()
+    article = _milliseconds(article_of(state, simulation.view, "quadtree").frame)
+    remark = f"{_times(article, ours)}, in plain Python"
+    if n > ARTICLE_LIMIT:
+        remark = f"with only {ARTICLE_LIMIT:,} particles"
+    table.add_row("article's tree, per frame", _ms(article), remark)
 
 
 def _time_world(world: jostle.World, method: Literal["quadtree", "brute"]) -> tuple[float, float]:
