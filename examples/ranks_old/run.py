@@ -35,7 +35,7 @@ from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.storage.encoder import Encoder, write_png
-from jostle_lab.storage.paths import free_name
+from jostle_lab.storage.exports import free_name
 from ranks_old.composite import Composite
 from ranks_old.stages import StageTimes, report
 

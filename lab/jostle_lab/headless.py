@@ -41,7 +41,7 @@ from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.settings import METHODS
 from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.storage.encoder import Encoder, write_png
-from jostle_lab.storage.paths import free_name
+from jostle_lab.storage.exports import free_name
 
 SIZE = (1280, 720)
 FRAME_RATE = 30

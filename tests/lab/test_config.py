@@ -12,6 +12,7 @@ import pytest
 import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
+from jostle_lab.simulate.forces import clear_of
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.settings import (
     RULES,
@@ -22,7 +23,6 @@ from jostle_lab.simulate.settings import (
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import rules_of
-from jostle_lab.simulate.wall_segments import clear_of
 from jostle_lab.storage.config import (
     WINDOW_RULES,
     Config,

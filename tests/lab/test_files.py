@@ -18,7 +18,7 @@ from jostle_lab.simulate.settings import Group, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.storage import files
-from jostle_lab.storage.paths import new_path
+from jostle_lab.storage.exports import new_path
 
 SCENES = [
     Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),

@@ -20,9 +20,8 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
-from jostle_lab.storage import encoder, recording
-from jostle_lab.storage.encoder import Encoder, gif_palette
-from jostle_lab.storage.recording import MOST_QUEUED, Recording
+from jostle_lab.storage import encoder
+from jostle_lab.storage.encoder import MOST_QUEUED, Encoder, Recording, gif_palette
 from jostle_lab.window import Window
 
 SIZE = (320, 180)
@@ -260,7 +259,7 @@ def test_without_an_ffmpeg_a_notice_says_so(session: Session, monkeypatch) -> No
 
 def test_what_takes_too_long_at_the_end_is_left_out(tmp_path: Path, monkeypatch) -> None:
     gate = threading.Event()
-    monkeypatch.setattr(recording.Picture, "draw", lambda *_: gate.wait(5))
+    monkeypatch.setattr(encoder.Picture, "draw", lambda *_: gate.wait(5))
     simulation = start(Settings("gas", 10))
     film = Recording(tmp_path / "film.mp4", SIZE)
     camera = Camera(SIZE, simulation.view)

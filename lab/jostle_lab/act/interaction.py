@@ -1,4 +1,4 @@
-"""All mouse actions in the scene: the tools of the left button, and the context menu."""
+"""All mouse actions in the scene: tools of the left button, context menu; the shown message."""
 
 from __future__ import annotations
 
@@ -9,13 +9,33 @@ from enum import Enum
 
 from jostle_lab.act.attractors import STRENGTH, Attractors, Gravity
 from jostle_lab.act.commands import Brush, Commands
-from jostle_lab.act.messages import Messages
 from jostle_lab.act.selection import Selection, inside, pick
 from jostle_lab.draw.camera import Camera
 from jostle_lab.simulate.containers import diagonal
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Point, Rect, Tags
 from jostle_lab.simulate.simulation import Simulation
+
+DURATION = 3.0  # seconds that a message is shown
+
+
+class Messages:
+    """Shows one message at a time."""
+
+    def __init__(self) -> None:
+        self.now = 0.0  # seconds since the session began
+        self._message = "", 0.0  # and when it ends; replaced by threads, never changed
+
+    def say(self, message: str | None) -> None:
+        if message:
+            self._message = message, self.now + DURATION
+
+    @property
+    def current(self) -> str:
+        """Return the message to show now, or an empty string."""
+        message, end = self._message
+        return message if self.now < end else ""
+
 
 THROW_WINDOW = 0.1  # seconds over which the cursor's velocity is averaged for a throw
 DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are more

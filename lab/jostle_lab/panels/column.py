@@ -1,4 +1,4 @@
-"""The column at the left: sections, scrolled if they do not fit."""
+"""The column at the left: the time, and sections, scrolled if they do not fit."""
 
 from __future__ import annotations
 
@@ -9,18 +9,75 @@ from imgui_bundle import imgui, imgui_ctx
 
 from jostle_lab.draw.palette import ACCENT, TEXT_SOFT
 from jostle_lab.gui.host import Gui
+from jostle_lab.gui.keymap import HANDLERS, key_of
 from jostle_lab.gui.style import layout, vec
 from jostle_lab.panels import (
     files_panel,
-    filter_panel,
     life_panel,
-    playback_panel,
     settings_panel,
     statistics_panel,
 )
-from jostle_lab.panels.widgets import at_right, colours, section, side_panel
+from jostle_lab.panels.widgets import (
+    Moved,
+    Range,
+    at_right,
+    choice,
+    colours,
+    hint,
+    in_rows,
+    section,
+    side_panel,
+    slider,
+    soft,
+)
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import METHODS
+
+# Commands of the keymap, and their icons in Font Awesome.
+ICONS = {
+    "previous scene": "\uf049",
+    "step back": "\uf048",
+    "pause": "\uf04c",
+    "step": "\uf051",
+    "next scene": "\uf050",
+    "restart": "\uf2f9",
+}
+PLAY = "\uf04b"
+MEGABYTE = 2**20
+SHORTEST = 0.05  # seconds of history below which the slider is disabled
+
+
+def _playback(session: Session, gui: Gui) -> None:
+    """Build the buttons of the time: pause, step, restart, previous and next scene."""
+    paused, can_go_back = session.runner.paused, session.runner.history.can_go_back
+    for (name, icon), across in in_rows(ICONS.items(), len(ICONS)):
+        held = name == "pause" and paused
+        reason = "There is no earlier state." if name == "step back" and not can_go_back else ""
+        if choice(gui, name, PLAY if held else icon, across, chosen=held, reason=reason):
+            HANDLERS[name](session)
+        if not reason:
+            hint(f"{'Resume' if held else name.capitalize()}  ({key_of(name)})")
+
+
+def _rewind(session: Session, gui: Gui) -> None:
+    """Build the slider; its right end is the latest state."""
+    history = session.runner.history
+    reason = "" if history.span > SHORTEST else "There is no earlier state yet."
+    span = Range(-max(history.span, SHORTEST), 0.0)
+    moved, value = slider(gui, "moment", span, -history.back, _ago, reason=reason)
+    if moved is not Moved.NOT:
+        session.runner.rewind(-value)
+    steps = "each step" if history.stride == 1 else f"every {history.stride} steps"
+    soft(f"{history.span:.1f} s · snapshot {steps} · {history.bytes / MEGABYTE:.1f} MB")
+    hint(
+        f"Snapshots take up to {history.budget / MEGABYTE:.0f} MB. Steps without a snapshot are "
+        "re-simulated, with the same bits."
+    )
+
+
+def _ago(value: float) -> str:
+    return f"\u2212{-value:.1f} s" if value < -SHORTEST else "now"
+
 
 TITLE = 21.0
 LIFE = "Particle life"
@@ -32,8 +89,8 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Display", settings_panel.build_display),
     ("World", settings_panel.build_world),
     ("Time", settings_panel.build_time),
-    ("Rewind", playback_panel.build_rewind),
-    ("Collision filter", filter_panel.build),
+    ("Rewind", _rewind),
+    ("Collision filter", life_panel.build_filter),
     ("Two particles", files_panel.build_why),
     ("Files", files_panel.build),
 ]
@@ -46,7 +103,7 @@ def build(session: Session, gui: Gui) -> None:
         return
     with side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
         _title(session)
-        playback_panel.build(session, gui)
+        _playback(session, gui)
         for title, contents in SECTIONS:
             # In other scenes this section could change nothing.
             if title != LIFE or session.frame.matrix is not None:

@@ -27,8 +27,7 @@ from jostle_lab.panels.widgets import (
     wrapped,
 )
 from jostle_lab.session import Session
-from jostle_lab.storage.encoder import FORMATS
-from jostle_lab.storage.recording import Recording
+from jostle_lab.storage.encoder import FORMATS, Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points

@@ -14,8 +14,7 @@ from jostle_lab.act.interaction import Tool
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import SWITCHES
-from jostle_lab.panels.sliders import Moved, Range, slider
-from jostle_lab.panels.widgets import choice, combo, in_rows, select, signed
+from jostle_lab.panels.widgets import Moved, Range, choice, combo, in_rows, select, signed, slider
 from jostle_lab.race import RIVALS
 from jostle_lab.session import Session
 from jostle_lab.simulate.containers import kind_of

@@ -21,14 +21,16 @@ from jostle_lab.simulate.containers import (
     moved_inside,
 )
 from jostle_lab.simulate.emitters import STATE, Emitters
-from jostle_lab.simulate.forces import AttractorForces, kind_count, set_matrix
+from jostle_lab.simulate.forces import AttractorForces, WallSegments, kind_count, set_matrix
 from jostle_lab.simulate.frame import (
     Attractor,
     Frame,
     FrameRequest,
+    ParticleTable,
     Point,
     Rect,
     Tags,
+    frame_of,
 )
 from jostle_lab.simulate.packing import (
     ATTRACTORS,
@@ -39,8 +41,6 @@ from jostle_lab.simulate.packing import (
 )
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
-from jostle_lab.simulate.wall_segments import WallSegments
-from jostle_lab.simulate.world_frame import ParticleTable, frame_of
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor

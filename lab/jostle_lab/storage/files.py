@@ -15,20 +15,17 @@ from functools import partial
 from pathlib import Path
 
 from jostle.writing import write as write_file
-from jostle_lab.act.messages import Messages
+from jostle_lab.act.interaction import Messages
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
-from jostle_lab.simulate.engine import message_of
+from jostle_lab.simulate.engine import Worker, message_of
 from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.simulate.worker import Worker
-from jostle_lab.storage.encoder import write_png
-from jostle_lab.storage.exports import write_gsd, write_positions, write_series
-from jostle_lab.storage.paths import new_path, reason_of
-from jostle_lab.storage.recording import Recording
+from jostle_lab.storage.encoder import Recording, write_png
+from jostle_lab.storage.exports import new_path, reason_of, write_gsd, write_positions, write_series
 from jostle_lab.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
 
 Write = Callable[[Path], object]
