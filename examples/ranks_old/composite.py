@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 import jostle.mpi
 from jostle_lab.draw.base_layers import draw_container, draw_discs, draw_walls
 from jostle_lab.draw.camera import Camera, Size
-from jostle_lab.draw.colouring import Colouring, Statistics
+from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.simulate.frame import Frame, Rect
 
 _DRAWN = np.uint32(0xFF000000)  # the bits of a pixel that a rank has drawn
 
 
-class StatisticsOfRanks(Statistics):
-    """As `Statistics`, over all ranks, which call its methods together."""
+class ColouringOfRanks(Colouring):
+    """As `Colouring`, over all ranks, which call its methods together."""
 
     def __init__(self, comm: MPI.Intracomm) -> None:
+        super().__init__()
         self._comm = comm
 
     def extremes(self, values: NDArray[np.floating]) -> tuple[float, float] | None:
@@ -44,7 +45,7 @@ class Composite:
     def __init__(self, comm: MPI.Intracomm, size: Size, view: Rect, left: int) -> None:
         self._comm = comm
         self._camera = Camera(size, view, left=left)
-        self._colouring = Colouring(StatisticsOfRanks(comm))
+        self._colouring = ColouringOfRanks(comm)
         self.painter = SoftwarePainter(size)
 
     def draw(self, world: jostle.mpi.World) -> None:

@@ -15,8 +15,6 @@ gui                     the host of ImGui; the keymap and the input of the windo
 panels                  panels and menus, built with ImGui
 window                  the interactive loop
 headless                the run without a window, and its table
-ranks                   the run over the ranks of MPI
-tour                    scripted input that makes the pictures and videos of the documents
 ======================= ========================================================================
 
 Drawing reads frames, which are copies of a simulation's columns, and never the simulation. The user

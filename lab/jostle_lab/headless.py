@@ -31,7 +31,6 @@ from jostle_lab.draw.text import (
     plural,
     scientific,
     share,
-    video_name,
     write,
 )
 from jostle_lab.draw.view_options import TreeView, ViewOptions
@@ -174,7 +173,9 @@ def make_film(
     name exists. Without `options` the tree is drawn in the second half only.
     """
     settings = simulation.settings
-    name = free_name(out, video_name(settings.scene, settings.method), ".mp4", ".png")
+    scene, method = settings.scene, settings.method
+    stem = scene if method == "quadtree" else f"{scene}-{method}"
+    name = free_name(out, stem, ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
     changing, options = options is None, options or ViewOptions()

@@ -43,23 +43,11 @@ DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are m
 
 @dataclass(frozen=True)
 class DragState:
-    """The drag as a step uses it; immutable, so threads may share it."""
+    """The held particle and the cursor; immutable, so threads may share it."""
 
     tag: int
     point: Point
     velocity: Point
-
-    def drag(self, simulation: Simulation) -> None:
-        """Accelerate the held particle towards the cursor; called before a step."""
-        simulation.drag(self.tag, self.point, self.velocity)
-
-    def place(self, simulation: Simulation) -> None:
-        """Move the held particle to the cursor, while the simulation is paused."""
-        simulation.change([self.tag], positions=[self.point])
-
-    def throw(self, simulation: Simulation) -> None:
-        """Give the released particle the cursor's velocity."""
-        simulation.change([self.tag], velocities=[self.velocity])
 
 
 class DragTool:
@@ -233,7 +221,8 @@ class Interaction:
             self._apply(drag)
         thrown = self.drag_tool.release()
         if thrown is not None and throw:
-            self._engine.edit(thrown.throw)
+            tags, velocities = [thrown.tag], [thrown.velocity]
+            self._engine.edit(lambda simulation: simulation.change(tags, velocities=velocities))
 
     def cancel(self) -> bool:
         """Cancel the current drag; return whether there was one."""
@@ -323,13 +312,15 @@ class Interaction:
         """
         drag, attracting = self.drag_tool.state, self.attractors.apply(simulation)
         if drag is not None:
-            drag.drag(simulation)
+            simulation.drag(drag.tag, drag.point, drag.velocity)
         return drag is not None or attracting
 
     def place_held(self) -> None:
         """Move the held particle to the cursor, while the simulation is paused."""
-        if self.drag_tool.state is not None:
-            self._engine.edit(self.drag_tool.state.place, key="drag")
+        held = self.drag_tool.state
+        if held is not None:
+            tags, places = [held.tag], [held.point]
+            self._engine.edit(lambda moved: moved.change(tags, positions=places), key="drag")
 
     def follow(self) -> None:
         """Update everything that refers to particles that no longer exist."""

@@ -32,23 +32,10 @@ Values = NDArray[np.floating]
 Known = tuple[Any, ...]  # the columns that only edits change, and the quantity shown or chosen
 
 
-class Statistics:
-    """Statistics of the values of a frame; a frame that is a part of a larger one has others."""
-
-    def extremes(self, values: Values) -> tuple[float, float] | None:
-        """Return the smallest and the largest value; None if there is none."""
-        return (float(values.min()), float(values.max())) if len(values) else None
-
-    def mean(self, values: Values) -> float:
-        """Return the mean; 0 if there is no value."""
-        return float(values.mean(dtype=np.float64)) if len(values) else 0.0
-
-
 class Colouring:
     """Shades for one scene; make a new one when the scene starts again."""
 
-    def __init__(self, statistics: Statistics | None = None) -> None:
-        self._statistics = statistics or Statistics()
+    def __init__(self) -> None:
         self.shows = "speed"  # name of the quantity
         # The values at both ends of the ramp; None for random colours and kinds.
         self.range: tuple[float, float] | None = None
@@ -80,10 +67,18 @@ class Colouring:
             return str(known[-1])
         chosen = "speed"
         for name, values in (("radius", frame.radii), ("density", frame.densities)):
-            if _spread(self._statistics.extremes(values[frame.movable])) > VARIES:
+            if _spread(self.extremes(values[frame.movable])) > VARIES:
                 chosen = name
         self._automatic = *_columns(frame), chosen
         return chosen
+
+    def extremes(self, values: Values) -> tuple[float, float] | None:
+        """Return the smallest and the largest value; None if there is none."""
+        return (float(values.min()), float(values.max())) if len(values) else None
+
+    def mean(self, values: Values) -> float:
+        """Return the mean; 0 if there is no value."""
+        return float(values.mean(dtype=np.float64)) if len(values) else 0.0
 
     @property
     def legend(self) -> Legend | None:
@@ -107,8 +102,7 @@ class Colouring:
 
     def _unit(self, values: Values, movable: NDArray[np.bool_]) -> Values:
         """Scale to 0..1, logarithmically if the values span decades."""
-        extremes = self._statistics.extremes
-        self.range = extremes(values[movable]) or extremes(values)
+        self.range = self.extremes(values[movable]) or self.extremes(values)
         if self.range is None:
             return values
         low, high = self.range
@@ -130,10 +124,10 @@ class Colouring:
         squares = x * x + y * y
         if self.shows == "speed":
             values = np.sqrt(squares)
-            top = math.sqrt(self._statistics.mean(squares)) * FAST
+            top = math.sqrt(self.mean(squares)) * FAST
         else:
             values = 0.5 * frame.masses * squares
-            top = self._statistics.mean(values) * ENERGETIC
+            top = self.mean(values) * ENERGETIC
         self._reference = max(top, self._reference * DECAY, 1e-9)
         self.range = 0.0, self._reference
         return _buckets(values / np.float32(self._reference))

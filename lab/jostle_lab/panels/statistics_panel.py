@@ -50,7 +50,6 @@ STAGES: dict[str, Colour] = {
     "correction": (218, 172, 110),
     "store": (150, 158, 172),
     "forces": (131, 121, 210),
-    "frame": (111, 176, 162),
     "draw": (224, 155, 106),
     "panels": (201, 104, 106),
 }
