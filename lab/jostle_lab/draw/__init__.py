@@ -7,7 +7,6 @@ software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
 screen                  the choice of the painter, its window and the icon of that
 text                    names and numbers as text; text as pictures; cards that explain colours
-subsampling             the choice of a few of many objects to draw
 view_options            the switches of the display
 colouring               the colour of each particle
 base_layers             background, walls and discs, and the boxes of the tree

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle_lab.draw.palette import DISCS, FIRST_KIND, FIXED_SHADE, KINDS, SHADES
-from jostle_lab.draw.subsampling import hashed
 from jostle_lab.draw.text import Legend
 from jostle_lab.draw.view_options import ColourBy
 from jostle_lab.simulate.frame import Frame
@@ -27,6 +26,7 @@ YOUNG = 1.0  # seconds: the least span of the ramp of ages
 
 COLUMNS = {"density": "densities", "radius": "radii", "mass": "masses"}  # of a frame
 
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 Known = tuple[Any, ...]  # the columns that only edits change, and the quantity shown or chosen
@@ -156,3 +156,10 @@ def _by_kind(frame: Frame) -> Shades:
     kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
     shades: Shades = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
     return shades
+
+
+def hashed(tags: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Return a hash in 0..1 for each tag."""
+    state = (tags.astype(np.uint64) + np.uint64(1)) * _GOLDEN
+    state = (state ^ (state >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+    return (state >> np.uint64(11)) / 2.0**53

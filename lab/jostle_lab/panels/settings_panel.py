@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,16 +27,8 @@ ON_TOUCH = {"bounce": "bounce", "merge": "merge", "ignore": "off"}
 SLEEPING = {"on": "on", "off": "off"}
 
 
-def _whole(value: float) -> str:
-    return f"{value:,.0f}"
-
-
-def _short(value: float) -> str:
-    return ui.signed(value, ".2f")
-
-
-def _signed(value: float) -> str:
-    return ui.signed(value, ",.0f")
+_whole, _times = "{:,.0f}".format, "{:.2f} ×".format
+_short, _signed = partial(ui.signed, form=".2f"), partial(ui.signed, form=",.0f")
 
 
 def _depth(value: float) -> str:
@@ -62,7 +55,7 @@ TREE = (
     Line("max. depth", "max_depth", ui.Range(1, UNLIMITED, log=True, whole=True), _depth),
     Line("threads", "threads", ui.Range(1, max(CORES, 2), whole=True), default=CORES),
 )
-SIZE = Line("world size", "world_size", ui.Range(0.25, 4.0, log=True), "{:.2f} ×".format, 1.0)
+SIZE = Line("world size", "world_size", ui.Range(0.25, 4.0, log=True), _times, 1.0)
 MATERIAL = (
     Line("drag", "drag", ui.Range(0.0, 5.0), _short),
     Line("restitution", "restitution", ui.Range(0.0, 1.0), _short, 1.0),
@@ -70,7 +63,7 @@ MATERIAL = (
 )
 DRAWN_WALLS = Line("wall friction", "wall_friction", ui.Range(0.0, 2.0), _short)
 TIME = (
-    Line("time scale", "time_scale", ui.Range(0.05, 4.0, log=True), "{:.2f} ×".format, 1.0),
+    Line("time scale", "time_scale", ui.Range(0.05, 4.0, log=True), _times, 1.0),
     Line("sub-steps", "substeps", ui.Range(1, 32, log=True, whole=True), default=1),
 )
 LINES = (COUNT, *TREE, SIZE, *MATERIAL, DRAWN_WALLS, *TIME)

@@ -196,7 +196,8 @@ def _pairs(session: Session, gui: Gui, height: float) -> None:
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
     _lines(gui, "energy", height, session.traces.energies, ENERGIES)
-    ui.row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
+    change = ui.signed(100 * session.traces.energy_drift, "+,.2f") + " %"
+    ui.row("change since start", change_text(session, change))
     ui.hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
         "the range of the potential energy. Only restitution, friction and drag change it. "
@@ -243,10 +244,6 @@ def change_text(session: Session, change: str) -> str:
         return f"{change} in {session.traces.measured:,.0f} s"
     merging = session.engine.effective_settings.on_touch == "merge"
     return "particles merge" if merging else "particles are added and removed"
-
-
-def _percent(value: float) -> str:
-    return ui.signed(value, "+,.2f") + " %"
 
 
 def _sum(value: float) -> str:

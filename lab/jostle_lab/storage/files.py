@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
@@ -22,7 +22,6 @@ from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
 from jostle_lab.simulate.engine import Worker, message_of
-from jostle_lab.simulate.frame import Frame
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.storage.encoder import Recording, write_png
 from jostle_lab.storage.exports import new_path, reason_of, write_gsd, write_positions, write_series
@@ -182,7 +181,8 @@ class Files:
             history.hold(simulation)
             moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
             view, time_step = simulation.view, simulation.time_step
-            frames = _frames(_thinned(moments, 1 / GSD_RATE))
+            states = _thinned(moments, 1 / GSD_RATE)
+            frames = (Simulation.resume(state).frame() for state in states)
             writers.append(lambda path: write_gsd(path, frames, view, time_step))
 
         engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
@@ -230,9 +230,3 @@ def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
         if not chosen or chosen[-1][0] - moment[0] >= spacing - 1e-9:
             chosen.append(moment)
     return [state for _, state in reversed(chosen)]
-
-
-def _frames(states: list[bytes]) -> Iterator[Frame]:
-    """Yield the frames of states."""
-    for state in states:
-        yield Simulation.resume(state).frame()
