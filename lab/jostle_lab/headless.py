@@ -16,23 +16,12 @@ from rich.table import Table
 
 import jostle
 from jostle_lab import interrupt
+from jostle_lab.draw import text
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
-from jostle_lab.draw.text import (
-    BODY,
-    SMALL,
-    TITLE,
-    font,
-    pairs_of,
-    panel,
-    plural,
-    scientific,
-    share,
-    write,
-)
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.race import article_of
 from jostle_lab.simulate.engine import Engine
@@ -62,14 +51,14 @@ class Row:
 
     name: str
     value: str = ""
-    size: int = BODY
+    size: int = text.BODY
     colour: Colour = TEXT_SOFT
     value_colour: Colour = TEXT
     bar: float | None = None  # its length, from 0 to 1
 
     @property
     def height(self) -> int:
-        return font(self.size).get_linesize() + 3
+        return text.font(self.size).get_linesize() + 3
 
 
 class Readout:
@@ -96,39 +85,39 @@ class Readout:
     def _rows(self, engine: Engine, rate: float | None) -> list[Row | None]:
         """Return the lines; None is a rule between two parts."""
         facts, n = engine.frame.stats, len(engine.frame)
-        every_pair = pairs_of(n)
+        every_pair = text.pairs_of(n)
         longest = max(self._times.values(), default=0.0) or 1.0
         # Drawing is last, in the order of work.
         stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
         return [
-            Row(engine.scene, size=TITLE, colour=TEXT),
+            Row(engine.scene, size=text.TITLE, colour=TEXT),
             Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
             None,
             Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
             None,
-            Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
+            Row("stage", "ms per step", text.SMALL, value_colour=TEXT_SOFT),
             *(Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
             None,
             Row("pairs tested", f"{facts.pairs_tested:,}"),
             Row("of n(n−1)/2", f"{every_pair:,}"),
-            Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
+            Row("tested, % of all pairs", text.share(facts.pairs_tested, every_pair)),
             Row("touching", f"{facts.touching:,}"),
             Row("asleep", f"{facts.asleep:,}"),
-            Row("kinetic energy", scientific(facts.kinetic_energy)),
+            Row("kinetic energy", text.scientific(facts.kinetic_energy)),
         ]
 
 
 def sheet_of(rows: list[Row | None]) -> pygame.Surface:
     """Return the lines on a panel, from top to bottom."""
-    sheet = panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
+    sheet = text.panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
     y, right = PAD, WIDTH - PAD
     for row in rows:
         if row is None:
             pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
             y += RULE
             continue
-        write(sheet, (PAD, y), row.name, row.colour, row.size)
-        write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
+        text.write(sheet, (PAD, y), row.name, row.colour, row.size)
+        text.write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
         if row.bar is not None:
             bar = right - 62 - BAR, y + row.height // 2 - 3, max(round(BAR * row.bar), 1), 4
             pygame.draw.rect(sheet, ACCENT, bar)
@@ -227,7 +216,7 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     """
     settings, n, state = simulation.settings, len(simulation), simulation.frame()
     facts = state.stats
-    every_pair = pairs_of(n)
+    every_pair = text.pairs_of(n)
     simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
     table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
@@ -236,9 +225,9 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     table.add_column(justify="right")
     table.add_column(style="dim")
     recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
-    part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
+    part = f"{text.share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
     table.add_row("particles", f"{n:,}")
-    table.add_row("steps", f"{film.steps:,}", plural(film.frames, "frame"))
+    table.add_row("steps", f"{film.steps:,}", text.plural(film.frames, "frame"))
     table.add_row("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}")
     table.add_row("pairs tested", f"{facts.pairs_tested:,}", part)
     table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
