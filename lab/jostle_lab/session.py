@@ -83,7 +83,7 @@ class Session:
         """Choose the next value of one of the view options."""
         value = getattr(self.view_options, name).next()
         setattr(self.view_options, name, value)
-        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.value}")
 
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""

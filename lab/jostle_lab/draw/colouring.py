@@ -46,7 +46,7 @@ class Colouring:
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade, an index into DISCS, for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else by.label
+        shows = self._choose(frame) if by is ColourBy.AUTO else by.value
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in COLUMNS:

@@ -99,7 +99,7 @@ def build_display(session: Session, gui: Gui) -> None:
     """Build what is drawn beside the particles."""
     options = session.view_options
     options.tree = ui.select(gui, "tree", {view.value: view for view in TreeView}, options.tree)
-    quantities = {by.label: by for by in ColourBy}
+    quantities = {by.value: by for by in ColourBy}
     options.colour_by = ui.select(gui, "colour by", quantities, options.colour_by)
     for name, across in ui.in_rows(SWITCHES, 3):
         if ui.choice(gui, name, name, across, chosen=getattr(options, name)):

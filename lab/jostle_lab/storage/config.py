@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jostle_lab.draw.camera import Size
-from jostle_lab.draw.view_options import option_rules
+from jostle_lab.draw.view_options import OPTION_RULES
 from jostle_lab.simulate.settings import (
     RENDERERS,
     RULES,
@@ -48,9 +48,8 @@ WINDOW_RULES: dict[str, Rule] = {
     "size": each(whole(SMALLEST, LARGEST), "width", "height"),
     "renderer": one_of(*RENDERERS),
 }
-SHOWN_RULES = option_rules(lambda choice: choice.name.lower())
 WINDOW = Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", required=())
-SHOWN = Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", required=())
+SHOWN = Fields(OPTION_RULES, "an entry of [shown]", "a table, [shown]", required=())
 ENTRIES = Fields({**RULES, "window": WINDOW, "shown": SHOWN}, SETTINGS.what, required=())
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.view_options import ViewOptions, option_rules
+from jostle_lab.draw.view_options import OPTION_RULES, ViewOptions, spelling
 from jostle_lab.simulate.packing import is_of, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import TRUTH, unknown_scene
 from jostle_lab.simulate.simulation import Simulation
@@ -29,7 +29,7 @@ CAMERA = Fields(
         "at_home": TRUTH,
     }
 )
-SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", required=())
+SHOWN = Fields(OPTION_RULES, "a switch", required=())
 FACTS = Fields({"camera": CAMERA, "shown": SHOWN})
 
 
@@ -55,7 +55,7 @@ def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) ->
     facts = {
         "camera": {name: getattr(camera, name) for name in CAMERA.rules},
         "shown": {
-            name: value.value if isinstance(value, Enum) else value
+            name: spelling(value) if isinstance(value, Enum) else value
             for name, value in asdict(options).items()
         },
     }
