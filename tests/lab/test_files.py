@@ -261,12 +261,11 @@ def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:
 # ---- pictures ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("size", [None, (333, 211)])
-def test_a_screenshot_is_the_picture(session: Session, size) -> None:
-    session.files.screenshot(size=size)
+def test_a_screenshot_is_the_picture(session: Session) -> None:
+    session.files.screenshot()
     (path,) = session.files.folder.glob("*.png")
     picture = pygame.image.load(path)
-    assert picture.get_size() == (size or (640, 360))
+    assert picture.get_size() == (640, 360)
     assert len(np.unique(pygame.surfarray.array2d(picture))) > 30
 
 

@@ -121,43 +121,36 @@ class Files:
 
     # Screenshots and videos
 
-    def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
-        """Save a screenshot as PNG, at the size of the window unless another is given.
+    def screenshot(self) -> None:
+        """Save a screenshot as PNG, at the size of the window.
 
         With very many particles it is drawn on a worker thread, and without trails.
         """
         frame, options = self._runner.engine.frame, copy.copy(self._view_options)
-        camera = copy.copy(self._camera) if size is None else self._camera.on(size)
-        many = len(frame) > MANY
+        camera, many = copy.copy(self._camera), len(frame) > MANY
 
-        def write(new: Path) -> None:
+        def write(path: Path) -> None:
             painter = SoftwarePainter(camera.size)
-            if size is None and not many:
-                self._runner.draw(painter, options)
-            else:
+            if many:
                 Picture().draw(painter, frame, camera, options)
-            write_png(painter.canvas(), new)
+            else:
+                self._runner.draw(painter, options)
+            write_png(painter.canvas(), path)
 
-        if many:
-            self._export(".png", write, path)
-        else:
-            self._write(".png", write, path)
+        (self._export if many else self._write)(".png", write)
 
     def toggle_recording(self) -> None:
         """Begin a recording, or end it."""
-        if self.recording is None:
-            self.record()
-        else:
+        if self.recording is not None:
             self.recording.stop()
-
-    def record(self, path: Path | None = None) -> None:
+            return
         options = self.options
         size = options.size or self._camera.size
 
-        def begin(new: Path) -> None:
-            self.recording = Recording(new, size, options.seconds)
+        def begin(path: Path) -> None:
+            self.recording = Recording(path, size, options.seconds)
 
-        self._write(options.suffix, begin, path, done="Recording {}")
+        self._write(options.suffix, begin, done="Recording {}")
 
     # Tables and trajectories
 
@@ -187,15 +180,19 @@ class Files:
 
         engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
 
-    def _export(self, suffix: str, write: Write, path: Path | None = None) -> None:
+    def _export(self, suffix: str, write: Write) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
-        self._exports.append(self._exporter.submit(partial(self._written, suffix, write, path)))
+        self._exports.append(self._exporter.submit(partial(self._written, suffix, write)))
 
-    def _write(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> None:
+    def _write(
+        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
+    ) -> None:
         """Write a file, and show its path or an error."""
         self._messages.say(self._written(suffix, write, path, done))
 
-    def _written(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> str:
+    def _written(
+        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
+    ) -> str:
         """Write a file, with a new name unless one is given; return its path or an error."""
         try:
             path = path or new_path(self.folder, self._runner.engine.scene, suffix)
