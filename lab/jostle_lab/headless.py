@@ -16,32 +16,20 @@ from rich.table import Table
 
 import jostle
 from jostle_lab import interrupt
+from jostle_lab.draw import text
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import ACCENT, PANEL_EDGE, TEXT, TEXT_SOFT, Colour
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
-from jostle_lab.draw.text import (
-    BODY,
-    SMALL,
-    TITLE,
-    font,
-    pairs_of,
-    panel,
-    plural,
-    scientific,
-    share,
-    video_name,
-    write,
-)
 from jostle_lab.draw.view_options import TreeView, ViewOptions
 from jostle_lab.race import article_of
 from jostle_lab.simulate.engine import Engine
-from jostle_lab.simulate.frame import Frame, Rect
-from jostle_lab.simulate.settings import METHODS, Settings
+from jostle_lab.simulate.frame import Frame
+from jostle_lab.simulate.settings import METHODS
 from jostle_lab.simulate.simulation import TIME_STEP, Simulation
 from jostle_lab.storage.encoder import Encoder, write_png
-from jostle_lab.storage.paths import free_name
+from jostle_lab.storage.exports import free_name
 
 SIZE = (1280, 720)
 FRAME_RATE = 30
@@ -63,14 +51,14 @@ class Row:
 
     name: str
     value: str = ""
-    size: int = BODY
+    size: int = text.BODY
     colour: Colour = TEXT_SOFT
     value_colour: Colour = TEXT
     bar: float | None = None  # its length, from 0 to 1
 
     @property
     def height(self) -> int:
-        return font(self.size).get_linesize() + 3
+        return text.font(self.size).get_linesize() + 3
 
 
 class Readout:
@@ -97,39 +85,39 @@ class Readout:
     def _rows(self, engine: Engine, rate: float | None) -> list[Row | None]:
         """Return the lines; None is a rule between two parts."""
         facts, n = engine.frame.stats, len(engine.frame)
-        every_pair = pairs_of(n)
+        every_pair = text.pairs_of(n)
         longest = max(self._times.values(), default=0.0) or 1.0
         # Drawing is last, in the order of work.
         stages = sorted(self._times.items(), key=lambda entry: entry[0] == "draw")
         return [
-            Row(engine.scene, size=TITLE, colour=TEXT),
+            Row(engine.scene, size=text.TITLE, colour=TEXT),
             Row(f"{METHODS[engine.settings.method]} · {n:,} particles"),
             None,
             Row("steps/s", "–" if rate is None else f"{rate:,.0f}"),
             None,
-            Row("stage", "ms per step", SMALL, value_colour=TEXT_SOFT),
+            Row("stage", "ms per step", text.SMALL, value_colour=TEXT_SOFT),
             *(Row(name, f"{ms:.2f}", bar=ms / longest) for name, ms in stages),
             None,
             Row("pairs tested", f"{facts.pairs_tested:,}"),
             Row("of n(n−1)/2", f"{every_pair:,}"),
-            Row("tested, % of all pairs", share(facts.pairs_tested, every_pair)),
+            Row("tested, % of all pairs", text.share(facts.pairs_tested, every_pair)),
             Row("touching", f"{facts.touching:,}"),
             Row("asleep", f"{facts.asleep:,}"),
-            Row("kinetic energy", scientific(facts.kinetic_energy)),
+            Row("kinetic energy", text.scientific(facts.kinetic_energy)),
         ]
 
 
 def sheet_of(rows: list[Row | None]) -> pygame.Surface:
     """Return the lines on a panel, from top to bottom."""
-    sheet = panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
+    sheet = text.panel((WIDTH, 2 * PAD + sum(row.height if row else RULE for row in rows)))
     y, right = PAD, WIDTH - PAD
     for row in rows:
         if row is None:
             pygame.draw.line(sheet, PANEL_EDGE, (PAD, y + 4), (right, y + 4))
             y += RULE
             continue
-        write(sheet, (PAD, y), row.name, row.colour, row.size)
-        write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
+        text.write(sheet, (PAD, y), row.name, row.colour, row.size)
+        text.write(sheet, (right, y), row.value, row.value_colour, row.size, flush_right=True)
         if row.bar is not None:
             bar = right - 62 - BAR, y + row.height // 2 - 3, max(round(BAR * row.bar), 1), 4
             pygame.draw.rect(sheet, ACCENT, bar)
@@ -174,7 +162,9 @@ def make_film(
     name exists. Without `options` the tree is drawn in the second half only.
     """
     settings = simulation.settings
-    name = free_name(out, video_name(settings.scene, settings.method), ".mp4", ".png")
+    scene, method = settings.scene, settings.method
+    stem = scene if method == "quadtree" else f"{scene}-{method}"
+    name = free_name(out, stem, ".mp4", ".png")
     video, still = out / f"{name}.mp4", out / f"{name}.png"
     engine, painter = Engine(simulation, synchronous=True), SoftwarePainter(size)
     changing, options = options is None, options or ViewOptions()
@@ -213,8 +203,6 @@ def make_film(
 
 # The table
 
-TableRow = tuple[str, str, str]  # what, how much, remark
-
 PATIENCE = 1.0  # seconds of measuring for each method
 BRUTE_LIMIT = 20_000  # particles; above, brute force is timed with fewer and scaled by n²
 BRUTE_SAMPLE = 10_000
@@ -228,7 +216,7 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     """
     settings, n, state = simulation.settings, len(simulation), simulation.frame()
     facts = state.stats
-    every_pair = pairs_of(n)
+    every_pair = text.pairs_of(n)
     simulation.world.sleeping = False  # the time of a step in which all are awake
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
     table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
@@ -237,55 +225,44 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     table.add_column(justify="right")
     table.add_column(style="dim")
     recorded = f"{film.steps / film.step_seconds:,.0f} while recording"
-    part = f"{share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
-    rows: list[TableRow] = [
-        ("particles", f"{n:,}", ""),
-        ("steps", f"{film.steps:,}", plural(film.frames, "frame")),
-        ("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}"),
-        ("pairs tested", f"{facts.pairs_tested:,}", part),
-        ("touching", f"{facts.touching:,}", "pairs, in the last step"),
-    ]
+    part = f"{text.share(facts.pairs_tested, every_pair)} of n(n−1)/2 = {every_pair:,}"
+    table.add_row("particles", f"{n:,}")
+    table.add_row("steps", f"{film.steps:,}", text.plural(film.frames, "frame"))
+    table.add_row("steps/s", f"{1e3 / own:,.0f}", f"alone; {recorded}")
+    table.add_row("pairs tested", f"{facts.pairs_tested:,}", part)
+    table.add_row("touching", f"{facts.touching:,}", "pairs, in the last step")
     if facts.asleep:
-        rows.append(("asleep", f"{facts.asleep:,}", "awake for the times of this table"))
-    nothing: list[TableRow] = [("other methods", "–", "no pairs, so nothing to compare")]
-    others = _comparison(simulation, state) if every_pair else nothing
-    for part_of_table in (rows, others):
-        table.add_section()
-        for row in part_of_table:
-            table.add_row(*row)
+        table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
+    table.add_section()
+    if every_pair:
+        _compare(table, simulation, state)
+    else:
+        table.add_row("other methods", "–", "no pairs, so nothing to compare")
     return table
 
 
-def _comparison(simulation: Simulation, state: Frame) -> list[TableRow]:
-    """Return a row for each method, all at the same state."""
-    settings, world = simulation.settings, simulation.world
+def _compare(table: Table, simulation: Simulation, state: Frame) -> None:
+    """Add a row for each method, all at the same state unless it has too many particles."""
+    settings, world, n = simulation.settings, simulation.world, len(simulation)
     ours, our_pairs = _time_world(world, "quadtree")
-    return [
-        ("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs"),
-        _brute_row(world, settings, ours, our_pairs),
-        _article_row(state, simulation.view, settings, ours),
-    ]
-
-
-def _brute_row(world: jostle.World, settings: Settings, ours: float, our_pairs: float) -> TableRow:
-    n, remark, about, scale = len(world), "", "", 1.0
+    table.add_row("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs")
+    about, remark, scale = "", "", 1.0
     if n > BRUTE_LIMIT:
         world = jostle.scenes.create(settings.scene, n=BRUTE_SAMPLE, seed=settings.seed)
         world.sleeping = False
-        remark, about, scale = f" (scaled from {BRUTE_SAMPLE:,})", "≈ ", (n / BRUTE_SAMPLE) ** 2
-    step, pairs = (value * scale for value in _time_world(world, "brute"))
-    remark = f"{_times(step, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
-    return "brute force, per step", about + _ms(step), remark
-
-
-def _article_row(state: Frame, view: Rect, settings: Settings, ours: float) -> TableRow:
-    name = "article's tree, per frame"
-    if len(state.radii) > ARTICLE_LIMIT:
-        sample = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
-        needed = _milliseconds(article_of(sample.frame(), sample.view, "quadtree").frame)
-        return name, _ms(needed), f"with only {ARTICLE_LIMIT:,} particles"
-    needed = _milliseconds(article_of(state, view, "quadtree").frame)
-    return name, _ms(needed), f"{_times(needed, ours)}, in plain Python"
+        about, remark = "≈ ", f" (scaled from {BRUTE_SAMPLE:,})"
+        scale = (n / BRUTE_SAMPLE) ** 2
+    brute, pairs = (milliseconds * scale for milliseconds in _time_world(world, "brute"))
+    remark = f"{_times(brute, ours)}, the pairs {_times(pairs, our_pairs)}{remark}"
+    table.add_row("brute force, per step", about + _ms(brute), remark)
+    if n > ARTICLE_LIMIT:
+        simulation = Simulation.of_scene(replace(settings, method="quadtree", n=ARTICLE_LIMIT))
+        state = simulation.frame()
+    article = _milliseconds(article_of(state, simulation.view, "quadtree").frame)
+    remark = f"{_times(article, ours)}, in plain Python"
+    if n > ARTICLE_LIMIT:
+        remark = f"with only {ARTICLE_LIMIT:,} particles"
+    table.add_row("article's tree, per frame", _ms(article), remark)
 
 
 def _time_world(world: jostle.World, method: Literal["quadtree", "brute"]) -> tuple[float, float]:

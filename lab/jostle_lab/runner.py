@@ -8,18 +8,24 @@ from functools import partial
 from typing import Any
 
 import jostle
-from jostle_lab.act.interaction import Interaction
-from jostle_lab.act.messages import Messages
+from jostle_lab.act.interaction import Interaction, Messages
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.measure import Statistics
 from jostle_lab.race import Race, refusal
-from jostle_lab.simulate.engine import Engine, Hooks, Then
+from jostle_lab.simulate.engine import (
+    Create,
+    Engine,
+    Hooks,
+    LoadedScene,
+    SceneLoader,
+    Then,
+    expected,
+)
 from jostle_lab.simulate.frame import FrameRequest
 from jostle_lab.simulate.history import History
-from jostle_lab.simulate.scene_loader import Create, LoadedScene, SceneLoader, expected
 from jostle_lab.simulate.settings import METHODS, RULES, Settings
 from jostle_lab.simulate.simulation import ADJUSTABLE, Simulation
 from jostle_lab.simulate.start import start

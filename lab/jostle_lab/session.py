@@ -9,8 +9,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 from jostle_lab.act.explanation import Explanation, PairQuestion
-from jostle_lab.act.interaction import Interaction
-from jostle_lab.act.messages import Messages
+from jostle_lab.act.interaction import Interaction, Messages
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.view_options import TreeView, ViewOptions
@@ -84,7 +83,7 @@ class Session:
         """Choose the next value of one of the view options."""
         value = getattr(self.view_options, name).next()
         setattr(self.view_options, name, value)
-        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.label}")
+        self.messages.say(f"{name.replace('_', ' ').capitalize()}: {value.value}")
 
     def toggle(self, name: str) -> None:
         """Toggle one of the view options."""

@@ -182,12 +182,12 @@ def test_a_stop_reaches_its_state(name: str, monkeypatch) -> None:
 
 def test_pictures_have_no_times_of_frames(tmp_path, monkeypatch) -> None:
     """They would be those of a window that is drawn in software."""
-    from jostle_lab.panels import statistics_panel
+    from jostle_lab.panels import widgets
 
     shown = []
-    section = statistics_panel.section
+    section = widgets.section
     noted = lambda gui, title, build: (shown.append(title), section(gui, title, build))  # noqa: E731
-    monkeypatch.setattr(statistics_panel, "section", noted)
+    monkeypatch.setattr(widgets, "section", noted)
     wait_less(monkeypatch)
     visit(stop("trails"), tmp_path, (1280, 720), film=False)
     assert "Energy" in shown and "Frame time" not in shown

@@ -99,7 +99,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
 ) -> None:
     pytest.importorskip("imgui_bundle")
     from jostle_lab import window as windows
-    from jostle_lab.panels import settings_panel
+    from jostle_lab.panels import widgets
     from jostle_lab.simulate.engine import Hooks
     from jostle_lab.simulate.settings import Settings
     from jostle_lab.simulate.start import start
@@ -123,7 +123,7 @@ def test_a_window_closes_without_errors_at_any_moment_of_a_frame(
     if moment in ("begin", "end"):
         monkeypatch.setattr(window.gui, moment, pressing(getattr(window.gui, moment)))
     elif moment == "build":
-        monkeypatch.setattr(settings_panel, "slider", pressing(settings_panel.slider))
+        monkeypatch.setattr(widgets, "slider", pressing(widgets.slider))
     elif moment == "step":
         window.session.engine.hooks = Hooks(before=pressing(lambda simulation: None))
     else:

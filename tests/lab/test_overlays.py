@@ -15,13 +15,11 @@ from lab_overlays import (
 
 import jostle
 from jostle_lab.draw import marks
-from jostle_lab.draw.base_layers import draw_discs, draw_wall_discs
-from jostle_lab.draw.marks import Trails
+from jostle_lab.draw.base_layers import draw_discs, draw_heat, draw_outline, draw_wall_discs
+from jostle_lab.draw.marks import Trails, subset
 from jostle_lab.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
-from jostle_lab.draw.subsampling import subset
-from jostle_lab.draw.tree_overlay import draw_heat, draw_outline
 from jostle_lab.draw.view_options import ColourBy, ViewOptions
 from jostle_lab.simulate.frame import Attractor
 

@@ -9,10 +9,15 @@ import pygame
 import pytest
 
 import jostle
-from jostle_lab.draw.base_layers import draw_container, draw_discs
+from jostle_lab.draw.base_layers import (
+    STRONGEST,
+    draw_container,
+    draw_discs,
+    draw_filled,
+    draw_outline,
+)
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.colouring import Colouring
-from jostle_lab.draw.discs import MEMORY_LIMIT, Stamps
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import (
     DISCS,
@@ -24,7 +29,7 @@ from jostle_lab.draw.palette import (
     level_colour,
 )
 from jostle_lab.draw.screen import NoRendererError, Screen
-from jostle_lab.draw.tree_overlay import STRONGEST, draw_filled, draw_outline
+from jostle_lab.draw.software import MEMORY_LIMIT, Stamps
 from jostle_lab.simulate.frame import Frame
 
 SIZE = (320, 240)

@@ -14,7 +14,7 @@ from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, TreeView
 from jostle_lab.gui.host import Gui
 from jostle_lab.panels import settings_panel
-from jostle_lab.panels.sliders import Range
+from jostle_lab.panels.widgets import Range
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import RULES, Settings
 from jostle_lab.simulate.start import start

@@ -20,9 +20,8 @@ from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
-from jostle_lab.storage import encoder, recording
-from jostle_lab.storage.encoder import Encoder, gif_palette
-from jostle_lab.storage.recording import MOST_QUEUED, Recording
+from jostle_lab.storage import encoder, files
+from jostle_lab.storage.encoder import MOST_QUEUED, Encoder, Recording, gif_palette
 from jostle_lab.window import Window
 
 SIZE = (320, 180)
@@ -227,9 +226,10 @@ def test_an_encoder_that_dies_becomes_a_notice(session: Session, monkeypatch, tm
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no disk that is always full")
-def test_a_full_disk_becomes_a_notice(session: Session, tmp_path: Path) -> None:
+def test_a_full_disk_becomes_a_notice(session: Session, tmp_path: Path, monkeypatch) -> None:
     (tmp_path / "film.mp4").symlink_to("/dev/full")
-    session.files.record(tmp_path / "film.mp4")
+    monkeypatch.setattr(files, "new_path", lambda *_: tmp_path / "film.mp4")
+    session.files.toggle_recording()
     film = session.files.recording
     run(session, 1.0)
     film.close()
@@ -260,7 +260,7 @@ def test_without_an_ffmpeg_a_notice_says_so(session: Session, monkeypatch) -> No
 
 def test_what_takes_too_long_at_the_end_is_left_out(tmp_path: Path, monkeypatch) -> None:
     gate = threading.Event()
-    monkeypatch.setattr(recording.Picture, "draw", lambda *_: gate.wait(5))
+    monkeypatch.setattr(encoder.Picture, "draw", lambda *_: gate.wait(5))
     simulation = start(Settings("gas", 10))
     film = Recording(tmp_path / "film.mp4", SIZE)
     camera = Camera(SIZE, simulation.view)

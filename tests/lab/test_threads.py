@@ -12,7 +12,7 @@ from lab_interaction import Driver, world_of
 
 import jostle
 from jostle_lab.act.interaction import DragTool
-from jostle_lab.simulate import scene_loader, start
+from jostle_lab.simulate import engine, start
 from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
@@ -265,16 +265,16 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
 
 
 def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch) -> None:
-    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    monkeypatch.setattr(engine, "MESSAGE_DELAY", 0)
     driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, gate = driver.session, threading.Event()
-    make = scene_loader.load
+    make = engine.load
 
     def slowly(create, request):
         gate.wait(30)
         return make(create, request)
 
-    monkeypatch.setattr(scene_loader, "load", slowly)
+    monkeypatch.setattr(engine, "load", slowly)
     session.runner.begin(Settings("pile", 30))
     driver.frames(2)
     assert session.message == "Preparing 30 particles …" and session.engine.scene == "gas"
@@ -296,7 +296,7 @@ def test_what_cannot_be_prepared_leaves_the_old_scene() -> None:
 
 
 def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    monkeypatch.setattr(engine, "MESSAGE_DELAY", 0)
     driver = Driver(Simulation.of_scene(Settings("gas", 20)), synchronous=False)
     session, path = driver.session, tmp_path / "saved.jostle"
     session.files.save(path)
@@ -353,7 +353,7 @@ def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> No
 
 
 def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_path) -> None:
-    monkeypatch.setattr(scene_loader, "MESSAGE_DELAY", 0)
+    monkeypatch.setattr(engine, "MESSAGE_DELAY", 0)
     driver = Driver(start.start(Settings("gas", MANY)), synchronous=False)
     session, window = driver.session, threading.current_thread()
     session.files.folder = tmp_path

@@ -22,10 +22,10 @@ from jostle_lab.simulate.containers import (
     wall_images,
 )
 from jostle_lab.simulate.engine import REFUSALS, Engine, message_of
+from jostle_lab.simulate.forces import nearest
 from jostle_lab.simulate.frame import Container, Frame, Point, Rect, Tags
 from jostle_lab.simulate.settings import EVERY_CATEGORY, Polyline
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.simulate.wall_segments import nearest
 
 CLONE_GAP = 1.05  # diameters between a particle and its clone
 TOP_SPEED = 0.4  # largest random speed, in diagonals of the view per second

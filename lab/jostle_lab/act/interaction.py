@@ -1,4 +1,4 @@
-"""All mouse actions in the scene: the tools of the left button, and the context menu."""
+"""All mouse actions in the scene: tools of the left button, context menu; the shown message."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from enum import Enum
 
 from jostle_lab.act.attractors import STRENGTH, Attractors, Gravity
 from jostle_lab.act.commands import Brush, Commands
-from jostle_lab.act.messages import Messages
 from jostle_lab.act.selection import Selection, inside, pick
 from jostle_lab.draw.camera import Camera
 from jostle_lab.simulate.containers import diagonal
@@ -17,29 +16,38 @@ from jostle_lab.simulate.engine import Engine
 from jostle_lab.simulate.frame import Point, Rect, Tags
 from jostle_lab.simulate.simulation import Simulation
 
+DURATION = 3.0  # seconds that a message is shown
+
+
+class Messages:
+    """Shows one message at a time."""
+
+    def __init__(self) -> None:
+        self.now = 0.0  # seconds since the session began
+        self._message = "", 0.0  # and when it ends; replaced by threads, never changed
+
+    def say(self, message: str | None) -> None:
+        if message:
+            self._message = message, self.now + DURATION
+
+    @property
+    def current(self) -> str:
+        """Return the message to show now, or an empty string."""
+        message, end = self._message
+        return message if self.now < end else ""
+
+
 THROW_WINDOW = 0.1  # seconds over which the cursor's velocity is averaged for a throw
 DRAG_WINDOW = 0.035  # seconds, for a held particle; it overshoots if they are more
 
 
 @dataclass(frozen=True)
 class DragState:
-    """The drag as a step uses it; immutable, so threads may share it."""
+    """The held particle and the cursor; immutable, so threads may share it."""
 
     tag: int
     point: Point
     velocity: Point
-
-    def drag(self, simulation: Simulation) -> None:
-        """Accelerate the held particle towards the cursor; called before a step."""
-        simulation.drag(self.tag, self.point, self.velocity)
-
-    def place(self, simulation: Simulation) -> None:
-        """Move the held particle to the cursor, while the simulation is paused."""
-        simulation.change([self.tag], positions=[self.point])
-
-    def throw(self, simulation: Simulation) -> None:
-        """Give the released particle the cursor's velocity."""
-        simulation.change([self.tag], velocities=[self.velocity])
 
 
 class DragTool:
@@ -213,7 +221,8 @@ class Interaction:
             self._apply(drag)
         thrown = self.drag_tool.release()
         if thrown is not None and throw:
-            self._engine.edit(thrown.throw)
+            tags, velocities = [thrown.tag], [thrown.velocity]
+            self._engine.edit(lambda simulation: simulation.change(tags, velocities=velocities))
 
     def cancel(self) -> bool:
         """Cancel the current drag; return whether there was one."""
@@ -303,13 +312,15 @@ class Interaction:
         """
         drag, attracting = self.drag_tool.state, self.attractors.apply(simulation)
         if drag is not None:
-            drag.drag(simulation)
+            simulation.drag(drag.tag, drag.point, drag.velocity)
         return drag is not None or attracting
 
     def place_held(self) -> None:
         """Move the held particle to the cursor, while the simulation is paused."""
-        if self.drag_tool.state is not None:
-            self._engine.edit(self.drag_tool.state.place, key="drag")
+        held = self.drag_tool.state
+        if held is not None:
+            tags, places = [held.tag], [held.point]
+            self._engine.edit(lambda moved: moved.change(tags, positions=places), key="drag")
 
     def follow(self) -> None:
         """Update everything that refers to particles that no longer exist."""

@@ -3,16 +3,13 @@
 ======================= ========================================================================
 palette, camera         every colour; world to screen and back, pan and zoom
 painter                 the interface of the painters
-discs                   discs drawn by the processor: cached pictures; discs of a pixel or two
 software                the painter without a graphics card
 shaders, opengl         the painter on a graphics card
 screen                  the choice of the painter, its window and the icon of that
 text                    names and numbers as text; text as pictures; cards that explain colours
-subsampling             the choice of a few of many objects to draw
 view_options            the switches of the display
 colouring               the colour of each particle
-base_layers             background, walls and discs
-tree_overlay            the boxes of the tree
+base_layers             background, walls and discs, and the boxes of the tree
 marks                   contacts, forces, velocities, trails, rotation, labels, springs, attractors
 scene_overlays          what single scenes show beside their particles
 picture                 all layers in their order, for the window and for films

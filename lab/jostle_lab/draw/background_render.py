@@ -17,7 +17,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import GROUND
 from jostle_lab.draw.software import SoftwarePainter
-from jostle_lab.simulate.worker import Worker
+from jostle_lab.simulate.engine import Worker
 
 Draw = Callable[[Painter, Camera], None]
 

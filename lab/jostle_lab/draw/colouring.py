@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from jostle_lab.draw.palette import DISCS, FIRST_KIND, FIXED_SHADE, KINDS, SHADES
-from jostle_lab.draw.subsampling import hashed
 from jostle_lab.draw.text import Legend
 from jostle_lab.draw.view_options import ColourBy
 from jostle_lab.simulate.frame import Frame
@@ -27,6 +26,7 @@ YOUNG = 1.0  # seconds: the least span of the ramp of ages
 
 COLUMNS = {"density": "densities", "radius": "radii", "mass": "masses"}  # of a frame
 
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 Shades = NDArray[np.uint8]
 Values = NDArray[np.floating]
 Known = tuple[Any, ...]  # the columns that only edits change, and the quantity shown or chosen
@@ -46,7 +46,7 @@ class Colouring:
 
     def shades(self, frame: Frame, by: ColourBy = ColourBy.AUTO) -> Shades:
         """Return a shade, an index into DISCS, for each particle."""
-        shows = self._choose(frame) if by is ColourBy.AUTO else by.label
+        shows = self._choose(frame) if by is ColourBy.AUTO else by.value
         if shows != self.shows:
             self.shows, self._reference = shows, 0.0
         if shows in COLUMNS:
@@ -71,6 +71,14 @@ class Colouring:
                 chosen = name
         self._automatic = *_columns(frame), chosen
         return chosen
+
+    def extremes(self, values: Values) -> tuple[float, float] | None:
+        """Return the smallest and the largest value; None if there is none."""
+        return (float(values.min()), float(values.max())) if len(values) else None
+
+    def mean(self, values: Values) -> float:
+        """Return the mean; 0 if there is no value."""
+        return float(values.mean(dtype=np.float64)) if len(values) else 0.0
 
     @property
     def legend(self) -> Legend | None:
@@ -158,3 +166,10 @@ def _extremes(values: Values) -> tuple[float, float] | None:
 def _mean(values: Values) -> float:
     """Return the mean; 0 if there is no value."""
     return float(values.mean(dtype=np.float64)) if len(values) else 0.0
+
+
+def hashed(tags: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Return a hash in 0..1 for each tag."""
+    state = (tags.astype(np.uint64) + np.uint64(1)) * _GOLDEN
+    state = (state ^ (state >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9)
+    return (state >> np.uint64(11)) / 2.0**53

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from jostle_lab.draw import palette
 from jostle_lab.draw.camera import Camera
+from jostle_lab.draw.colouring import hashed
 from jostle_lab.draw.painter import Painter
 from jostle_lab.draw.palette import DISCS
-from jostle_lab.draw.subsampling import in_view, subset
 from jostle_lab.draw.text import SMALL, font, word
 from jostle_lab.simulate.containers import crosses
 from jostle_lab.simulate.frame import Frame, FrameContacts, Point
@@ -49,6 +49,24 @@ MOST_LABELS = 200
 OUTLINE = (8, 10, 14)  # of the text
 
 Floats = NDArray[np.float64]
+
+
+def subset(tags: NDArray[np.integer], most: int) -> NDArray[np.intp]:
+    """Return the rows of at most `most` of the tags: always the same ones, to avoid flicker."""
+    if len(tags) <= most:
+        return np.arange(len(tags))
+    numbers = hashed(tags)
+    low = np.flatnonzero(numbers < 1.5 * (most + 50) / len(tags))  # so that few are sorted
+    if len(low) < most:
+        low = np.arange(len(tags))
+    return np.sort(low[np.argsort(numbers[low], kind="stable")[:most]])
+
+
+def in_view(positions: NDArray[np.floating], camera: Camera) -> NDArray[np.intp]:
+    """Return the rows of the points on the screen."""
+    low, high = camera.to_world((0, 0)), camera.to_world(camera.size)
+    x, y = positions[:, 0], positions[:, 1]
+    return np.flatnonzero((x > low[0]) & (y > low[1]) & (x < high[0]) & (y < high[1]))
 
 
 def draw_springs(painter: Painter, frame: Frame, camera: Camera) -> None:

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from jostle_lab.draw import shaders
 from jostle_lab.draw.camera import Size
-from jostle_lab.draw.discs import MAX_POINT, least_radius
 from jostle_lab.draw.painter import Colours, Floats, Shades, on_canvas, whole_pixels
 from jostle_lab.draw.palette import DISCS, Colour
-from jostle_lab.draw.software import empty_canvas
+from jostle_lab.draw.software import MAX_POINT, empty_canvas, least_radius
 
 _DISC = np.dtype([("x", "f4"), ("y", "f4"), ("radius", "f4"), ("shade", "u1"), ("", "V3")])
 _BOX = np.dtype([("box", "f4", 4), ("tint", "u1", 3), ("", "V1")])

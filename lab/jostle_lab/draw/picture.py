@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pygame
 
 import jostle
-from jostle_lab.draw import base_layers, marks, tree_overlay
+from jostle_lab.draw import base_layers, marks
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.marks import Trails
@@ -58,9 +58,9 @@ class Picture:
                 cards.append(self.colouring.legend)
             base_layers.draw_container(painter, frame.container, camera)
             if options.tree is TreeView.FILLED:
-                _draw_tree(tree_overlay.draw_filled, painter, frame, camera, part)
+                _draw_tree(base_layers.draw_filled, painter, frame, camera, part)
             elif options.tree is TreeView.HEAT:
-                cards.append(_draw_tree(tree_overlay.draw_heat, painter, frame, camera, part))
+                cards.append(_draw_tree(base_layers.draw_heat, painter, frame, camera, part))
             if options.trails:
                 cards.append(self.trails.draw(painter, frame, shades, camera))
             self._extras.draw_below(painter, frame, camera)
@@ -70,7 +70,7 @@ class Picture:
             base_layers.draw_wall_discs(painter, frame, camera)
             base_layers.draw_walls(painter, frame.walls, frame.container, camera)
             if options.tree is TreeView.OUTLINE:
-                _draw_tree(tree_overlay.draw_outline, painter, frame, camera, part)
+                _draw_tree(base_layers.draw_outline, painter, frame, camera, part)
             marks.draw_attractors(painter, frame, camera)
             if options.forces:
                 cards.append(marks.draw_force_chains(painter, frame, camera))

@@ -6,15 +6,15 @@ Coordinates are pixels of the canvas, y down.
 
 from __future__ import annotations
 
-from jostle_lab.draw import discs
 from jostle_lab.draw.palette import DISCS
+from jostle_lab.draw.software import POINT_RADIUS, RIM_FROM, RIM_SHADE, RIM_WIDTH
 
 _HEAD = """#version 330
 uniform vec2 size;
 vec4 on_screen(vec2 at) { return vec4(2.0 * at.x / size.x - 1.0, 1.0 - 2.0 * at.y / size.y, 0, 1); }
 """
 
-# A disc has a smooth edge and a darker rim, as in `discs`. The smallest are distributed over
+# A disc has a smooth edge and a darker rim, as in `software`. The smallest are distributed over
 # pixels by their area.
 DISC = (
     f"""{_HEAD}
@@ -40,10 +40,10 @@ out vec4 fragment;
 void main() {{
     vec2 from = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - around.xy;
     float radius = around.z, cover = 0.0, light = 1.0;
-    if (radius < {discs.POINT_RADIUS}) {{
+    if (radius < {POINT_RADIUS}) {{
         vec2 near = max(1.0 - abs(from), 0.0);
         cover = 3.14159265 * radius * radius * near.x * near.y;
-    }} else if (radius < {discs.RIM_FROM}) {{
+    }} else if (radius < {RIM_FROM}) {{
         for (int k = 0; k < 16; k++) {{
             vec2 sample_at = from + (vec2(k % 4, k / 4) - 1.5) / 4.0;
             cover += clamp(4.0 * (radius - length(sample_at)) + 0.5, 0.0, 1.0) / 16.0;
@@ -51,7 +51,7 @@ void main() {{
     }} else {{
         float away = length(from);
         cover = clamp(radius + 0.5 - away, 0.0, 1.0);
-        light = mix({discs.RIM_SHADE}, 1.0, clamp((radius - away) / {discs.RIM_WIDTH}, 0.0, 1.0));
+        light = mix({RIM_SHADE}, 1.0, clamp((radius - away) / {RIM_WIDTH}, 0.0, 1.0));
     }}
     fragment = vec4(colour * light * cover, cover);
 }}

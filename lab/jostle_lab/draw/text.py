@@ -25,11 +25,6 @@ ICONS = (("imgui_bundle", "assets/fonts/Font_Awesome_6_Free-Solid-900.otf"),)
 Place = tuple[int, int]
 
 
-def video_name(scene: str, method: str) -> str:
-    """Return the name of a video: the scene, and the method if it is not the default."""
-    return scene if method == "quadtree" else f"{scene}-{method}"
-
-
 def pairs_of(n: int) -> int:
     """Return n(n-1)/2, the tests of plain brute force."""
     return n * (n - 1) // 2

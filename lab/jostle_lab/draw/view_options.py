@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -15,21 +15,12 @@ if TYPE_CHECKING:  # Python has it from 3.11 on
 
 
 class _Cycle(Enum):
-    """Options that a key cycles through."""
-
-    @property
-    def label(self) -> str:
-        """Return the name in the user interface."""
-        value: str = self.value
-        return _LABELS.get(value, value)
+    """Options that a key cycles through; values are their names in the user interface."""
 
     def next(self) -> Self:
         """Return the next option; the first after the last."""
         options = list(type(self))
         return options[(options.index(self) + 1) % len(options)]
-
-
-_LABELS = {"what differs": "automatic", "each its own": "random", "velocity": "speed"}
 
 
 class TreeView(_Cycle):
@@ -44,13 +35,13 @@ class TreeView(_Cycle):
 class ColourBy(_Cycle):
     """The quantity that colours show."""
 
-    AUTO = "what differs"  # values are those of scene files
-    VELOCITY = "velocity"
+    AUTO = "automatic"
+    VELOCITY = "speed"
     MASS = "mass"
     DENSITY = "density"
     AGE = "age"
     ENERGY = "kinetic energy"
-    RANDOM = "each its own"
+    RANDOM = "random"
     KIND = "kind"
 
 
@@ -75,16 +66,18 @@ class ViewOptions:
             setattr(self, name, value)
 
 
-def option_rules(spell: Callable[[Enum], str]) -> dict[str, Rule]:
-    """Return the rule of each view option in a file, in which `spell` writes a choice."""
-    return {
-        option.name: _choice(type(option.default), spell)
-        if isinstance(option.default, Enum)
-        else TRUTH
-        for option in fields(ViewOptions)
-    }
+def spelling(choice: Enum) -> str:
+    """Return the name of an option in a file."""
+    return choice.name.lower()
 
 
-def _choice(kind: type[Enum], spell: Callable[[Enum], str]) -> Rule:
-    choices = {spell(choice): choice for choice in kind}
+def _choice(kind: type[Enum]) -> Rule:
+    choices = {spelling(choice): choice for choice in kind}
     return replace(one_of(*choices), read=choices.__getitem__)
+
+
+# The rule of each view option in a file.
+OPTION_RULES: dict[str, Rule] = {
+    option.name: _choice(type(option.default)) if isinstance(option.default, Enum) else TRUTH
+    for option in fields(ViewOptions)
+}

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import string
-from typing import TYPE_CHECKING, cast
 
 import pygame
 from imgui_bundle import imgui, implot
 
 from jostle_lab.draw.camera import Size
+from jostle_lab.draw.opengl import OpenGLPainter
 from jostle_lab.draw.painter import Painter
 from jostle_lab.gui import style as gui_style
 from jostle_lab.gui.software import SoftwareGui
-
-if TYPE_CHECKING:  # it needs moderngl, which may be missing
-    from jostle_lab.draw.opengl import OpenGLPainter
 
 OUTSIDE = -1e30  # position of a mouse outside the window, for ImGui
 SHORTEST = 1e-4  # seconds; ImGui requires a positive duration of a frame
@@ -79,9 +76,7 @@ class Gui:
         gui_style.apply()
         # Draws ImGui's output on that canvas.
         self.drawing = (
-            OpenGLGui(cast("OpenGLPainter", painter))
-            if painter.name == "opengl"
-            else SoftwareGui(painter)
+            OpenGLGui(painter) if isinstance(painter, OpenGLPainter) else SoftwareGui(painter)
         )
         # Rectangles, in points, of the widgets and windows named by `mark` and `mark_window`.
         self.marks: dict[str, pygame.Rect] = {}

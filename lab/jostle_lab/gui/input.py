@@ -32,7 +32,8 @@ class Input:
         elif event.type == pygame.KEYUP:
             self._release_key(COMMANDS.get(event.key))
         elif event.type == pygame.WINDOWFOCUSLOST:
-            self.release_keys()
+            for command in list(self._down):  # the window gets no events without focus
+                self._release_key(command)
         elif event.type == pygame.MOUSEMOTION:
             self._move(event.pos)
         elif event.type == pygame.MOUSEWHEEL:
@@ -53,11 +54,6 @@ class Input:
             self._session.interaction.attractors.attract_to_cursor(
                 self._session.interaction.at_cursor()
             )
-
-    def release_keys(self) -> None:
-        """Release every key: the window gets no events without focus."""
-        for command in list(self._down):
-            self._release_key(command)
 
     # Keys
 

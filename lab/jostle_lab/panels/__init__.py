@@ -5,14 +5,12 @@ session and call its methods; every widget is named by `gui.mark`, so that a tes
 this package and `gui` import ImGui. In reading order:
 
 ======================= ========================================================================
-widgets, sliders        labels, numbers, buttons and lists; sliders
-playback_panel          pause, step, restart, previous and next scene; a slider over the last 30 s
-life_panel              the matrix of particle life
-filter_panel            categories and masks of the selected particles, or of new ones
+widgets                 labels, numbers, buttons and lists; sliders
+life_panel              the matrix of particle life; categories and masks
 settings_panel          method, sliders of the settings, what is drawn beside the particles
 files_panel             the list of scenes; videos and tables in files
 statistics_panel        times, pairs, energy, momentum, with their plots
-column                  the sections at the left
+column                  the time, a slider over the last 30 s, and the sections at the left
 cards                   messages and explanations over the scene; the list of mouse and keys
 menus                   the context menus and their items
 ======================= ========================================================================

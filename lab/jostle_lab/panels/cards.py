@@ -12,7 +12,7 @@ from jostle_lab.draw.palette import ACCENT, RECORDING
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import GROUPS
 from jostle_lab.gui.style import FONT_SIZE, layout, rgba, vec
-from jostle_lab.panels.widgets import colours, soft
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 
 EDGE = 12.0  # points to the edges of the scene
@@ -41,7 +41,7 @@ def build(session: Session, gui: Gui) -> None:
         with card(gui, "explanation", place, (0.5, 0.0 if above else 1.0), widest):
             imgui.text(explanation.lines[0])
             for line in explanation.lines[1:]:
-                soft(line)
+                ui.soft(line)
     if session.message:
         with card(gui, "message", (middle, bottom - FOOT), (0.5, 1.0), widest):
             imgui.text(session.message)
@@ -51,7 +51,7 @@ def build(session: Session, gui: Gui) -> None:
         ):
             if session.files.recording is not None:
                 _recording(session.files.recording.seconds)
-            soft("H help")
+            ui.soft("H help")
 
 
 @contextmanager
@@ -112,9 +112,9 @@ def build_help(gui: Gui) -> None:
 
 def _group(name: str, keys: float) -> None:
     """Build a group of keys: its name, and a line for each."""
-    soft(name)
+    ui.soft(name)
     for control in GROUPS[name]:
-        with colours(text=vec(ACCENT)):
+        with ui.colours(text=vec(ACCENT)):
             imgui.text(control.label)
         imgui.same_line(imgui.get_style().window_padding.x + keys)
         imgui.text(control.meaning)

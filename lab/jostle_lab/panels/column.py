@@ -1,4 +1,4 @@
-"""The column at the left: sections, scrolled if they do not fit."""
+"""The column at the left: the time, and sections, scrolled if they do not fit."""
 
 from __future__ import annotations
 
@@ -9,18 +9,63 @@ from imgui_bundle import imgui, imgui_ctx
 
 from jostle_lab.draw.palette import ACCENT, TEXT_SOFT
 from jostle_lab.gui.host import Gui
+from jostle_lab.gui.keymap import HANDLERS, key_of
 from jostle_lab.gui.style import layout, vec
 from jostle_lab.panels import (
     files_panel,
-    filter_panel,
     life_panel,
-    playback_panel,
     settings_panel,
     statistics_panel,
 )
-from jostle_lab.panels.widgets import at_right, colours, section, side_panel
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import METHODS
+
+# Commands of the keymap, and their icons in Font Awesome.
+ICONS = {
+    "previous scene": "\uf049",
+    "step back": "\uf048",
+    "pause": "\uf04c",
+    "step": "\uf051",
+    "next scene": "\uf050",
+    "restart": "\uf2f9",
+}
+PLAY = "\uf04b"
+MEGABYTE = 2**20
+SHORTEST = 0.05  # seconds of history below which the slider is disabled
+
+
+def _playback(session: Session, gui: Gui) -> None:
+    """Build the buttons of the time: pause, step, restart, previous and next scene."""
+    paused, can_go_back = session.runner.paused, session.runner.history.can_go_back
+    for (name, icon), across in ui.in_rows(ICONS.items(), len(ICONS)):
+        held = name == "pause" and paused
+        reason = "There is no earlier state." if name == "step back" and not can_go_back else ""
+        if ui.choice(gui, name, PLAY if held else icon, across, chosen=held, reason=reason):
+            HANDLERS[name](session)
+        if not reason:
+            ui.hint(f"{'Resume' if held else name.capitalize()}  ({key_of(name)})")
+
+
+def _rewind(session: Session, gui: Gui) -> None:
+    """Build the slider; its right end is the latest state."""
+    history = session.runner.history
+    reason = "" if history.span > SHORTEST else "There is no earlier state yet."
+    span = ui.Range(-max(history.span, SHORTEST), 0.0)
+    moved, value = ui.slider(gui, "moment", span, -history.back, _ago, reason=reason)
+    if moved is not ui.Moved.NOT:
+        session.runner.rewind(-value)
+    steps = "each step" if history.stride == 1 else f"every {history.stride} steps"
+    ui.soft(f"{history.span:.1f} s · snapshot {steps} · {history.bytes / MEGABYTE:.1f} MB")
+    ui.hint(
+        f"Snapshots take up to {history.budget / MEGABYTE:.0f} MB. Steps without a snapshot are "
+        "re-simulated, with the same bits."
+    )
+
+
+def _ago(value: float) -> str:
+    return f"\u2212{-value:.1f} s" if value < -SHORTEST else "now"
+
 
 TITLE = 21.0
 LIFE = "Particle life"
@@ -32,8 +77,8 @@ SECTIONS: list[tuple[str, Callable[[Session, Gui], None]]] = [
     ("Display", settings_panel.build_display),
     ("World", settings_panel.build_world),
     ("Time", settings_panel.build_time),
-    ("Rewind", playback_panel.build_rewind),
-    ("Collision filter", filter_panel.build),
+    ("Rewind", _rewind),
+    ("Collision filter", life_panel.build_filter),
     ("Two particles", files_panel.build_why),
     ("Files", files_panel.build),
 ]
@@ -44,13 +89,13 @@ def build(session: Session, gui: Gui) -> None:
     widths = layout(session, *imgui.get_io().display_size)
     if not widths.column:
         return
-    with side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
+    with ui.side_panel("controls", (0.0, 0.0), (widths.column, widths.height)):
         _title(session)
-        playback_panel.build(session, gui)
+        _playback(session, gui)
         for title, contents in SECTIONS:
             # In other scenes this section could change nothing.
             if title != LIFE or session.frame.matrix is not None:
-                section(gui, title, partial(contents, session, gui))
+                ui.section(gui, title, partial(contents, session, gui))
         if not widths.statistics:
             statistics_panel.build_sections(session, gui)
 
@@ -59,9 +104,9 @@ def _title(session: Session) -> None:
     with imgui_ctx.push_font(None, TITLE):
         imgui.text_unformatted(session.engine.scene)
     if session.runner.paused:
-        with colours(text=vec(ACCENT)):
-            at_right("paused")
-    with colours(text=vec(TEXT_SOFT)):
+        with ui.colours(text=vec(ACCENT)):
+            ui.at_right("paused")
+    with ui.colours(text=vec(TEXT_SOFT)):
         words = f"{len(session.frame):,} particles · {METHODS[session.settings.method]}"
         imgui.text_unformatted(words)
     imgui.dummy((0.0, 2.0))

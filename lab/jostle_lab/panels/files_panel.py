@@ -11,24 +11,9 @@ from jostle_lab.draw.camera import Size
 from jostle_lab.draw.palette import ACCENT
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.style import CHOSEN, FILLED, vec
-from jostle_lab.panels.widgets import (
-    BUTTON,
-    Button,
-    at_right,
-    buttons,
-    choice,
-    colours,
-    combo,
-    in_rows,
-    label,
-    select,
-    soft,
-    width,
-    wrapped,
-)
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
-from jostle_lab.storage.encoder import FORMATS
-from jostle_lab.storage.recording import Recording
+from jostle_lab.storage.encoder import FORMATS, Recording
 
 ROWS = 6  # visible
 LINE, PADDING = 22.0, 5.0  # points
@@ -46,7 +31,7 @@ def build_scenes(session: Session, gui: Gui) -> None:
     names, present = jostle.scenes.names(), session.engine.scene
     size = imgui.ImVec2(0.0, LINE * min(ROWS, len(names)) + PADDING)
     with (
-        colours(child_bg=vec((255, 255, 255), 0.025)),
+        ui.colours(child_bg=vec((255, 255, 255), 0.025)),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (8.0, PADDING)),
         imgui_ctx.push_style_var(imgui.StyleVar_.item_spacing, (8.0, 3.0)),
         imgui_ctx.begin_child("scenes", size, imgui.ChildFlags_.always_use_window_padding),
@@ -56,17 +41,17 @@ def build_scenes(session: Session, gui: Gui) -> None:
         for name in names:
             _scene(session, gui, name, present=name == present)
     if present in names:
-        wrapped(jostle.scenes.describe(present))
+        ui.wrapped(jostle.scenes.describe(present))
 
 
 def _scene(session: Session, gui: Gui, name: str, *, present: bool) -> None:
-    with colours(
+    with ui.colours(
         header=vec(CHOSEN), header_hovered=vec(CHOSEN if present else ACCENT, 1 if present else 0.2)
     ):
         flags = imgui.SelectableFlags_.allow_overlap
         clicked, _ = imgui.selectable(f"{name}##scene", present, flags, (0.0, LINE - 3.0))
     gui.mark(f"scene {name}")
-    at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
+    ui.at_right(f"{jostle.scenes.default_count(name):,}", quiet=not present)
     if clicked:
         session.runner.choose_scene(name)
 
@@ -74,22 +59,22 @@ def _scene(session: Session, gui: Gui, name: str, *, present: bool) -> None:
 def build(session: Session, gui: Gui) -> None:
     """Build the buttons, the options of a video, and its progress."""
     files = session.files
-    buttons(
+    ui.buttons(
         gui,
-        Button("save", "save", files.save),
-        Button("screenshot", "screenshot", files.screenshot),
+        ui.Button("save", "save", files.save),
+        ui.Button("screenshot", "screenshot", files.screenshot),
     )
     saved = {str(path): path.stem for path in files.scenes()}
     none = "" if saved else f"There is no saved scene in {files.folder}."
-    picked = combo(gui, "load", saved, "choose a scene" if saved else "none yet", reason=none)
+    picked = ui.combo(gui, "load", saved, "choose a scene" if saved else "none yet", reason=none)
     if picked is not None:
         files.load(Path(picked))
     _film(session, gui)
-    label("export")
-    buttons(
+    ui.label("export")
+    ui.buttons(
         gui,
-        Button("export CSV", "CSV", files.export_csv, CSV),
-        Button("export GSD", "GSD", files.export_gsd, GSD),
+        ui.Button("export CSV", "CSV", files.export_csv, CSV),
+        ui.Button("export GSD", "GSD", files.export_gsd, GSD),
     )
 
 
@@ -97,24 +82,24 @@ def build_why(session: Session, gui: Gui) -> None:
     """Build the button that explains a contact."""
     asked, count = session.question.pair is not None, len(session.interaction.selection)
     reason = "" if asked or count == 2 else f"Select two particles; {count} are selected."
-    if choice(gui, "why", "Why do they touch, or not?", width(), chosen=asked, reason=reason):
+    if ui.choice(gui, "why", "Why do they touch, or not?", ui.width(), chosen=asked, reason=reason):
         session.explain()
 
 
 def _film(session: Session, gui: Gui) -> None:
     recording, options = session.files.recording, session.files.options
     busy = "A video is being recorded." if recording else ""
-    label("video")
-    for suffix, across in in_rows(FORMATS, len(FORMATS)):
+    ui.label("video")
+    for suffix, across in ui.in_rows(FORMATS, len(FORMATS)):
         name, chosen = suffix.lstrip(".").upper(), options.suffix == suffix
-        if choice(gui, f"film {name}", name, across, chosen=chosen, reason=busy):
+        if ui.choice(gui, f"film {name}", name, across, chosen=chosen, reason=busy):
             options.suffix = suffix
-    options.size = select(gui, "size", SIZES, options.size, reason=busy)
-    options.seconds = select(gui, "length", LENGTHS, options.seconds, reason=busy)
+    options.size = ui.select(gui, "size", SIZES, options.size, reason=busy)
+    options.seconds = ui.select(gui, "length", LENGTHS, options.seconds, reason=busy)
     ending = recording is not None and recording.stopped
     words = "record" if recording is None else "finishing" if ending else "stop"
     reason = "The end of the video is being written." if ending else ""
-    if choice(gui, "record", words, width(), chosen=recording is not None, reason=reason):
+    if ui.choice(gui, "record", words, ui.width(), chosen=recording is not None, reason=reason):
         session.files.toggle_recording()
     if recording is not None:
         _progress(recording, gui)
@@ -122,7 +107,9 @@ def _film(session: Session, gui: Gui) -> None:
 
 def _progress(recording: Recording, gui: Gui) -> None:
     if recording.progress is not None:
-        with colours(plot_histogram=vec(FILLED)):
-            imgui.progress_bar(recording.progress, (width(), BUTTON / 3), "")
+        with ui.colours(plot_histogram=vec(FILLED)):
+            imgui.progress_bar(recording.progress, (ui.width(), ui.BUTTON / 3), "")
         gui.mark("film progress")
-    soft(f"{recording.seconds:.1f} s · {recording.written:,} written, {recording.queued:,} queued")
+    ui.soft(
+        f"{recording.seconds:.1f} s · {recording.written:,} written, {recording.queued:,} queued"
+    )

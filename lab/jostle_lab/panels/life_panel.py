@@ -1,11 +1,11 @@
-"""Particle life: the matrix of the attractions between kinds."""
+"""Particle life: the matrix of the attractions between kinds; and the collision filter."""
 
 from __future__ import annotations
 
 from functools import partial
 
 import numpy as np
-from imgui_bundle import imgui
+from imgui_bundle import imgui, imgui_ctx
 from numpy.typing import NDArray
 
 from jostle import life
@@ -13,7 +13,7 @@ from jostle_lab.act.interaction import Tool
 from jostle_lab.draw.palette import KINDS, TEXT
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.style import RAISED, rgba
-from jostle_lab.panels.widgets import Button, buttons, combo, hint, signed
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 
 STEP = 0.1  # change of an attraction by a click
@@ -38,20 +38,20 @@ def build(session: Session, gui: Gui) -> None:
         rng = np.random.default_rng()
         _apply(session, life.random_matrix(rng, len(matrix), symmetric=symmetric))
 
-    buttons(
+    ui.buttons(
         gui,
-        Button("randomise", "randomise", partial(randomise, False)),
-        Button("randomise symmetric", "symmetric", partial(randomise, True), MUTUAL),
+        ui.Button("randomise", "randomise", partial(randomise, False)),
+        ui.Button("randomise symmetric", "symmetric", partial(randomise, True), MUTUAL),
     )
     present = (name for name, known in life.MATRICES.items() if np.array_equal(matrix, known))
     names = {name: name for name in life.MATRICES}
-    picked = combo(gui, "preset", names, next(present, "choose one"))
+    picked = ui.combo(gui, "preset", names, next(present, "choose one"))
     if picked is not None:
         session.runner.adjust("matrix", picked)
-    buttons(
+    ui.buttons(
         gui,
-        Button("scatter", "scatter", session.interaction.commands.scramble),
-        Button("save life", "save scene", session.files.save),
+        ui.Button("scatter", "scatter", session.interaction.commands.scramble),
+        ui.Button("save life", "save scene", session.files.save),
     )
 
 
@@ -78,7 +78,7 @@ def _grid(session: Session, gui: Gui, matrix: NDArray[np.float64]) -> None:
             commands.kind = k
             session.interaction.choose(Tool.BRUSH)
         gui.mark(f"kind {k}")
-        hint("New particles have this kind: drag with the brush, or press A at the cursor.")
+        ui.hint("New particles have this kind: drag with the brush, or press A at the cursor.")
         _dot(corner.x + HEAD / 2 - 1, middle, k, chosen=k == commands.kind % kinds)
     for a in range(kinds):
         for b in range(kinds):
@@ -102,7 +102,7 @@ def _cell(
     flags = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
     clicked = imgui.invisible_button(f"##cell {pair}", (side, side), flags)
     gui.mark(f"attraction {pair[0]} {pair[1]}")
-    hint(f"{signed(value, '+.1f')}. {ABOUT}")
+    ui.hint(f"{ui.signed(value, '+.1f')}. {ABOUT}")
     draw, share = imgui.get_window_draw_list(), min(abs(value), 1.0)
     tint = PULL if value > 0 else PUSH
     end = (at[0] + side, at[1] + side)
@@ -126,3 +126,33 @@ def _dot(x: float, y: float, kind: int, *, chosen: bool) -> None:
     draw.add_circle_filled((x, y), 6.0, rgba(KINDS[kind % len(KINDS)]))
     if chosen:
         draw.add_circle((x, y), 8.5, rgba(TEXT), 0, 1.5)
+
+
+SHOWN = 8  # of 32 categories; the others stay as they are
+COLUMNS = {
+    "categories": ("category", "Bit {0}: {1} in the categories of files and of World."),
+    "masks": ("collides with", "Bit {0} of the mask: collisions with particles of category {0}."),
+}
+
+
+def build_filter(session: Session, gui: Gui) -> None:
+    """Build a line of categories and one of masks; a click changes one bit.
+
+    Of several selected particles the first one is shown, so that a frame takes the same time for
+    any number of them.
+    """
+    tags, commands = session.interaction.selection.tags, session.interaction.commands
+    ui.soft(f"of {len(tags):,} selected" if len(tags) else "of new particles")
+    # Without padding, so that a digit is centred on a narrow button.
+    padding = 0.0, imgui.get_style().frame_padding.y
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, padding):
+        for column, (words, about) in COLUMNS.items():
+            rows = session.frame.rows(tags[:1])
+            new = commands.new_filter[column]
+            bits = int(getattr(session.frame, column)[rows[0]]) if len(rows) else new
+            ui.label(words)
+            for bit, across in ui.in_rows(range(SHOWN), SHOWN):
+                on = bool(bits >> bit & 1)
+                if ui.choice(gui, f"{words} {bit}", str(bit), across, chosen=on):
+                    commands.set_bit(tags, column, bit, on=not on)
+                ui.hint(about.format(bit, 1 << bit))

@@ -15,7 +15,7 @@ from imgui_bundle import imgui, imgui_ctx
 from jostle_lab.act.interaction import Menu
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import key_of
-from jostle_lab.panels.widgets import soft
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 from jostle_lab.simulate.frame import Frame, Point, Tags
 
@@ -151,7 +151,7 @@ def build(session: Session, gui: Gui) -> None:
 def _fill(session: Session, gui: Gui, menu: Menu) -> None:
     imgui.text(title(menu, session.frame))
     for name, value in numbers(menu, session.frame).items():
-        soft(name)
+        ui.soft(name)
         imgui.same_line(imgui.get_font_size() * 5)
         imgui.text(value)
     imgui.separator()

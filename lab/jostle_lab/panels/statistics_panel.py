@@ -15,18 +15,7 @@ from jostle_lab.draw.text import pairs_of, plural, scientific, share
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.style import RAISED, layout, rgba, vec
 from jostle_lab.measure import SPAN, Floats
-from jostle_lab.panels.widgets import (
-    Button,
-    at_right,
-    buttons,
-    colours,
-    hint,
-    row,
-    section,
-    side_panel,
-    signed,
-    width,
-)
+from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 
 BARE = (
@@ -61,7 +50,6 @@ STAGES: dict[str, Colour] = {
     "correction": (218, 172, 110),
     "store": (150, 158, 172),
     "forces": (131, 121, 210),
-    "frame": (111, 176, 162),
     "draw": (224, 155, 106),
     "panels": (201, 104, 106),
 }
@@ -127,7 +115,7 @@ def build(session: Session, gui: Gui) -> None:
         return
     height = widths.height if session.view_options.statistics else TAB
     place = widths.width - widths.statistics, 0.0
-    with side_panel("statistics", place, (widths.statistics, height)):
+    with ui.side_panel("statistics", place, (widths.statistics, height)):
         _head(session, gui)
         if session.view_options.statistics:
             build_sections(session, gui, (widths.height - TEXT_LINES) / 3)
@@ -140,7 +128,7 @@ def build_sections(session: Session, gui: Gui, height: float = 80.0) -> None:
     for title, contents in SECTIONS.items():
         if contents is _times and not session.shows_times:
             continue
-        section(gui, title, partial(contents, session, gui, height))
+        ui.section(gui, title, partial(contents, session, gui, height))
 
 
 def _head(session: Session, gui: Gui) -> None:
@@ -148,18 +136,18 @@ def _head(session: Session, gui: Gui) -> None:
     mean = session.traces.frame_mean
     words = f"{1e3 / mean:,.0f} FPS" if mean > 0 else "\u2013"
     words = words if session.shows_times else ""
-    with colours(header=vec(RAISED, 0.0), header_hovered=vec(RAISED, 0.5)):
+    with ui.colours(header=vec(RAISED, 0.0), header_hovered=vec(RAISED, 0.5)):
         if imgui.selectable("##fold", False, imgui.SelectableFlags_.allow_overlap)[0]:
             session.toggle("statistics")
     gui.mark("statistics")
     imgui.same_line(imgui.get_style().window_padding.x)
     imgui.text_unformatted("Statistics")
-    at_right(words, quiet=True)
+    ui.at_right(words, quiet=True)
 
 
 def _swatch(name: str, colour: Colour, value: str, across: float = 0.0) -> None:
     """Draw an entry of a legend: a dot, a name, a number; as wide as the panel, or less."""
-    across = across or width()
+    across = across or ui.width()
     at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
     middle = at.y + size / 2 + 1
     draw = imgui.get_window_draw_list()
@@ -185,7 +173,7 @@ def _times(session: Session, gui: Gui, height: float) -> None:
         ("total", TOTAL, traces.frame_mean),
     ]
     half = -(-len(entries) // 2)  # two columns
-    across = (width() - COLUMN_GAP) / 2
+    across = (ui.width() - COLUMN_GAP) / 2
     for pair in zip_longest(entries[:half], entries[half:]):
         for k, (name, tint, milliseconds) in enumerate(filter(None, pair)):
             if k:
@@ -195,21 +183,22 @@ def _times(session: Session, gui: Gui, height: float) -> None:
 
 def _pairs(session: Session, gui: Gui, height: float) -> None:
     facts, every = session.traces.stats, pairs_of(session.traces.count)
-    row("tested", f"{facts.pairs_tested:,}")
-    row("of n(n\u22121)/2", f"{every:,}")
-    row("tested, % of all pairs", share(facts.pairs_tested, every))
-    row("touching", f"{facts.touching:,}")
-    row("asleep", f"{facts.asleep:,}")
-    row("sub-steps", f"{facts.substeps:,}")
-    hint("Of the last step. A step takes more than the setting where contacts need them.")
+    ui.row("tested", f"{facts.pairs_tested:,}")
+    ui.row("of n(n\u22121)/2", f"{every:,}")
+    ui.row("tested, % of all pairs", share(facts.pairs_tested, every))
+    ui.row("touching", f"{facts.touching:,}")
+    ui.row("asleep", f"{facts.asleep:,}")
+    ui.row("sub-steps", f"{facts.substeps:,}")
+    ui.hint("Of the last step. A step takes more than the setting where contacts need them.")
     tree = f"{plural(facts.nodes, 'node')}, {facts.depth:,} deep" if facts.nodes else "\u2013"
-    row("tree", tree)
+    ui.row("tree", tree)
 
 
 def _energy(session: Session, gui: Gui, height: float) -> None:
     _lines(gui, "energy", height, session.traces.energies, ENERGIES)
-    row("change since start", change_text(session, _percent(100 * session.traces.energy_drift)))
-    hint(
+    change = ui.signed(100 * session.traces.energy_drift, "+,.2f") + " %"
+    ui.row("change since start", change_text(session, change))
+    ui.hint(
         "Change of the total energy since the reference, relative to the kinetic energy then or "
         "the range of the potential energy. Only restitution, friction and drag change it. "
         f"{RESETS} The potential energy is 0 at the left end."
@@ -218,14 +207,14 @@ def _energy(session: Session, gui: Gui, height: float) -> None:
 
 def _momentum(session: Session, gui: Gui, height: float) -> None:
     _lines(gui, "momentum", height, session.traces.momenta, MOMENTA)
-    row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
-    hint(
+    ui.row("external impulse", change_text(session, f"{100 * session.traces.momentum_drift:.2f} %"))
+    ui.hint(
         "Change of momentum since the reference, relative to that of all particles moving one way: "
         "by walls, immovable particles and forces. Collisions of particles conserve momentum. "
         f"{RESETS}"
     )
     reset = session.runner.statistics.reset_reference
-    buttons(gui, Button("measure drift", "Reset reference", reset))
+    ui.buttons(gui, ui.Button("measure drift", "Reset reference", reset))
 
 
 def _lines(gui: Gui, name: str, height: float, table: Floats, tints: dict[str, Colour]) -> None:
@@ -257,12 +246,10 @@ def change_text(session: Session, change: str) -> str:
     return "particles merge" if merging else "particles are added and removed"
 
 
-def _percent(value: float) -> str:
-    return signed(value, "+,.2f") + " %"
-
-
 def _sum(value: float) -> str:
-    return signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
+    return (
+        ui.signed(value, ",.1f") if abs(value) < LONG else scientific(value).replace("-", "\u2212")
+    )
 
 
 SECTIONS = {"Frame time": _times, "Pairs": _pairs, "Energy": _energy, "Momentum": _momentum}

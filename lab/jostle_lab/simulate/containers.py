@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import jostle
+from jostle_lab.simulate.forces import Ends, clear_of
 from jostle_lab.simulate.frame import Container, Frame, Rect
 from jostle_lab.simulate.settings import CONTAINERS, PARTICLES
 from jostle_lab.simulate.validation import FARTHEST, limited, one_of, or_none, rect
-from jostle_lab.simulate.wall_segments import Ends, clear_of
 
 Floats = NDArray[np.floating]
 

@@ -2,22 +2,68 @@
 
 Only one thread at a time uses a simulation. The UI thread starts a job (edits, then steps, then a
 frame), continues with the last finished frame, and takes the result later. In synchronous mode, for
-tests and videos, each job is run at its start.
+tests and videos, each job is run at its start. New simulations are made on another thread, while
+the present one is shown.
 
 An error of a step, such as a speed beyond the limits, is kept in `error`.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 from jostle_lab.simulate.frame import Frame, FrameRequest
+from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.simulate.worker import Worker
+
+T = TypeVar("T")
+
+SWITCH_INTERVAL = 0.001  # seconds after which a thread releases the interpreter
+
+
+class Worker:
+    """Runs jobs on a thread, which is started by the first of them.
+
+    In synchronous mode `submit` runs the job itself.
+    """
+
+    def __init__(self, name: str, *, synchronous: bool = False) -> None:
+        self._name, self._synchronous = name, synchronous
+        self._pool: ThreadPoolExecutor | None = None
+
+    def submit(self, job: Callable[[], T]) -> Future[T]:
+        """Run a job; return its future, which is done in synchronous mode."""
+        if not self._synchronous:
+            if self._pool is None:
+                # The UI thread waits for the interpreter several times per frame.
+                sys.setswitchinterval(SWITCH_INTERVAL)
+                self._pool = ThreadPoolExecutor(1, self._name)
+            return self._pool.submit(job)
+        future: Future[T] = Future()
+        try:
+            future.set_result(job())
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+    def abandon(self) -> None:
+        """Let a job in progress end by itself; later jobs run on another thread."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=False)
+            self._pool = None
+
+    def close(self) -> None:
+        """Wait for all jobs, and end the thread."""
+        if self._pool is not None:
+            self._pool.shutdown()
+            self._pool = None
+
 
 MAX_STEPS = 3  # steps; more are dropped, so simulated time slows down on a slow machine
 BUDGET = 0.025  # seconds of steps per frame, so that the window stays responsive
@@ -298,3 +344,83 @@ class Engine:
 
 def _smoothed(mean: float, new: float) -> float:
     return mean + (new - mean) * (SMOOTH if mean else 1.0)
+
+
+Create = Callable[[], Simulation]
+
+MESSAGE_DELAY = 0.3  # seconds after which a message is shown
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """A simulation in its initial state, with its first frame and its state as bytes."""
+
+    simulation: Simulation
+    frame: Frame
+    state: bytes
+
+
+class SceneLoader:
+    """Makes one simulation at a time."""
+
+    def __init__(self, *, synchronous: bool = False) -> None:
+        # Those of the simulation in progress, unless it is read from a file.
+        self.settings: Settings | None = None
+        self._message, self._began = "", 0.0
+        self._then: Then | None = None
+        self._worker = Worker("jostle-load", synchronous=synchronous)
+        self._job: Future[LoadedScene] | None = None
+
+    @property
+    def message(self) -> str:
+        """Return the message to show meanwhile, or an empty string."""
+        late = time.perf_counter() - self._began >= MESSAGE_DELAY
+        return self._message if self._job is not None and late else ""
+
+    def start(
+        self,
+        create: Create,
+        request: FrameRequest,
+        message: str,
+        settings: Settings | None = None,
+        then: Then | None = None,
+    ) -> None:
+        """Begin to make a simulation; one in progress is cancelled.
+
+        `then` is called after it has replaced the present one.
+        """
+        self.cancel()
+        self.settings, self._then = settings, then
+        self._message, self._began = message, time.perf_counter()
+        self._job = self._worker.submit(partial(load, create, request))
+
+    def cancel(self) -> None:
+        """Discard the simulation in progress; its thread ends by itself."""
+        if self._job is not None and not (self._job.done() or self._job.cancel()):
+            self._worker.abandon()
+        self._job = self.settings = self._then = None
+
+    def take(self) -> tuple[LoadedScene, Then | None] | str | None:
+        """Return a finished simulation, or an error message, once; None if there is none."""
+        if self._job is None or not self._job.done():
+            return None
+        job, then = self._job, self._then
+        self.cancel()
+        try:
+            return job.result(), then
+        except REFUSALS as error:
+            return message_of(error)
+
+    def wait(self) -> None:
+        if self._job is not None:
+            self._job.exception()
+
+
+def load(create: Create, request: FrameRequest) -> LoadedScene:
+    simulation = create()
+    return LoadedScene(simulation, simulation.frame(request), simulation.save())
+
+
+def expected(settings: Settings) -> int:
+    """Return the number of particles that the settings name; the defaults of scenes are small."""
+    return (settings.n or 0) + sum(group.count for group in settings.particles)

@@ -21,29 +21,26 @@ from jostle_lab.simulate.containers import (
     moved_inside,
 )
 from jostle_lab.simulate.emitters import STATE, Emitters
-from jostle_lab.simulate.forces import AttractorForces, kind_count, set_matrix
+from jostle_lab.simulate.forces import AttractorForces, WallSegments, kind_count, set_matrix
 from jostle_lab.simulate.frame import (
     Attractor,
     Frame,
     FrameRequest,
+    ParticleTable,
     Point,
     Rect,
     Tags,
+    frame_of,
 )
 from jostle_lab.simulate.packing import (
     ATTRACTORS,
     COUNT,
-    blob,
-    bytes_of,
-    column,
     pack,
     unpack,
     within,
 )
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
-from jostle_lab.simulate.wall_segments import WallSegments
-from jostle_lab.simulate.world_frame import ParticleTable, frame_of
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
@@ -62,7 +59,7 @@ ADJUSTABLE = frozenset(WORLD_SETTINGS) | {
 WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
-# The values of a saved state; its arrays are tags, times of birth and the world's snapshot.
+# The values of a saved state; its parts are the times of birth and the world's snapshot.
 STATE_FIELDS = Fields(
     {
         "settings": SETTINGS,
@@ -343,14 +340,13 @@ class Simulation:
             "emitters": emitters and emitters.state,
             "own_walls": self._segments.own,
         }
-        snapshot = blob(self.world.snapshot())
-        return pack("world", facts, {"born": columns.born, "world": snapshot})
+        return pack("world", facts, columns.born.astype("<f8").tobytes(), self.world.snapshot())
 
     def load(self, state: bytes) -> None:
         """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
-        facts, arrays = unpack("world", state)
+        facts, (times, snapshot) = unpack("world", state, 2)
         facts = read(facts, STATE_FIELDS)
-        world = jostle.World.restore(bytes_of(arrays, "world"))
+        world = jostle.World.restore(snapshot)
         settings, initial = facts["settings"], facts["home"]
         if world.method != settings.method:
             raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
@@ -358,7 +354,9 @@ class Simulation:
             if facts[name] > there:
                 what = name.removeprefix("own_")
                 raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
-        born = column(arrays, "born", "<f8", (len(world),))
+        if len(times) != 8 * len(world):
+            raise ValueError(f"born has {len(times)} bytes; it must have {8 * len(world)}")
+        born = np.frombuffer(times, "<f8")
         within("born", born, -FARTHEST, FARTHEST)
         emitters = _emitters_of(facts["emitters"], initial.n, settings)
         columns = ParticleTable(world, born)

@@ -1,9 +1,9 @@
 """Files, in reading order.
 
 ======================= ========================================================================
-paths, exports          names of new files; states as CSV and GSD
+exports                 names of new files; states as CSV and GSD
 scene_file              a scene in a file
-encoder, recording      frames to ffmpeg; a video recorded on a worker thread
+encoder                 frames to ffmpeg; a video recorded on a worker thread
 files                   everything that a session writes and reads
 config                  a scene described in TOML
 ======================= ========================================================================

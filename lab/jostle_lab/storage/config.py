@@ -6,7 +6,6 @@ proportional to its length, and finding a line that of reading it some ten times
 
 from __future__ import annotations
 
-import importlib
 import re
 import sys
 from bisect import bisect_left
@@ -16,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from jostle_lab.draw.camera import Size
-from jostle_lab.draw.view_options import option_rules
+from jostle_lab.draw.view_options import OPTION_RULES
 from jostle_lab.simulate.settings import (
     RENDERERS,
     RULES,
@@ -37,18 +36,20 @@ from jostle_lab.simulate.validation import (
     whole,
 )
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 LARGEST, SMALLEST = 16_384, 64  # pixels
-DEEPEST = 100  # nested brackets
 MOST_BYTES = 64 << 20  # of a file
-LONGEST = 1_000  # characters of a key or a number
 
 WINDOW_RULES: dict[str, Rule] = {
     "size": each(whole(SMALLEST, LARGEST), "width", "height"),
     "renderer": one_of(*RENDERERS),
 }
-SHOWN_RULES = option_rules(lambda choice: choice.name.lower())
 WINDOW = Fields(WINDOW_RULES, "an entry of [window]", "a table, [window]", required=())
-SHOWN = Fields(SHOWN_RULES, "an entry of [shown]", "a table, [shown]", required=())
+SHOWN = Fields(OPTION_RULES, "an entry of [shown]", "a table, [shown]", required=())
 ENTRIES = Fields({**RULES, "window": WINDOW, "shown": SHOWN}, SETTINGS.what, required=())
 
 
@@ -109,7 +110,7 @@ def _name(key: Key) -> str:
 # ---- TOML ----------------------------------------------------------------------------------------
 
 # Tokens for finding the ends of statements: strings and comments, whose contents are skipped,
-# brackets, = and separators. An open string extends to the end of the text or line, so no text is
+# and brackets. An open string extends to the end of the text or line, so no text is
 # read twice.
 _TOKEN = re.compile(
     r'"""(?:\\.?|[^\\])*?(?:"{3,5}|\Z)'
@@ -117,50 +118,22 @@ _TOKEN = re.compile(
     r'|"(?:\\.|[^"\\\n])*"?'
     r"|'[^'\n]*'?"
     r"|\#[^\n]*"
-    r"|[\[\]{}=,\n]",
+    r"|[\[\]{}\n]",
     re.DOTALL,
 )
 
 
 def _parsed(name: str, text: str) -> dict[str, Any]:
     """Return the entries of a TOML text; raise a ConfigError with the line of an error."""
-    if wrong := _too_much(text):
-        line, why = wrong
-        raise ConfigError(f"{name}, line {line}: {why}")
-    toml = _reader()
     try:
-        entries: dict[str, Any] = toml.loads(text)
-    except toml.TOMLDecodeError as error:
+        entries: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
         raise ConfigError(_syntax(name, text, str(error))) from error
+    except RecursionError as error:
+        raise ConfigError(f"{name}: too many brackets are open") from error
+    except ValueError as error:  # Python reads no integers of thousands of digits
+        raise ConfigError(f"{name}: a number has too many digits") from error
     return entries
-
-
-def _too_much(text: str) -> tuple[int, str] | None:
-    """Return the line and the reason if a text is beyond the limits of TOML's reader.
-
-    It recurses for each bracket, its time is quadratic in the number of parts of a key, and Python
-    does not read integers of thousands of digits.
-    """
-    word, end = 0, 0  # characters outside strings since the last separator
-    for token, line, depth in _tokens(text):
-        word, end = word + token.start() - end, token.end()
-        if depth > DEEPEST:
-            return line, f"more than {DEEPEST} brackets are open"
-        if word > LONGEST:
-            return line, f"a key or a value has more than {LONGEST:,} characters outside quotes"
-        if token[0][0] not in "\"'":
-            word = 0
-    return None
-
-
-def _tokens(text: str) -> Iterator[tuple[re.Match[str], int, int]]:
-    """Yield each token with its line, from 1, and the number of open brackets after it."""
-    line, depth = 1, 0
-    for token in _TOKEN.finditer(text + "\n"):
-        mark = token[0]
-        depth += (mark in "[{") - (mark in "]}")
-        yield token, line, depth
-        line += mark.count("\n")
 
 
 def line_of(text: str, key: Key) -> int:
@@ -168,16 +141,18 @@ def line_of(text: str, key: Key) -> int:
 
     It is the first line of the statement at whose end the text so far contains the key.
     """
-    entries = _reader().loads(text)
+    entries = tomllib.loads(text)
     while not _contains(entries, key):
         key = key[:-1]
     # The end of each statement, blank line or comment, and the line after it.
-    ends = [
-        (token.end(), line + 1)
-        for token, line, depth in _tokens(text)
-        if token[0] == "\n" and not depth
-    ]
-    found = bisect_left(ends, True, key=lambda end: _contains(_reader().loads(text[: end[0]]), key))
+    ends, line, depth = [], 1, 0
+    for token in _TOKEN.finditer(text + "\n"):
+        mark = token[0]
+        line += mark.count("\n")
+        depth += (mark in "[{") - (mark in "]}")
+        if mark == "\n" and not depth:
+            ends.append((token.end(), line))
+    found = bisect_left(ends, True, key=lambda end: _contains(tomllib.loads(text[: end[0]]), key))
     return ends[found - 1][1] if found else 1
 
 
@@ -206,8 +181,3 @@ def _syntax(name: str, text: str, complaint: str) -> str:
     if not line.isdigit():  # "end of document"
         line = str(text.rstrip().count("\n") + 1)
     return f"{name}, line {line}: {reason}"
-
-
-def _reader() -> Any:
-    """Return the module that reads TOML: Python's own from 3.11 on."""
-    return importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")

@@ -8,27 +8,23 @@ from __future__ import annotations
 
 import contextlib
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from jostle.writing import write as write_file
-from jostle_lab.act.messages import Messages
+from jostle_lab.act.interaction import Messages
 from jostle_lab.draw.camera import Camera, Size
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.runner import Runner
-from jostle_lab.simulate.engine import message_of
-from jostle_lab.simulate.frame import Frame
+from jostle_lab.simulate.engine import Worker, message_of
 from jostle_lab.simulate.simulation import Simulation
-from jostle_lab.simulate.worker import Worker
-from jostle_lab.storage.encoder import write_png
-from jostle_lab.storage.exports import write_gsd, write_positions, write_series
-from jostle_lab.storage.paths import new_path, reason_of
-from jostle_lab.storage.recording import Recording
+from jostle_lab.storage.encoder import Recording, write_png
+from jostle_lab.storage.exports import new_path, reason_of, write_gsd, write_positions, write_series
 from jostle_lab.storage.scene_file import SUFFIX, SavedScene, read_scene, scene_bytes
 
 Write = Callable[[Path], object]
@@ -125,43 +121,36 @@ class Files:
 
     # Screenshots and videos
 
-    def screenshot(self, path: Path | None = None, size: Size | None = None) -> None:
-        """Save a screenshot as PNG, at the size of the window unless another is given.
+    def screenshot(self) -> None:
+        """Save a screenshot as PNG, at the size of the window.
 
         With very many particles it is drawn on a worker thread, and without trails.
         """
         frame, options = self._runner.engine.frame, copy.copy(self._view_options)
-        camera = copy.copy(self._camera) if size is None else self._camera.on(size)
-        many = len(frame) > MANY
+        camera, many = copy.copy(self._camera), len(frame) > MANY
 
-        def write(new: Path) -> None:
+        def write(path: Path) -> None:
             painter = SoftwarePainter(camera.size)
-            if size is None and not many:
-                self._runner.draw(painter, options)
-            else:
+            if many:
                 Picture().draw(painter, frame, camera, options)
-            write_png(painter.canvas(), new)
+            else:
+                self._runner.draw(painter, options)
+            write_png(painter.canvas(), path)
 
-        if many:
-            self._export(".png", write, path)
-        else:
-            self._write(".png", write, path)
+        (self._export if many else self._write)(".png", write)
 
     def toggle_recording(self) -> None:
         """Begin a recording, or end it."""
-        if self.recording is None:
-            self.record()
-        else:
+        if self.recording is not None:
             self.recording.stop()
-
-    def record(self, path: Path | None = None) -> None:
+            return
         options = self.options
         size = options.size or self._camera.size
 
-        def begin(new: Path) -> None:
-            self.recording = Recording(new, size, options.seconds)
+        def begin(path: Path) -> None:
+            self.recording = Recording(path, size, options.seconds)
 
-        self._write(options.suffix, begin, path, done="Recording {}")
+        self._write(options.suffix, begin, done="Recording {}")
 
     # Tables and trajectories
 
@@ -185,20 +174,25 @@ class Files:
             history.hold(simulation)
             moments = [(m.time, m.state) for m in history.moments[: history.at + 1] if m.state]
             view, time_step = simulation.view, simulation.time_step
-            frames = _frames(_thinned(moments, 1 / GSD_RATE))
+            states = _thinned(moments, 1 / GSD_RATE)
+            frames = (Simulation.resume(state).frame() for state in states)
             writers.append(lambda path: write_gsd(path, frames, view, time_step))
 
         engine.edit(collect, changes=False, then=lambda: self._export(".gsd", writers[0]))
 
-    def _export(self, suffix: str, write: Write, path: Path | None = None) -> None:
+    def _export(self, suffix: str, write: Write) -> None:
         """Write a file on a worker thread; `follow` shows the result."""
-        self._exports.append(self._exporter.submit(partial(self._written, suffix, write, path)))
+        self._exports.append(self._exporter.submit(partial(self._written, suffix, write)))
 
-    def _write(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> None:
+    def _write(
+        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
+    ) -> None:
         """Write a file, and show its path or an error."""
         self._messages.say(self._written(suffix, write, path, done))
 
-    def _written(self, suffix: str, write: Write, path: Path | None, done: str = "Saved {}") -> str:
+    def _written(
+        self, suffix: str, write: Write, path: Path | None = None, done: str = "Saved {}"
+    ) -> str:
         """Write a file, with a new name unless one is given; return its path or an error."""
         try:
             path = path or new_path(self.folder, self._runner.engine.scene, suffix)
@@ -233,9 +227,3 @@ def _thinned(moments: list[tuple[float, bytes]], spacing: float) -> list[bytes]:
         if not chosen or chosen[-1][0] - moment[0] >= spacing - 1e-9:
             chosen.append(moment)
     return [state for _, state in reversed(chosen)]
-
-
-def _frames(states: list[bytes]) -> Iterator[Frame]:
-    """Yield the frames of states."""
-    for state in states:
-        yield Simulation.resume(state).frame()

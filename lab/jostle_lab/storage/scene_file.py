@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.view_options import ViewOptions, option_rules
-from jostle_lab.simulate.packing import blob, bytes_of, is_of, pack, seal, unpack, unseal
+from jostle_lab.draw.view_options import OPTION_RULES, ViewOptions, spelling
+from jostle_lab.simulate.packing import is_of, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import TRUTH, unknown_scene
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.validation import Fields, each, read, real, whole
@@ -29,7 +29,7 @@ CAMERA = Fields(
         "at_home": TRUTH,
     }
 )
-SHOWN = Fields(option_rules(lambda choice: str(choice.value)), "a switch", required=())
+SHOWN = Fields(OPTION_RULES, "a switch", required=())
 FACTS = Fields({"camera": CAMERA, "shown": SHOWN})
 
 
@@ -55,11 +55,11 @@ def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) ->
     facts = {
         "camera": {name: getattr(camera, name) for name in CAMERA.rules},
         "shown": {
-            name: value.value if isinstance(value, Enum) else value
+            name: spelling(value) if isinstance(value, Enum) else value
             for name, value in asdict(options).items()
         },
     }
-    return seal(pack(KIND, facts, {"state": blob(simulation.save())}))
+    return seal(pack(KIND, facts, simulation.save()))
 
 
 def read_scene(path: Path) -> SavedScene:
@@ -70,9 +70,9 @@ def read_scene(path: Path) -> SavedScene:
     if not is_of(KIND, data):
         raise ValueError(f"{path.name} is not a scene of this version of jostle.")
     try:
-        facts, arrays = unpack(KIND, unseal(data))
+        facts, (state,) = unpack(KIND, unseal(data), 1)
         facts = read(facts, FACTS)
-        simulation = Simulation.resume(bytes_of(arrays, "state"))
+        simulation = Simulation.resume(state)
         if why := unknown_scene(simulation.settings.scene):
             raise ValueError(why)
     except (ValueError, OverflowError) as error:
