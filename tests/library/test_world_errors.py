@@ -81,11 +81,7 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
         "angular_velocities[1] is 1e30; an angular velocity must be finite and lie within ±1e18",
     ),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
-    (
-        lambda w: w.add([(1, 1)], [(0, 0)], 0),
-        ValueError,
-        "radii[0] is 0; its mass, density times",
-    ),
+    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "radii[0] is 0; its mass, density times"),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
     (
         lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0),

@@ -7,13 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from mpi_worlds import (
-    comm,
-    evenly,
-    gas,
-    refuse,
-    scattered,
-)
+from mpi_worlds import comm, evenly, gas, refuse, scattered
 
 import jostle
 import jostle.mpi

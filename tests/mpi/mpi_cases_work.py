@@ -2,13 +2,7 @@
 
 import numpy as np
 from mpi4py import MPI
-from mpi_worlds import (
-    all_on_first,
-    comm,
-    evenly,
-    gas,
-    scattered,
-)
+from mpi_worlds import all_on_first, comm, evenly, gas, scattered
 
 import jostle
 import jostle.mpi
