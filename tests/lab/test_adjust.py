@@ -12,12 +12,7 @@ from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
 from jostle_lab.simulate.start import start
 
-CONTAINERS = [
-    jostle.Box(-10, 0, 90, 50),
-    jostle.Circle((40, 25), 30),
-    jostle.Torus(100, 50),
-    None,
-]
+CONTAINERS = [jostle.Box(-10, 0, 90, 50), jostle.Circle((40, 25), 30), jostle.Torus(100, 50), None]
 
 
 def gas(n: int = 200, **settings) -> Simulation:

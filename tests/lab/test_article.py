@@ -22,10 +22,7 @@ def ball(x: float, y: float = 250.0, **others: Any) -> Particle:
 
 
 def velocity(particle: Particle) -> tuple[float, float]:
-    return (
-        particle.speed * math.sin(particle.angle),
-        -particle.speed * math.cos(particle.angle),
-    )
+    return (particle.speed * math.sin(particle.angle), -particle.speed * math.cos(particle.angle))
 
 
 def state(simulation: Simulation) -> list[tuple[float, ...]]:

@@ -14,23 +14,12 @@ import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import ColourBy, TreeView, ViewOptions
 from jostle_lab.simulate.frame import Attractor
-from jostle_lab.simulate.settings import (
-    RULES,
-    Group,
-    Polyline,
-    Settings,
-)
+from jostle_lab.simulate.settings import RULES, Group, Polyline, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
 from jostle_lab.simulate.validation import rules_of
 from jostle_lab.simulate.wall_segments import clear_of
-from jostle_lab.storage.config import (
-    WINDOW_RULES,
-    Config,
-    ConfigError,
-    line_of,
-    read_config,
-)
+from jostle_lab.storage.config import WINDOW_RULES, Config, ConfigError, line_of, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
 
 if sys.version_info >= (3, 11):
@@ -121,10 +110,7 @@ def test_every_setting_arrives(tmp_path: Path) -> None:
 
 def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
     config = read(tmp_path, "[[particles]]\nradius = 3\nspeed = [1, 2]\n[[particles]]\ncount = 2")
-    assert config.settings.particles == (
-        Group(radius=(3, 3), speed=(1.0, 2.0)),
-        Group(count=2),
-    )
+    assert config.settings.particles == (Group(radius=(3, 3), speed=(1.0, 2.0)), Group(count=2))
 
 
 @pytest.mark.parametrize(

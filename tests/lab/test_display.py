@@ -93,9 +93,7 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
     window.close()
 
 
-def test_software_opengl_is_used_only_when_it_is_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_software_opengl_is_used_only_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     opengl = pytest.importorskip("jostle_lab.draw.opengl")
     try:
         name = Screen(SIZE, "opengl").painter.renderer

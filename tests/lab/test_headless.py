@@ -71,10 +71,7 @@ def test_a_film_takes_ten_seconds() -> None:
 
 def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    with (
-        pytest.raises(KeyboardInterrupt),
-        Encoder(tmp_path / "film.mp4", SIZE) as recorder,
-    ):
+    with pytest.raises(KeyboardInterrupt), Encoder(tmp_path / "film.mp4", SIZE) as recorder:
         for _ in range(3):
             recorder.draw(canvas)
         raise KeyboardInterrupt

@@ -306,12 +306,7 @@ def test_attraction_ends_with_a_particle_that_is_removed() -> None:
 
 # ---- all particles -------------------------------------------------------------------------------
 
-CONTAINERS = [
-    jostle.Box(*VIEW),
-    jostle.Circle((400, 250), 200.0),
-    jostle.Torus(800.0, 500.0),
-    None,
-]
+CONTAINERS = [jostle.Box(*VIEW), jostle.Circle((400, 250), 200.0), jostle.Torus(800.0, 500.0), None]
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=lambda walls: type(walls).__name__)

@@ -42,12 +42,7 @@ def test_the_menu_of_a_particle_tells_its_numbers_as_they_change() -> None:
     driver.click((400, 300), RIGHT)
     driver.session.engine.edit(lambda simulation: simulation.change([1], velocities=(30, 40)))
     facts = numbers(driver.session.interaction.menu, driver.session.frame)
-    assert facts == {
-        "speed": "50.0",
-        "position": "400.0, 300.0",
-        "mass": "100",
-        "radius": "10",
-    }
+    assert facts == {"speed": "50.0", "position": "400.0, 300.0", "mass": "100", "radius": "10"}
     assert title(driver.session.interaction.menu, driver.session.frame) == "particle 1"
 
 

@@ -5,13 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pygame
 import pytest
-from lab_overlays import (
-    SIZE,
-    Notes,
-    camera_of_pixels,
-    frame_of,
-    touching_of,
-)
+from lab_overlays import SIZE, Notes, camera_of_pixels, frame_of, touching_of
 
 import jostle
 from jostle_lab.draw import marks

@@ -14,15 +14,7 @@ from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.discs import MEMORY_LIMIT, Stamps
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.palette import (
-    DISCS,
-    FIXED_SHADE,
-    SHADES,
-    STAGE,
-    WALL,
-    blend,
-    level_colour,
-)
+from jostle_lab.draw.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, blend, level_colour
 from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.draw.tree_overlay import STRONGEST, draw_filled, draw_outline
 from jostle_lab.simulate.frame import Frame

@@ -11,11 +11,7 @@ import pygame
 import pytest
 
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.palette import (
-    DISCS,
-    GROUND,
-    RECORDING,
-)
+from jostle_lab.draw.palette import DISCS, GROUND, RECORDING
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
