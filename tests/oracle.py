@@ -90,8 +90,6 @@ def by_row(pairs: NDArray[Any]) -> NDArray[Any]:
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-# ---- shapes one by one ---------------------------------------------------------------------------
-
 # Small integers, and even more powers of two, touch, coincide and are on the borders of cells.
 _borders = st.one_of(
     st.integers(-8, 8).map(float),
@@ -116,9 +114,6 @@ def few_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) ->
     shape = st.tuples(coordinates, coordinates, sizes, sizes, sizes)
     rows = np.array(draw(st.lists(shape, max_size=40)), np.float64).reshape(-1, 5).astype(dtype)
     return Shapes(rows[:, :2], rows[:, 2], rows[:, 3:] if boxes else None)
-
-
-# ---- many shapes by a seed -----------------------------------------------------------------------
 
 
 def _uniform(rng: np.random.Generator, n: int) -> NDArray[np.float64]:

@@ -147,9 +147,6 @@ def test_a_position_that_is_no_place_is_refused() -> None:
         ours.selfcollide([arcade.SpriteSolidColor(4, 4, float("nan"))])
 
 
-# ---- engines -------------------------------------------------------------------------------------
-
-
 def boxes(*rows: tuple[float, float, float, float]) -> Any:
     """Sprites of some width and height around some centres."""
     made = arcade.SpriteList(lazy=True)

@@ -39,7 +39,6 @@ from jostle.sprites import Near, Radii
 
 theirs = pygame.sprite
 
-# ---- scenes --------------------------------------------------------------------------------------
 
 RECTS = ["ints", "floats", "mixed"]
 
@@ -122,8 +121,6 @@ BUILT_IN: dict[str, Collided] = {
     "circle ratio -1": collide_circle_ratio(-1),
     "prefilter": ours.prefilter(odd, reach=2.5),
 }
-
-# ---- comparisons -------------------------------------------------------------------------------
 
 
 def same_groupcollide(
@@ -271,9 +268,6 @@ def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
         rect.collidelistall(things) for rect in queries
     ]
     assert ours.collide_rect_lists(queries, things) == [[], [0], [1]]
-
-
-# ---- masks and the user's functions -----------------------------------------------------------
 
 
 def with_masks(seed: int, kind: str) -> Scene:
@@ -452,9 +446,6 @@ def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
     assert len(ours.selfcollide(b, shorter)) == 1
 
 
-# ---- kills -------------------------------------------------------------------------------------
-
-
 def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
     """Return sprites that all overlap."""
     sprites = [kind(f"s{row}", Rect(0, 0, 5, 5)) for row in range(count)]
@@ -543,9 +534,6 @@ def test_duplicates_in_lists() -> None:
     x, y = one_place(2)
     assert ours.groupcollide([x, x], [y, x, y], False, False) == {x: [y, x, y]}
     assert ours.selfcollide([x, y, x]) == [(x, y), (x, x), (y, x)]
-
-
-# ---- kinds of rects ----------------------------------------------------------------------------
 
 
 class Plain(Rect):
@@ -703,9 +691,6 @@ def test_radii_of_numpy_are_computed_as_numpy_does() -> None:
             left.radius, right.radius = kind(gap) * kind(0.3), kind(gap) * kind(0.7)
             want = theirs.spritecollide(left, [right], False, collide_circle)
             assert ours.spritecollide(left, [right], False, collide_circle) == want
-
-
-# ---- Group ---------------------------------------------------------------------------------------
 
 
 @given(some_rects, ints | halves | anything)

@@ -28,9 +28,6 @@ SCENES = list(shapes.SCENES)
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 
-# ---- scenes --------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_is_seeded_and_made_of_float32_numbers(scene: str) -> None:
     made, again = shapes.create(scene, 200), shapes.create(scene, 200)
@@ -55,9 +52,6 @@ def test_mixed_has_radii_a_hundred_to_one_and_mostly_small() -> None:
     radii = shapes.create("mixed", 20_000).column()
     assert radii.min() == pytest.approx(1, rel=0.01) and 60 < radii.max() <= 100
     assert np.median(radii) < 2
-
-
-# ---- pairs ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -120,9 +114,6 @@ def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
     small, large = pairs.compare("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
     assert small[0]["rounds"] == 1 and small[0]["median_s"]
     assert large[0]["rounds"] == 0 and large[0]["note"]
-
-
-# ---- steps ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("scene", steps.SCENES)
@@ -222,9 +213,6 @@ def test_a_simulation_that_stands_still_is_not_timed() -> None:
     assert not steps.stands_still(running(moved), start)
 
 
-# ---- held ----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("guess", [100, 10_000, 9_000_000])
 @pytest.mark.parametrize("end", [50, 100, 12_345, 300_000, 10**9])
 def test_the_search_finds_the_end_of_what_holds(end: int, guess: int) -> None:
@@ -242,9 +230,6 @@ def test_the_search_finds_the_end_of_what_holds(end: int, guess: int) -> None:
 def test_the_ladder_rises_by_a_tenth_or_so() -> None:
     ratios = np.divide(held.LADDER[1:], held.LADDER[:-1])
     assert ratios.min() > 1.05 and ratios.max() < 1.2
-
-
-# ---- timing and files ----------------------------------------------------------------------------
 
 
 def test_rounds_are_interleaved() -> None:
@@ -279,9 +264,6 @@ def test_results_grow_row_by_row_and_say_on_what(tmp_path: Path) -> None:
 
 def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
-
-
-# ---- the programs --------------------------------------------------------------------------------
 
 
 def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
@@ -384,9 +366,6 @@ def test_a_summary_has_times_per_shape_and_ratios_to_the_first_row() -> None:
         ["10 (×1)", "200 (×20)"],
         ["20 (×1)", "–"],
     ]
-
-
-# ---- the defaults --------------------------------------------------------------------------------
 
 
 def test_a_ratio_has_the_confidence_interval_of_its_median() -> None:

@@ -28,9 +28,6 @@ def is_inside(simulation: Simulation) -> bool:
     return bool(np.allclose(moved_inside(places, radii, frame.container), places, atol=1e-3))
 
 
-# ---- the number of particles ---------------------------------------------------------------------
-
-
 def test_more_particles_are_copies_that_touch_nothing() -> None:
     simulation = gas(200, world_size=1.5)
     before = simulation.frame()
@@ -112,9 +109,6 @@ def test_a_session_begins_anew_where_there_is_no_room() -> None:
     assert len(session.frame) == session.settings.n == 2_000
     assert session.frame.stats.time == 0 and "begins anew" in session.message
     session.close()
-
-
-# ---- walls ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=str)
@@ -210,9 +204,6 @@ def test_the_camera_shows_the_world_that_has_grown() -> None:
     session.advance(0.0)
     assert session.camera.scale == zoomed  # who looks closely goes on looking there
     session.close()
-
-
-# ---- rules ---------------------------------------------------------------------------------------
 
 
 def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:

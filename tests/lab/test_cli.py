@@ -175,8 +175,6 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
     assert (tmp_path / "gas.mp4").exists()
 
 
-# ---- a scene in a file ---------------------------------------------------------------------------
-
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
 
 

@@ -59,9 +59,6 @@ def picture_of(painter) -> np.ndarray:
     return pygame.surfarray.array3d(painter.canvas()).astype(int)
 
 
-# ---- the choice ----------------------------------------------------------------------------------
-
-
 @pytest.mark.skipif(
     os.environ.get("CI") != "true" or sys.platform != "linux",
     reason="without CI=true a machine need not have OpenGL",
@@ -151,9 +148,6 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
     assert built and built[0] == (window.session, window.gui)
 
 
-# ---- failures ------------------------------------------------------------------------------------
-
-
 def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window) -> None:
     moderngl = pytest.importorskip("moderngl")
     window = open_window(renderer="opengl")
@@ -187,9 +181,6 @@ def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
     window.painter.show = wrong
     with pytest.raises(pygame.error, match="wrong"):
         window.frame(FRAME)
-
-
-# ---- hidden, dense, slow -------------------------------------------------------------------------
 
 
 def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> None:
@@ -313,8 +304,6 @@ def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) ->
     window.frame(FRAME)
     assert picture_of(window.painter).std() > 1
 
-
-# ---- drawing changes nothing ---------------------------------------------------------------------
 
 EVERYTHING = ViewOptions(
     tree=TreeView.OUTLINE, contacts=True, forces=True, velocities=True, trails=True, labels=True

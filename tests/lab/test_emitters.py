@@ -121,9 +121,6 @@ def test_a_long_step_emits_no_more_than_the_cap() -> None:
     assert emitters.emitted > 10 * N
 
 
-# ---- random numbers -----------------------------------------------------------------------------
-
-
 def test_points_are_spread_evenly_over_a_disc() -> None:
     points = in_disc(np.random.default_rng(1).random((40_000, TRIES, 2)))
     distances = np.sqrt((points**2).sum(axis=1))

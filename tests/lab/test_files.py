@@ -44,9 +44,6 @@ def wait(session: Session) -> None:
     session.advance(0.0)
 
 
-# ---- states --------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
 def test_a_state_goes_on_to_the_bit(settings: Settings) -> None:
     simulation = start(settings)
@@ -134,9 +131,6 @@ def test_a_state_with_a_wrong_value_leaves_a_simulation_as_it_was(changes: dict)
     assert simulation.save() == before
 
 
-# ---- packing -------------------------------------------------------------------------------------
-
-
 def test_what_is_packed_comes_back() -> None:
     arrays = {
         "a": np.arange(6, dtype=">f4").reshape(2, 3),
@@ -166,9 +160,6 @@ def test_objects_are_not_read() -> None:
     bad = pack("thing", {}, {"a": np.arange(3)}).replace(b'"<i8"', b'"|O8"')
     with pytest.raises(ValueError, match="it is cut off or damaged"):
         unpack("thing", bad)
-
-
-# ---- scene files ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
@@ -265,9 +256,6 @@ def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:
     assert path.parent == tmp_path and path.name.startswith("-a-b-c-")
 
 
-# ---- pictures ------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("size", [None, (333, 211)])
 def test_a_screenshot_is_the_picture(session: Session, size) -> None:
     session.files.screenshot(size=size)
@@ -275,9 +263,6 @@ def test_a_screenshot_is_the_picture(session: Session, size) -> None:
     picture = pygame.image.load(path)
     assert picture.get_size() == (size or (640, 360))
     assert len(np.unique(pygame.surfarray.array2d(picture))) > 30
-
-
-# ---- tables --------------------------------------------------------------------------------------
 
 
 def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None:

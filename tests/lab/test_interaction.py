@@ -25,9 +25,6 @@ def closed() -> Iterator[None]:
     pygame.display.quit()
 
 
-# ---- dragging ------------------------------------------------------------------------------------
-
-
 def test_a_held_particle_that_vanishes_is_dropped() -> None:
     driver = Driver(world_of([(200, 250), (600, 250)]))
     driver.down((200, 250))
@@ -84,9 +81,6 @@ def test_in_a_pause_a_held_particle_is_moved_to_the_cursor() -> None:
     assert driver.world.velocities[0].tolist() == [0, 0] and driver.world.time == 0
 
 
-# ---- Space ---------------------------------------------------------------------------------------
-
-
 def test_space_attracts_all_by_distance_and_stops_on_release() -> None:
     driver = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
     still = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
@@ -124,9 +118,6 @@ def test_space_ends_when_the_window_loses_the_keys() -> None:
     pygame.event.post(pygame.event.Event(pygame.WINDOWFOCUSLOST))
     driver.frames(1)
     assert not driver.session.frame.attractors
-
-
-# ---- adding, copying, removing -------------------------------------------------------------------
 
 
 def test_a_adds_a_particle_of_the_usual_size_at_the_cursor() -> None:
@@ -304,8 +295,6 @@ def test_attraction_ends_with_a_particle_that_is_removed() -> None:
     assert simulation.frame().attractors == () and simulation.world.forces == ()
 
 
-# ---- all particles -------------------------------------------------------------------------------
-
 CONTAINERS = [jostle.Box(*VIEW), jostle.Circle((400, 250), 200.0), jostle.Torus(800.0, 500.0), None]
 
 
@@ -340,9 +329,6 @@ def test_scramble_and_randomise_go_on_in_every_scene(scene: str) -> None:
     assert np.hypot(*frame.velocities[frame.movable].T).max() > 0
     driver.frames(10)
     assert np.isfinite(driver.session.frame.positions).all() and not driver.session.runner.paused
-
-
-# ---- gravity and time ----------------------------------------------------------------------------
 
 
 def test_the_keys_of_gravity() -> None:
@@ -392,9 +378,6 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
     assert driver.session.engine.scene == "gas"
 
 
-# ---- very many -----------------------------------------------------------------------------------
-
-
 def test_edits_are_made_on_the_worker_thread() -> None:
     driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
     driver.session.runner.paused = True
@@ -421,9 +404,6 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
         time.sleep(0.001)
     driver.frames(1)
     assert len(driver.session.frame) == 1
-
-
-# ---- no limit of time ----------------------------------------------------------------------------
 
 
 def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused() -> None:

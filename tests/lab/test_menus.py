@@ -33,9 +33,6 @@ def choose(driver: Driver, name: str, point: tuple[float, float]) -> None:
     line.command()
 
 
-# ---- on a particle -------------------------------------------------------------------------------
-
-
 def test_the_menu_of_a_particle_tells_its_numbers_as_they_change() -> None:
     driver = Driver(world_of(TWO))
     driver.session.runner.paused = True
@@ -131,9 +128,6 @@ def test_the_menu_ends_with_its_particle() -> None:
     assert numbers(driver.session.interaction.menu, driver.session.frame) == {}
 
 
-# ---- on the ground -------------------------------------------------------------------------------
-
-
 def test_create_and_attract_here() -> None:
     driver = Driver(world_of(TWO))
     driver.session.runner.paused = True
@@ -168,9 +162,6 @@ def test_clear_walls_scramble_and_randomise_are_offered() -> None:
     assert (driver.session.frame.positions != before).any()
     choose(driver, "randomise", (driver.session.camera.to_world((5, 5))))
     assert np.abs(driver.session.frame.velocities).max() > 0
-
-
-# ---- shown by ImGui ------------------------------------------------------------------------------
 
 
 @pytest.fixture

@@ -30,9 +30,6 @@ def pixels(painter: SoftwarePainter) -> np.ndarray:
     return pygame.surfarray.array3d(painter.canvas()).astype(int)
 
 
-# ---- the tree ------------------------------------------------------------------------------------
-
-
 def test_heat_is_warmer_where_leaves_are_fuller() -> None:
     boxes = [(20, 20, 60, 60), (60, 20, 100, 60), (20, 60, 60, 100)]
     painter = SoftwarePainter(SIZE)
@@ -66,9 +63,6 @@ def test_a_translucent_edge_lets_the_disc_below_show_through() -> None:
     painter.lines(np.array([[10.0, 50, 200, 50]]), np.array([[0, 0, 255, 128]], np.uint8))
     red, _, blue = painter.canvas().get_at((100, 50))[:3]
     assert 80 < red < 120 and 120 < blue < 160
-
-
-# ---- contacts and velocities ---------------------------------------------------------------------
 
 
 def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
@@ -205,9 +199,6 @@ def test_the_few_stay_the_same_when_others_go() -> None:
     assert len(subset(np.arange(5), 100)) == 5
 
 
-# ---- springs, attractors, walls ------------------------------------------------------------------
-
-
 def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
     springs = np.array([(0, 1), (1, 2)], np.int64)
     places = [(10, 50), (40, 50), (300, 50)]
@@ -251,9 +242,6 @@ def test_walls_are_asked_for_again_when_they_have_moved() -> None:
         notes = Notes()
         draw_wall_discs(notes, frame, camera)
         assert len(notes.lines_drawn()) == count
-
-
-# ---- trails --------------------------------------------------------------------------------------
 
 
 def walk(path: Trails, steps: int, *, tags=(0, 1), begin: int = 0) -> Notes:
@@ -313,9 +301,6 @@ def test_going_back_in_time_begins_trails_anew() -> None:
     walk(path, 30)
     notes = walk(path, 1)
     assert all(x0 == x1 for x0, _, x1, _ in notes.lines_drawn())
-
-
-# ---- labels and cards ----------------------------------------------------------------------------
 
 
 def test_labels_stand_on_discs_that_are_large_enough() -> None:

@@ -100,9 +100,6 @@ def desk() -> Iterator:
         each.gui.close()
 
 
-# ---- sliders -------------------------------------------------------------------------------------
-
-
 def test_gravity_follows_the_slider_while_it_is_held(desk) -> None:
     here = desk()
     assert here.world.gravity == (0.0, 0.0)
@@ -214,9 +211,6 @@ def test_time_scale_and_threads_reach_the_settings(desk) -> None:
     assert here.world.threads == 1
 
 
-# ---- the collision filter ------------------------------------------------------------------------
-
-
 def test_new_particles_have_the_filter_of_the_panel(desk) -> None:
     here = desk("gas", 200, (1600, 1600))
     for mark in ("category 0", "category 3", "collides with 0"):
@@ -243,9 +237,6 @@ def test_a_click_changes_one_bit_of_all_selected_particles(desk) -> None:
     commands.clone(here.session.frame.tags[[5]])
     here.frame(2)
     assert (here.world.categories[-1], here.world.masks[-1]) == (1 << 20, 2**32 - 129)
-
-
-# ---- scenes, transport, method -------------------------------------------------------------------
 
 
 def test_a_click_on_a_scene_begins_it(desk) -> None:
@@ -337,9 +328,6 @@ def test_sleeping_can_be_turned_off(desk) -> None:
     assert here.session.engine.effective_settings.sleeping is False
 
 
-# ---- looks and statistics ------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("switch", ["contacts", "forces", "velocities", "trails", "labels"])
 def test_each_switch_of_what_is_shown(desk, switch) -> None:
     here = desk()
@@ -396,9 +384,6 @@ def test_sections_fold(desk) -> None:
     here.gui.marks.clear()
     here.frame()
     assert "brute" not in here.gui.marks and "tree" in here.gui.marks
-
-
-# ---- room ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [(640, 360), (960, 540), (1280, 720), (1920, 1080), (3840, 2160)])
@@ -458,9 +443,6 @@ def test_a_still_session_has_still_panels(desk) -> None:
     first = pygame.surfarray.array3d(here.painter.canvas())[:290]
     here.frame(5)
     assert (pygame.surfarray.array3d(here.painter.canvas())[:290] == first).mean() > 0.999
-
-
-# ---- the past, and files -------------------------------------------------------------------------
 
 
 def test_the_slider_goes_through_the_last_half_minute(desk) -> None:

@@ -66,9 +66,6 @@ def finish(session: Session) -> Recording:
     return film
 
 
-# ---- the encoder ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("suffix", [".mp4", ".gif"])
 @pytest.mark.parametrize("size", [(64, 48), (65, 48), (64, 49), (65, 49), (3, 5)])
 def test_films_of_any_size(tmp_path: Path, suffix: str, size: tuple[int, int]) -> None:
@@ -99,9 +96,6 @@ def test_another_suffix_is_refused(tmp_path: Path) -> None:
 def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"(?i)no such file"):
         Encoder(tmp_path / "missing" / "film.mp4", SIZE, 30)
-
-
-# ---- a session's films ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("suffix", "rate"), [(".mp4", 30), (".gif", 25)])

@@ -94,9 +94,6 @@ def test_other_scenes_have_no_extras_and_none_needs_particles() -> None:
         assert extras.draw_above(notes, frame_of([], scene=scene), camera_of_pixels()) == []
 
 
-# ---- what goes with the steps --------------------------------------------------------------------
-
-
 def test_emitters_add_drops_up_to_their_cap_and_the_oldest_go() -> None:
     simulation = start(Settings("emitters", 120))
     fixed = int((~simulation.frame().movable).sum())

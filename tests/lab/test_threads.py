@@ -53,9 +53,6 @@ def settled(driver: Driver) -> None:
     driver.session.engine.wait()
 
 
-# ---- dragging during a step ----------------------------------------------------------------------
-
-
 def test_a_throw_has_the_speed_of_its_release_and_the_next_grab_holds() -> None:
     driver = Driver(world_of(TWO), synchronous=False)
     release = held_up(driver)
@@ -109,9 +106,6 @@ def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
     assert len(moved) == 1
     assert driver.world.positions[0] == pytest.approx((260, 250), abs=2)
     driver.window.close()
-
-
-# ---- refusals ------------------------------------------------------------------------------------
 
 
 def refusing(driver: Driver) -> Simulation:
@@ -177,9 +171,6 @@ def test_a_run_without_a_window_hears_of_a_refusal() -> None:
             engine.step()
 
 
-# ---- closing -------------------------------------------------------------------------------------
-
-
 def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     driver = Driver(world_of(TWO))
     closed: list[str] = []
@@ -201,9 +192,6 @@ def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     with pytest.raises(RuntimeError, match="lost"):
         driver.window.close()
     assert closed == ["files", "engine", "background", "screen"]
-
-
-# ---- edits that are shown later ------------------------------------------------------------------
 
 
 def test_drift_begins_again_when_the_new_gravity_is_there() -> None:
@@ -259,9 +247,6 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
     session.engine.wait()
     assert asked == [17] and len(session.frame) == 17
     driver.window.close()
-
-
-# ---- another simulation --------------------------------------------------------------------------
 
 
 def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch) -> None:
@@ -347,9 +332,6 @@ def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> No
     assert session.engine.steps == 0 and session.frame.stats.time == 0
     assert len(session.runner.history.moments) == 1 < len(history.moments)
     driver.window.close()
-
-
-# ---- a window on very many -----------------------------------------------------------------------
 
 
 def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_path) -> None:

@@ -29,9 +29,6 @@ def closed() -> Iterator[None]:
     pygame.display.quit()
 
 
-# ---- selecting -----------------------------------------------------------------------------------
-
-
 def test_a_box_selects_what_lies_in_it() -> None:
     driver = Driver(world_of(FOUR))
     driver.drag((50, 50), (250, 350))
@@ -81,9 +78,6 @@ def test_the_rubber_band_and_the_rings_are_drawn() -> None:
     x, y = driver.pixel((100, 100))
     around = pygame.surfarray.array3d(painter.canvas())[x - 30 : x + 30, y - 30 : y + 30]
     assert around.any() and not around[28:32, 28:32].any()
-
-
-# ---- walls ---------------------------------------------------------------------------------------
 
 
 def test_a_wall_that_is_drawn_stops_a_ball() -> None:
@@ -240,9 +234,6 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     assert not driver.session.open
 
 
-# ---- attractors ----------------------------------------------------------------------------------
-
-
 def test_a_click_places_an_attractor_and_another_takes_it_away() -> None:
     driver = Driver(world_of([(300, 250)]))
     driver.key(pygame.K_3)
@@ -262,9 +253,6 @@ def test_dragging_an_attractor_sets_its_strength() -> None:
     driver.drag((200, 250), (500, 250))
     weak, strong = (pull.strength for pull in driver.session.frame.attractors)
     assert 0 < weak < STRENGTH < strong
-
-
-# ---- the picture ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("button", [MIDDLE, RIGHT])

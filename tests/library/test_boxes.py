@@ -22,9 +22,6 @@ def by_row(pairs: NDArray[Any]) -> list[list[int]]:
     return sorted(pairs.tolist())
 
 
-# ---- oracles -------------------------------------------------------------------------------------
-
-
 def exact_pairs(boxes: NDArray[Any]) -> list[list[int]]:
     """Pairs of rows whose open interiors overlap, by comparing exact fractions."""
     rows = [[Fraction(float(v)) for v in row] for row in boxes]
@@ -96,8 +93,6 @@ def along_ray(
     return np.where(inside, 0, far).astype(boxes.dtype)
 
 
-# ---- boxes of every kind -------------------------------------------------------------------------
-
 _borders = st.integers(-8, 8).map(float)
 _any = st.one_of(
     _borders,
@@ -123,9 +118,6 @@ def tiles(dtype: Any) -> NDArray[Any]:
     edges = np.concatenate([low, high[-1:]]).astype(dtype)
     x, y = (part.ravel() for part in np.meshgrid(np.arange(30), np.arange(30)))
     return np.stack([edges[x], edges[y], edges[x + 1], edges[y + 1]], axis=1)
-
-
-# ---- pairs ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -246,8 +238,6 @@ def test_trees_of_boxes_hold_their_invariants_at_any_size(dtype: Any) -> None:
     assert (mixed.nodes().boxes == tree.nodes().boxes).all()
 
 
-# ---- queries -------------------------------------------------------------------------------------
-
 # The formulas below would lose numbers whose squares underflow; `test_ranges.py` tests those.
 _decimals = st.floats(-10, 10, width=32).map(lambda x: x if abs(x) > 1e-12 else 0.0)
 _near = st.one_of(_borders, st.integers(-9, 9).map(lambda k: k * 0.1), _decimals)
@@ -341,9 +331,6 @@ def test_rays_hit_the_sides_of_boxes_exactly() -> None:
     assert walls.nearest((0, 0)).distances.tolist() == [0.3]
 
 
-# ---- pygame's rectangles -------------------------------------------------------------------------
-
-
 def overlap_by_sides(a: Any, b: Any) -> bool:
     """Whether two rects overlap; pygame rounds the sides of an FRect to float32."""
     return (a.left < b.right and b.left < a.right) and (a.top < b.bottom and b.top < a.bottom)
@@ -397,9 +384,6 @@ def test_a_rect_among_rows_is_read_by_its_sides_too() -> None:
     assert space.boxes().tolist() == [[0, 0, 2, 2], [1, 1, 2, 2], [5, 5, 7, 7]]
     hits = jostle.Quadtree(boxes=rows).query_rect(rows)
     assert [ids.tolist() for ids in hits.lists()] == [[0, 1], [0, 1], [2]]
-
-
-# ---- boxes of a space ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -479,9 +463,6 @@ def test_no_boxes_are_no_shapes() -> None:
         assert jostle.Space().add(boxes=none).shape == (0,)
 
 
-# ---- precision -----------------------------------------------------------------------------------
-
-
 def test_float32_boxes_are_compared_in_float32() -> None:
     a, b = np.float32(0.1), np.float32(np.nextafter(np.float32(0.1), np.float32(1)))
     rows = np.array([(0, 0, b, 1), (a, 0, 1, 1)], np.float32)
@@ -490,8 +471,6 @@ def test_float32_boxes_are_compared_in_float32() -> None:
     assert "float64" in repr(jostle.Quadtree(boxes=rows.tolist()))
     assert "float64" in repr(jostle.Quadtree(boxes=rows, radii=np.zeros(2)))
 
-
-# ---- refusals ------------------------------------------------------------------------------------
 
 ONE = [(0, 0, 1, 1)]
 WRONG = [

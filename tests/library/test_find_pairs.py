@@ -26,9 +26,6 @@ def discs(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
     return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)
 
 
-# ---- the answer ----------------------------------------------------------------------------------
-
-
 @given(any_shapes(), st.sampled_from(METHODS))
 def test_equals_brute_force_in_numpy(shapes: Shapes, method: Any) -> None:
     expected = pairs_within(shapes)
@@ -109,8 +106,6 @@ def test_rectangles_overlap_by_their_insides() -> None:
     flat = [(0, 0), (1, 0)]  # on the same line, so neither has an interior
     assert len(jostle.find_pairs(flat, half_sizes=(5, 0))) == 0
 
-
-# ---- arguments ----------------------------------------------------------------------------------
 
 POINTS = np.array([(0, 0), (3, 0), (4, 0), (4, 1), (-7, 2)])
 EXPECTED = [[1, 2], [1, 3], [2, 3]]
@@ -200,8 +195,6 @@ def test_the_input_stays_as_it_was() -> None:
     np.testing.assert_array_equal(centers, before[0])
     np.testing.assert_array_equal(radii, before[1])
 
-
-# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 WRONG_VALUES = [
@@ -310,9 +303,6 @@ def test_max_pairs_is_exact(method: Any, threads: int, n: int) -> None:
 
 def test_no_pairs_need_no_room() -> None:
     assert jostle.find_pairs([(0, 0), (9, 9)], 1.0, max_pairs=0).shape == (0, 2)
-
-
-# ---- behaviour ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("method", ["brute", "quadtree"])

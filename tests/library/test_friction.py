@@ -22,9 +22,6 @@ def wrapped(angles: Floats) -> Floats:
     return inside
 
 
-# ---- columns -------------------------------------------------------------------------------------
-
-
 def test_friction_and_rotation_are_columns() -> None:
     world = jostle.World(
         [(0, 0), (9, 0), (18, 0)],
@@ -65,9 +62,6 @@ def test_slow_rotation_is_not_lost() -> None:
     np.testing.assert_allclose(world.angles, 3.0001, atol=3e-7)
 
 
-# ---- bounces -------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("box", [False, True])
 @pytest.mark.parametrize("restitution", [1.0, 0.8])
 @pytest.mark.parametrize("friction", [0.1, 0.7])
@@ -104,9 +98,6 @@ def test_a_ball_thrown_along_a_floor_begins_to_roll(steps: int) -> None:
     np.testing.assert_allclose(world.velocities[0, 0], 2, rtol=1e-5)
     np.testing.assert_allclose(world.angular_velocities, -2, rtol=1e-5)
     assert world.positions[0, 1] > 1
-
-
-# ---- resting contacts ----------------------------------------------------------------------------
 
 
 def on_an_incline(angle: float, friction: float, speed: float = 0.0) -> jostle.World:
@@ -149,9 +140,6 @@ def test_a_pile_with_friction_comes_to_rest(friction: float) -> None:
     contacts = world.contacts
     smaller = world.radii[contacts.pairs].min(axis=1)
     assert (contacts.depths / smaller).max() <= 0.01
-
-
-# ---- impulses ------------------------------------------------------------------------------------
 
 
 def test_impulses_of_a_bounce() -> None:

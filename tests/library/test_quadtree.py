@@ -42,9 +42,6 @@ def work_of(centers: Any, radii: Any = 0.5, **settings: Any) -> int:
     return tree.stats.tests
 
 
-# ---- pairs ---------------------------------------------------------------------------------------
-
-
 @given(any_shapes(), capacities, depths)
 def test_equals_brute_force_in_numpy(shapes: Shapes, leaf_capacity: int, max_depth: int) -> None:
     tree = jostle.Quadtree(*shapes, leaf_capacity=leaf_capacity, max_depth=max_depth)
@@ -150,8 +147,6 @@ def test_length_and_representation() -> None:
     assert repr(tree) == "<jostle.Quadtree of 3 shapes, float32>"
 
 
-# ---- filters -------------------------------------------------------------------------------------
-
 bits = st.integers(0, 7) | st.sampled_from([ALL_BITS, ALL_BITS - 1, 1 << 31])
 
 
@@ -203,9 +198,6 @@ def test_any_integers_are_bits(dtype: str) -> None:
     assert tree.pairs(sort=True).tolist() == [[0, 1]]
     tree = jostle.Quadtree(np.zeros((3, 2)), 1.0, masks=np.repeat(masks, 2)[::2])
     assert tree.pairs(sort=True).tolist() == [[1, 2]]
-
-
-# ---- contacts ------------------------------------------------------------------------------------
 
 
 def moved(shapes: Shapes, pairs: NDArray[Any], by: NDArray[Any]) -> tuple[Shapes, Shapes]:
@@ -270,8 +262,6 @@ def test_contacts_are_a_named_tuple() -> None:
     assert contacts.depths.tolist() == [0.5]
 
 
-# ---- precision -----------------------------------------------------------------------------------
-
 SINGLE, DOUBLE = np.zeros((2, 2), "f4"), np.zeros((2, 2), "f8")
 
 
@@ -300,9 +290,6 @@ SINGLE, DOUBLE = np.zeros((2, 2), "f4"), np.zeros((2, 2), "f8")
 )
 def test_float32_only_if_every_array_is(arguments: tuple[Any, ...], dtype: str) -> None:
     assert jostle.Quadtree(*arguments).contacts().depths.dtype == dtype
-
-
-# ---- boxes ---------------------------------------------------------------------------------------
 
 
 def holds_one_place(shapes: Shapes, box: Any, count: int) -> bool:
@@ -379,9 +366,6 @@ def test_max_depth_allows_so_many_subdivisions(max_depth: int, centers: Any) -> 
     assert tree.stats.nodes <= (4 ** (max_depth + 1) - 1) // 3
 
 
-# ---- number of tests -----------------------------------------------------------------------------
-
-
 def test_stats_are_of_the_last_call() -> None:
     tree = jostle.Quadtree(uniform(1000), 0.5)
     nodes = tree.nodes()
@@ -439,8 +423,6 @@ def test_ever_smaller_steps_do_not_blow_up() -> None:
     assert tree.stats.depth <= 1070
     assert tree.stats.nodes < 3 * 1070
 
-
-# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 BITS = "it must be a set of 32 bits: between 0 and 4294967295, or a negative"

@@ -74,9 +74,6 @@ def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.b
         np.testing.assert_array_equal(one(q), ids)
 
 
-# ---- regions -------------------------------------------------------------------------------------
-
-
 @given(searches(), st.lists(st.tuples(sizes, sizes), min_size=6, max_size=6))
 def test_query_rect(search: Any, spans: Any) -> None:
     shapes, categories, mask, points, tree = search
@@ -142,9 +139,6 @@ def test_an_axis_parallel_polygon_is_a_rectangle() -> None:
         np.testing.assert_array_equal(tree.query_polygon(corners), expected)
 
 
-# ---- neighbours ----------------------------------------------------------------------------------
-
-
 @given(searches(), st.integers(1, 12), sizes | st.just(np.inf))
 def test_nearest(search: Any, k: int, max_distance: float) -> None:
     shapes, categories, mask, points, tree = search
@@ -171,9 +165,6 @@ def test_nearest_equals_scipy() -> None:
     found = jostle.Quadtree(points).nearest(queries, 8)
     np.testing.assert_array_equal(found.ids, ids)
     np.testing.assert_allclose(found.distances, far, rtol=1e-12)
-
-
-# ---- rays ----------------------------------------------------------------------------------------
 
 
 @given(
@@ -241,9 +232,6 @@ def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:
         tree.pairs(mask=1, max_pairs=189)
 
 
-# ---- pairs with a mask ---------------------------------------------------------------------------
-
-
 @given(any_shapes(), capacities, st.sampled_from([1, 2, 6]))
 def test_pairs_of_some_categories(shapes: Shapes, capacity: int, mask: int) -> None:
     n = len(shapes.radii)
@@ -256,9 +244,6 @@ def test_pairs_of_some_categories(shapes: Shapes, capacity: int, mask: int) -> N
     np.testing.assert_array_equal(tree.pairs(sort=True, mask=mask), expected)
     other = tree.pairs(tree, sort=True, mask=mask)
     np.testing.assert_array_equal(other[other[:, 0] < other[:, 1]], expected)
-
-
-# ---- many queries --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -305,8 +290,6 @@ def test_work_grows_slowly() -> None:
     assert many[0] < 3 * few[0] + 400 and many[1] < 3 * few[1] + 400
     assert many[2] < 30 * few[2]
 
-
-# ---- errors --------------------------------------------------------------------------------------
 
 TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
 

@@ -20,7 +20,6 @@ import jostle
 
 Pair = tuple[int, int]
 
-# ---- long runs of every call against a model -----------------------------------------------------
 
 coordinates = st.integers(-6, 6).map(float) | st.floats(-10, 10, width=32) | st.just(1e30)
 sizes = st.sampled_from([0.0, 0.5, 1.0, 2.0, 50.0]) | st.floats(2**-59, 3, width=32)
@@ -251,9 +250,6 @@ class LivingSpace(RuleBasedStateMachine):
 
 LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50, deadline=None)
 TestLivingSpace = LivingSpace.TestCase
-
-
-# ---- sentences of the documentation --------------------------------------------------------------
 
 
 def uniform(n: int, seed: int = 0) -> NDArray[np.float64]:

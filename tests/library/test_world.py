@@ -17,8 +17,6 @@ from worlds import COLUMNS, NEW, SETTINGS, gas, three
 
 import jostle
 
-# ---- settings ------------------------------------------------------------------------------------
-
 
 def test_settings_and_their_defaults() -> None:
     world = three()
@@ -44,9 +42,6 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
 
 def test_gravity_may_be_an_array() -> None:
     assert three(gravity=np.array([1, 2])).gravity == (1, 2)
-
-
-# ---- a step --------------------------------------------------------------------------------------
 
 
 def test_time_passes() -> None:
@@ -128,9 +123,6 @@ def test_the_hash_is_of_the_state() -> None:
         assert other.state_hash() != world.state_hash()
 
 
-# ---- touching ------------------------------------------------------------------------------------
-
-
 def test_ids_are_followed_through_long_calls() -> None:
     world = gas(3000, on_touch="merge")
     masses = world.masses
@@ -153,9 +145,6 @@ def test_what_touches_may_be_ignored() -> None:
     np.testing.assert_allclose(depths, [1], rtol=1e-5)
     world.step(0.1, steps=10)
     np.testing.assert_allclose(world.positions[:, 0], [2, 1], rtol=1e-5)
-
-
-# ---- threads -------------------------------------------------------------------------------------
 
 
 def test_other_threads_see_the_world_between_steps() -> None:
@@ -185,9 +174,6 @@ def test_a_long_call_can_be_interrupted() -> None:
     assert reaction_to_ctrl_c(lambda: world.step(1 / 60, steps=10**7)) < 1
     assert world.time > 0
     world.step(1 / 60)  # and it is still usable
-
-
-# ---- other results -------------------------------------------------------------------------------
 
 
 def test_representation() -> None:

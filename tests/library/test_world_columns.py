@@ -11,8 +11,6 @@ from worlds import COLUMNS, NEW, columns, gas, three
 
 import jostle
 
-# ---- columns -------------------------------------------------------------------------------------
-
 
 def test_columns_are_float32_in_the_order_of_adding() -> None:
     world = three()

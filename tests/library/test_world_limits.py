@@ -27,9 +27,6 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-# ---- numbers out of range ------------------------------------------------------------------------
-
-
 def overflowing() -> jostle.World:
     return jostle.World(
         [(0, 0), (3, 0), (6, 0)],
@@ -164,9 +161,6 @@ def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
         again = jostle.World.restore(world.snapshot())
         assert again.snapshot() == world.snapshot()
         assert again.state_hash() == world.state_hash()
-
-
-# ---- Ctrl-C --------------------------------------------------------------------------------------
 
 
 def long_step() -> tuple[jostle.World, float]:

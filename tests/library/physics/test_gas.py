@@ -62,9 +62,6 @@ def melted(n: int, eta: float, seed: int) -> tuple[jostle.World, jostle.Torus]:
     return gas, period
 
 
-# ---- pressure ------------------------------------------------------------------------------------
-
-
 WALL_MASS = 1e9
 
 
@@ -186,9 +183,6 @@ def test_pressure_on_walls_is_within_one_percent_of_henderson(eta: float, time: 
     assert np.mean(found) == pytest.approx(1, abs=0.01)
 
 
-# ---- collisions ----------------------------------------------------------------------------------
-
-
 def rate_over_enskog(eta: float, dt: float, collisions: float, seed: int) -> float:
     """Count about so many collisions; return the rate over Enskog's."""
     n = 2000
@@ -244,9 +238,6 @@ def test_the_discs_that_collide_in_a_long_step_are_those_of_the_reference() -> N
     assert (collided == (expected.collisions > 0)).mean() >= 0.99
 
 
-# ---- velocities ----------------------------------------------------------------------------------
-
-
 def distance_from_exponential(energies: Floats) -> float:
     """Return the Kolmogorov-Smirnov distance of n energies from their distribution, times √n.
 
@@ -288,8 +279,6 @@ def test_velocities_become_maxwellian(dt: float) -> None:
         assert distance_from_exponential(energies) < 1.95
         assert energies.mean() == pytest.approx(1, abs=0.08)
 
-
-# ---- gravity -------------------------------------------------------------------------------------
 
 SCALE_HEIGHT = 30.0
 
@@ -333,9 +322,6 @@ def test_density_falls_by_the_barometric_law(dt: float) -> None:
     assert slope_over_barometric(dt, seed=6) == pytest.approx(1, abs=0.09)
 
 
-# ---- conservation --------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("walls", ["none", "torus"])
 @pytest.mark.parametrize("dt", [1.0, LONG, 10.0])
 def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
@@ -361,9 +347,6 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
         np.testing.assert_allclose(gas.momentum, momentum, rtol=0, atol=1e-7 * masses.sum())
 
 
-# ---- threads -------------------------------------------------------------------------------------
-
-
 def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
     n, rng = 15_000, np.random.default_rng(8)
     period = torus(n, 0.3)
@@ -375,9 +358,6 @@ def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
         gas.step(LONG, steps=2)
         hashes.append(gas.state_hash())
     assert hashes[0] == hashes[1]
-
-
-# ---- figures -------------------------------------------------------------------------------------
 
 
 def print_mean(name: str, measure: Callable[[int], float]) -> None:

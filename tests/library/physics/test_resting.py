@@ -35,9 +35,6 @@ def gas(
     return positions.astype(np.float32), rng.normal(size=(n, 2)).astype(np.float32), side
 
 
-# ---- inelastic collisions ------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("n", "restitution", "time"), [(100, 0.9, 5.0), (100, 0.5, 2.0), (300, 0.95, 2.0)]
 )
@@ -163,9 +160,6 @@ def test_friction_brings_elastic_discs_to_rest() -> None:
         assert world.stats.unresolved == 0
     assert most < 100 * len(world)
     assert world.kinetic_energy < 1e-4 * begun
-
-
-# ---- resting contacts ----------------------------------------------------------------------------
 
 
 def seconds_on_a_disc(
