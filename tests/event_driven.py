@@ -25,8 +25,6 @@ Computational Physics 34 (1980). B. D. Lubachevsky, How to Simulate Billiards an
 Journal of Computational Physics 94 (1991).
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Each function takes one query and returns for all shapes whether they are found,
 distances, in the dtype of the shapes.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`jostle.arcade` has the results of arcade, in the order of the list."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import arcade
@@ -16,14 +14,9 @@ EVERYTHING = 3  # arcade's method that tests all sprites in turn
 
 # Some are not convex, some are very small.
 HIT_BOXES: list[Any] = [
-    None,
-    [(-9, -9), (9, -9), (0, 9)],
-    [(-9, -9), (9, -9), (0, -3), (0, 9)],
-    [(-9, 0), (0, 9), (9, 0), (0, 2)],
-    [(-20, 0), (20, 0)],
-    [(0, 0)],
-    [],
-]
+    None, [(-9, -9), (9, -9), (0, 9)], [(-9, -9), (9, -9), (0, -3), (0, 9)],
+    [(-9, 0), (0, 9), (9, 0), (0, 2)], [(-20, 0), (20, 0)], [(0, 0)], [],
+]  # fmt: skip
 
 
 def sprite(rng: np.random.Generator, spread: float) -> Any:

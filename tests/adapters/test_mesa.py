@@ -1,7 +1,5 @@
 """`jostle.mesa` beside Mesa's own continuous space: the same agents, in the same order."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import random

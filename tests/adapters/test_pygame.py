@@ -5,8 +5,6 @@ pygame are called on the first, those of jostle on the second. The states after 
 compared too.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterable, Iterator
@@ -108,19 +106,13 @@ def odd(left: Any, right: Any) -> bool:
 
 Collided = Callable[[Any, Any], Any] | None
 BUILT_IN: dict[str, Collided] = {
-    "none": None,
-    "rect": collide_rect,
-    "rect ratio": collide_rect_ratio(1.5),
-    "rect ratio down": collide_rect_ratio(0.3),
-    "rect ratio 2": collide_rect_ratio(2),
-    "rect ratio 0": collide_rect_ratio(0),
-    "rect ratio -1": collide_rect_ratio(-1.0),
-    "circle": collide_circle,
-    "circle ratio": collide_circle_ratio(0.8),
-    "circle ratio 2": collide_circle_ratio(2),
-    "circle ratio -1": collide_circle_ratio(-1),
+    "none": None, "rect": collide_rect, "rect ratio": collide_rect_ratio(1.5),
+    "rect ratio down": collide_rect_ratio(0.3), "rect ratio 2": collide_rect_ratio(2),
+    "rect ratio 0": collide_rect_ratio(0), "rect ratio -1": collide_rect_ratio(-1.0),
+    "circle": collide_circle, "circle ratio": collide_circle_ratio(0.8),
+    "circle ratio 2": collide_circle_ratio(2), "circle ratio -1": collide_circle_ratio(-1),
     "prefilter": ours.prefilter(odd, reach=2.5),
-}
+}  # fmt: skip
 
 
 def same_groupcollide(

@@ -1,7 +1,5 @@
 """`jostle.pygame` on pairs of sprites that touch within a millionth of a pixel."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The benchmark compares before it times, and times what it says. No test depends on a time."""
 
-from __future__ import annotations
-
 import csv
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """The article's two programs run without a display, and write a film of what they do."""
 
-from __future__ import annotations
-
 import os
 import runpy
 import subprocess

@@ -1,7 +1,5 @@
 """The tour: its stops lead somewhere, and leave pictures and films behind."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import replace

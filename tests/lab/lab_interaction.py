@@ -1,7 +1,5 @@
 """What the tests of the driver share: a window without a display, and events to post to it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np

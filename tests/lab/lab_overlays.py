@@ -1,7 +1,5 @@
 """For the tests of drawing: a frame from columns, a camera of pixels, a recording painter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Settings that change while a scene runs: number, walls, size and rules."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

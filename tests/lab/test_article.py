@@ -1,7 +1,5 @@
 """The article's rules, compared with values computed by hand, and the demonstrations of faults."""
 
-from __future__ import annotations
-
 import doctest
 import math
 import re

@@ -1,7 +1,5 @@
 """The brush of the simulator: particles along a drag, of the chosen kind, where there is room."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The command, with the arguments of a user."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -182,16 +180,8 @@ def test_a_file_describes_a_run_and_options_override_it(
     monkeypatch, capsys, tmp_path: Path
 ) -> None:
     options = (
-        "-n",
-        "40",
-        "--method",
-        "brute",
-        "--steps",
-        "2",
-        "--headless",
-        "--out",
-        str(tmp_path),
-    )
+        "-n", "40", "--method", "brute", "--steps", "2", "--headless", "--out", str(tmp_path),
+    )  # fmt: skip
     assert run(monkeypatch, "run", "--config", str(EXAMPLE), *options) == 0
     printed = capsys.readouterr().out
     assert (tmp_path / "gas-brute.mp4").stat().st_size

@@ -1,7 +1,5 @@
 """Scenes in TOML: what is right arrives, what is wrong is refused by name and line."""
 
-from __future__ import annotations
-
 import sys
 from dataclasses import fields, replace
 from pathlib import Path
@@ -469,22 +467,12 @@ q = 1'''
 @pytest.mark.parametrize(
     ("key", "line"),
     [
-        (("a",), 1),
-        (("b",), 5),
-        (("c",), 8),
-        (("c", "d"), 8),
-        (("c", "d", "e f", "g"), 9),
-        (("c", "d", "e f", "g", "j.="), 9),
-        (("c", "d", "h"), 10),
-        (("k", 0), 12),
-        (("k", 1), 13),
-        (("k", 1, "l"), 14),
-        (("k", 1, "l", 1, "m"), 14),
-        (("k", 1, "n"), 16),
-        (("k", 1, "n", "o"), 17),
-        (("k", 1, "p", 0, "q"), 19),
+        (("a",), 1), (("b",), 5), (("c",), 8), (("c", "d"), 8), (("c", "d", "e f", "g"), 9),
+        (("c", "d", "e f", "g", "j.="), 9), (("c", "d", "h"), 10), (("k", 0), 12), (("k", 1), 13),
+        (("k", 1, "l"), 14), (("k", 1, "l", 1, "m"), 14), (("k", 1, "n"), 16),
+        (("k", 1, "n", "o"), 17), (("k", 1, "p", 0, "q"), 19),
     ],
-)
+)  # fmt: skip
 def test_a_line_is_that_of_the_statement(key, line: int) -> None:
     tomllib.loads(LINES)
     assert line_of(LINES, key) == line

@@ -1,7 +1,5 @@
 """Which painter a window gets, and what it does when that fails, is hidden, or is slow."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import sys

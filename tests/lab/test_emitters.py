@@ -1,7 +1,5 @@
 """The app's emitters add due drops, remove the oldest ones, and are reproducible."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

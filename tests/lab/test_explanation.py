@@ -1,7 +1,5 @@
 """Why two particles touch or do not: the sentences are true, whatever the tree and the rules."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

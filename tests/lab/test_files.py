@@ -1,7 +1,5 @@
 """Scenes, pictures, tables, trajectories: written, read again, and refused where they are wrong."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import asdict
 from pathlib import Path

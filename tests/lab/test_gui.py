@@ -1,7 +1,5 @@
 """ImGui over both painters: clicks by posted events, text, and who gets an event."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A run without a window: a playable video, a picture and a table."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Rewind and scrub: what is shown has really been, bit for bit, whatever was done in between."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -14,13 +12,9 @@ from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 SCENES = [
-    Settings("gas", 300),
-    Settings("pile", 200),
-    Settings("emitters", 200),
-    Settings("orbit", 200),
-    Settings("springs", 200),
-    Settings("mixed", 60, method="brute"),
-]
+    Settings("gas", 300), Settings("pile", 200), Settings("emitters", 200), Settings("orbit", 200),
+    Settings("springs", 200), Settings("mixed", 60, method="brute"),
+]  # fmt: skip
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 

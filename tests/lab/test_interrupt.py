@@ -1,7 +1,5 @@
 """Ctrl-C: the command always ends with exit code 130 and without a traceback."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -1,7 +1,5 @@
 """The menus of the right mouse button: what they say and do, and that ImGui shows them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What is drawn over and under the discs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pygame
 import pytest

@@ -1,7 +1,5 @@
 """Pictures of both painters, by the statistics of their pixels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

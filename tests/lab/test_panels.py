@@ -1,7 +1,5 @@
 """The panels, driven by the mouse: each widget is found by its mark, and does what it says."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two methods side by side on the same scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

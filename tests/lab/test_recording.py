@@ -1,7 +1,5 @@
 """Films: they play, keep the time, and never hold up the window."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 

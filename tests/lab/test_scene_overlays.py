@@ -1,7 +1,5 @@
 """What single scenes draw and do beyond their particles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The statistics: ring buffers, requests for sums, and the change of energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

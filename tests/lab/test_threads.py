@@ -1,7 +1,5 @@
 """The threads of the window: jobs, edits, loading, and their order."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator

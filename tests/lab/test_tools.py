@@ -1,7 +1,5 @@
 """Selecting, drawing walls, placing attractors, panning and zooming, by posted events."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

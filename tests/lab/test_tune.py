@@ -1,7 +1,5 @@
 """`jostle tune`: the protocol, the map, the picture and the command, with minimal work."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The interactive loop, driven by posted events, without a display."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Shapes given as boxes: min and max are compared exactly, in pairs, queries and spaces."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from typing import Any, NamedTuple
 

@@ -1,7 +1,5 @@
 """Categories and masks in `find_pairs` and in a `World`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`jostle.find_pairs` against brute force in NumPy and SciPy's tree, and its errors."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from typing import Any
@@ -316,17 +314,9 @@ def test_its_signature_shows_its_defaults() -> None:
     defaults = {name: p.default for name, p in signature.parameters.items()}
     assert defaults.pop("centers") is None
     assert defaults == {
-        "boxes": None,
-        "categories": None,
-        "masks": None,
-        "radii": 0.0,
-        "half_sizes": None,
-        "method": "auto",
-        "sort": False,
-        "max_pairs": 2**27,
-        "threads": None,
-        "distance": 0.0,
+        "boxes": None, "categories": None, "masks": None, "radii": 0.0, "half_sizes": None,
+        "method": "auto", "sort": False, "max_pairs": 2**27, "threads": None, "distance": 0.0,
         "period": None,
-    }
+    }  # fmt: skip
     # They are the actual defaults.
     assert jostle.find_pairs(POINTS, **defaults).tolist() == jostle.find_pairs(POINTS).tolist()

@@ -1,7 +1,5 @@
 """`jostle.Attractor`, `Gravitation`, `Springs`, `Thermostat`, and a world that has them."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

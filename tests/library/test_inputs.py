@@ -1,7 +1,5 @@
 """Arguments: invalid, huge, masked and empty ones, bit sets; and the types of returned ids."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -100,13 +100,9 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
     """The velocity before both, not that of the first."""
     walls = [[[5, 5], [9, 5]]]
     world = jostle.World(
-        [(0, 0), (5, 0)],
-        [(0.25, 0), (0, 0)],
-        1.0,
-        movable=[False, True],
-        walls=walls,
+        [(0, 0), (5, 0)], [(0.25, 0), (0, 0)], 1.0, movable=[False, True], walls=walls,
         wall_velocities=[(0.5, 0)],
-    )
+    )  # fmt: skip
     world.forces = [
         jostle.Motor([0], walls=[0], velocity=(1, 0)),
         jostle.Motor([0], walls=[0], velocity=(0, 2)),
@@ -121,15 +117,10 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
 def test_others_sleep_while_a_motor_drives(velocity: tuple[float, float]) -> None:
     """The driven particle has a larger id than there are awake particles."""
     world = jostle.World(
-        [(0, 9), (50, 0), (3, 9)],
-        np.zeros((3, 2)),
-        1.0,
-        movable=[True, False, True],
-        gravity=(0, 9.8),
-        restitution=0.5,
-        container=jostle.Box(-99, -99, 99, 10),
+        [(0, 9), (50, 0), (3, 9)], np.zeros((3, 2)), 1.0, movable=[True, False, True],
+        gravity=(0, 9.8), restitution=0.5, container=jostle.Box(-99, -99, 99, 10),
         forces=[jostle.Motor([1], velocity=velocity)],
-    )
+    )  # fmt: skip
     world.step(1 / 60, steps=120)
     assert world.asleep.tolist() == [True, False, True]
     assert world.positions[1].tolist() == pytest.approx([50, 2 * velocity[1]], abs=1e-4)

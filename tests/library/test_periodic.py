@@ -1,7 +1,5 @@
 """Periodic planes and searches within a distance, against minimum images in plain NumPy."""
 
-from __future__ import annotations
-
 import copy
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`jostle.Quadtree`: pairs, filters, contacts, boxes, and the number of tests."""
 
-from __future__ import annotations
-
 import re
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -268,26 +266,15 @@ SINGLE, DOUBLE = np.zeros((2, 2), "f4"), np.zeros((2, 2), "f8")
 @pytest.mark.parametrize(
     ("arguments", "dtype"),
     [
-        ((SINGLE,), "f4"),
-        ((SINGLE.astype(">f4"), SINGLE[0]), "f4"),
-        ((SINGLE, 1), "f4"),
-        ((SINGLE, np.float64(1), (1, 2)), "f4"),
-        ((SINGLE, 0.5, 0.5), "f4"),
-        ((SINGLE, SINGLE[0], SINGLE), "f4"),
-        ((DOUBLE,), "f8"),
-        ((SINGLE, DOUBLE[0]), "f8"),
-        ((SINGLE, [1, 2]), "f8"),
-        ((SINGLE, 1.0, DOUBLE), "f8"),
-        ((SINGLE, 1.0, DOUBLE[0]), "f8"),
-        ((SINGLE, 1.0, [(1, 2), (1, 2)]), "f8"),
-        ((DOUBLE, SINGLE[0], SINGLE), "f8"),
-        ((SINGLE.tolist(), SINGLE[0]), "f8"),
-        ((SINGLE.astype("i4"),), "f8"),
-        ((SINGLE.astype("f2"),), "f8"),
-        (([],), "f8"),
-        ((SINGLE[:0],), "f4"),
+        ((SINGLE,), "f4"), ((SINGLE.astype(">f4"), SINGLE[0]), "f4"), ((SINGLE, 1), "f4"),
+        ((SINGLE, np.float64(1), (1, 2)), "f4"), ((SINGLE, 0.5, 0.5), "f4"),
+        ((SINGLE, SINGLE[0], SINGLE), "f4"), ((DOUBLE,), "f8"), ((SINGLE, DOUBLE[0]), "f8"),
+        ((SINGLE, [1, 2]), "f8"), ((SINGLE, 1.0, DOUBLE), "f8"), ((SINGLE, 1.0, DOUBLE[0]), "f8"),
+        ((SINGLE, 1.0, [(1, 2), (1, 2)]), "f8"), ((DOUBLE, SINGLE[0], SINGLE), "f8"),
+        ((SINGLE.tolist(), SINGLE[0]), "f8"), ((SINGLE.astype("i4"),), "f8"),
+        ((SINGLE.astype("f2"),), "f8"), (([],), "f8"), ((SINGLE[:0],), "f4"),
     ],
-)
+)  # fmt: skip
 def test_float32_only_if_every_array_is(arguments: tuple[Any, ...], dtype: str) -> None:
     assert jostle.Quadtree(*arguments).contacts().depths.dtype == dtype
 
@@ -346,14 +333,10 @@ def test_boxes_by_hand() -> None:
         )
     }
     assert found == {
-        (0, 0, 8, 8, 0, 7, False),
-        (0, 0, 4, 4, 1, 4, False),
-        (4, 0, 8, 4, 1, 1, True),
-        (0, 4, 4, 8, 1, 1, True),
-        (4, 4, 8, 8, 1, 1, True),
-        (0, 0, 2, 2, 2, 3, True),
+        (0, 0, 8, 8, 0, 7, False), (0, 0, 4, 4, 1, 4, False), (4, 0, 8, 4, 1, 1, True),
+        (0, 4, 4, 8, 1, 1, True), (4, 4, 8, 8, 1, 1, True), (0, 0, 2, 2, 2, 3, True),
         (2, 2, 4, 4, 2, 1, True),
-    }
+    }  # fmt: skip
     assert tree.stats == (7, 5, 2, 0)
 
 

@@ -1,7 +1,5 @@
 """The queries of `jostle.Quadtree`: regions, neighbours, rays and moving discs."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`jostle.scenes`: every scene by name, at every size."""
 
-from __future__ import annotations
-
 import inspect
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Islands that rest fall asleep, and wake when something touches them or changes."""
 
-from __future__ import annotations
-
 import copy
 import math
 from typing import Any

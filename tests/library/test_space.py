@@ -1,7 +1,5 @@
 """`jostle.Space`: shapes that are added, moved, changed and removed; events and ids."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import threading

@@ -1,7 +1,5 @@
 """Arguments that `jostle.World` refuses, with the messages; nothing changes."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """`World.save` and `World.load`: permissions, links, failures and damaged files."""
 
-from __future__ import annotations
-
 import os
 import re
 import stat

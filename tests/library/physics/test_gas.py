@@ -12,8 +12,6 @@ displacement. So the temperature kT is 2/π, for a mass of 1.
 prints the measured quantities over the formulas, as means of 20 seeds (two minutes).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial
@@ -79,13 +77,10 @@ def gas_between_walls(
     velocities[len(walls) :] = random_velocities(n, np.random.default_rng(seed))
     counts = [len(walls), n]
     gas = jostle.World(
-        positions,
-        velocities,
-        np.repeat([0.9, 1.0], counts),
-        masses=np.repeat([WALL_MASS, 1.0], counts),
-        container=jostle.Torus(width + 20, height),
+        positions, velocities, np.repeat([0.9, 1.0], counts),
+        masses=np.repeat([WALL_MASS, 1.0], counts), container=jostle.Torus(width + 20, height),
         substeps=1,
-    )
+    )  # fmt: skip
     return gas, slice(0, height // 2), slice(height // 2, height)
 
 
@@ -297,13 +292,9 @@ def slope_over_barometric(dt: float, seed: int) -> float:
     speeds = np.stack([np.cos(directions), np.sin(directions)], 1) * math.sqrt(2 * KT)
     positions = lattice(n, width - 2, 2 * SCALE_HEIGHT) + 1
     gas = jostle.World(
-        positions,
-        speeds,
-        1.0,
-        gravity=(0, -gravity),
-        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT),
-        substeps=1,
-    )
+        positions, speeds, 1.0, gravity=(0, -gravity),
+        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT), substeps=1,
+    )  # fmt: skip
     before = gas.kinetic_energy + gas.potential_energy
     gas.step(dt, steps=round(500 / dt))
     heights, kinetic = [], []

@@ -1,7 +1,5 @@
 """Inelastic collisions and resting contacts, against theory and the event-driven reference."""
 
-from __future__ import annotations
-
 import math
 
 import event_driven
@@ -42,14 +40,9 @@ def test_one_long_step_of_an_inelastic_gas(n: int, restitution: float, time: flo
     positions, velocities, side = gas(n, 0.3, 0)
     box = (0.0, 0.0, side, side)
     expected = event_driven.simulate(
-        positions,
-        velocities,
-        np.ones(n),
-        np.ones(n),
-        time,
-        restitution=restitution,
+        positions, velocities, np.ones(n), np.ones(n), time, restitution=restitution,
         container=jostle.Box(*box),
-    )
+    )  # fmt: skip
     world = jostle.World(
         positions, velocities, radii=1, restitution=restitution, container=jostle.Box(*box)
     )
@@ -168,12 +161,9 @@ def seconds_on_a_disc(
     """When a disc released 30° off the top of a fixed one is .001 radii above it."""
     x, y = math.sin(math.radians(30)), math.cos(math.radians(30))
     world = jostle.World(
-        np.array([(0, 0), (2 * x, 2 * y)]) * unit,
-        np.zeros((2, 2)),
-        radii=unit,
-        gravity=(0, -G * unit / second**2),
-        restitution=restitution,
-    )
+        np.array([(0, 0), (2 * x, 2 * y)]) * unit, np.zeros((2, 2)), radii=unit,
+        gravity=(0, -G * unit / second**2), restitution=restitution,
+    )  # fmt: skip
     world.set([0], movable=False)
     while world.time < 2 * second:
         world.step(dt * second)
@@ -312,19 +302,13 @@ def stack(lower: float, upper: float, **settings: object) -> jostle.World:
 @pytest.mark.parametrize(
     ("world", "expected"),
     [
-        (stack(1, 100), 4),
-        (stack(1, 625), 20),
-        (stack(1, 1e4), 32),
-        (stack(1, 1e6), 4),
-        (stack(1e6, 1), 4),
-        (stack(1, 625, substeps=4), 4),
-        (stack(1, 625, restitution=1.0), 1),
-        (stack(1, 625, gravity=(-G, 0)), 20),
-        (stack(1, 625, gravity=(G, 0)), 4),
+        (stack(1, 100), 4), (stack(1, 625), 20), (stack(1, 1e4), 32), (stack(1, 1e6), 4),
+        (stack(1e6, 1), 4), (stack(1, 625, substeps=4), 4), (stack(1, 625, restitution=1.0), 1),
+        (stack(1, 625, gravity=(-G, 0)), 20), (stack(1, 625, gravity=(G, 0)), 4),
         (stack(1, 625, gravity=(0, 0)), 1),
     ],
     ids=lambda value: str(value) if isinstance(value, int) else "",
-)
+)  # fmt: skip
 def test_heavy_discs_that_press_light_ones_take_more_substeps(
     world: jostle.World, expected: int
 ) -> None:
@@ -358,12 +342,9 @@ def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
         (np.arange(200)[::-1], {"method": "brute"}),
     ]:
         world = jostle.World(
-            **{name: getattr(pile, name)[order] for name in columns},
-            gravity=pile.gravity,
-            restitution=pile.restitution,
-            container=pile.container,
-            **settings,
-        )
+            **{name: getattr(pile, name)[order] for name in columns}, gravity=pile.gravity,
+            restitution=pile.restitution, container=pile.container, **settings,
+        )  # fmt: skip
         for _ in range(30):
             world.step(1 / 60)
             most = max(most, world.stats.substeps)
