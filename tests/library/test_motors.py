@@ -68,29 +68,17 @@ def test_ids_stay_when_others_are_removed() -> None:
         (lambda: jostle.Motor([0], period=math.nan), ValueError, "period is NaN; it must be"),
         (lambda: jostle.Motor([0], center=(0, math.inf)), ValueError, "center is (0, inf); both"),
         (lambda: jostle.Motor([0], velocity=(1, 2, 3)), ValueError, "velocity has shape (3,)"),
-        (
-            lambda: jostle.Motor(walls=[0], angular_velocity=1),
-            ValueError,
-            "angular_velocity is 1; walls do not turn",
-        ),
+        (lambda: jostle.Motor(walls=[0], angular_velocity=1), ValueError,
+         "angular_velocity is 1; walls do not turn"),
         (lambda: jostle.Motor("all"), TypeError, "ids must hold integers"),
-        (
-            lambda: world(forces=[jostle.Motor([0, 2])]),
-            ValueError,
-            "forces[0] is a motor of particle 2; it drives immovable particles only",
-        ),
-        (
-            lambda: world(forces=[jostle.Motor(walls=[2])]),
-            ValueError,
-            "forces[0] is a motor of wall 2; there are 2 walls",
-        ),
-        (
-            lambda: setattr(world(forces=[jostle.Motor(walls=[1])]), "walls", None),
-            ValueError,
-            "forces[0] is a motor of wall 1; there are 0 walls",
-        ),
+        (lambda: world(forces=[jostle.Motor([0, 2])]), ValueError,
+         "forces[0] is a motor of particle 2; it drives immovable particles only"),
+        (lambda: world(forces=[jostle.Motor(walls=[2])]), ValueError,
+         "forces[0] is a motor of wall 2; there are 2 walls"),
+        (lambda: setattr(world(forces=[jostle.Motor(walls=[1])]), "walls", None), ValueError,
+         "forces[0] is a motor of wall 1; there are 0 walls"),
     ],
-)
+)  # fmt: skip
 def test_wrong_ones_are_refused(make: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=f"^{re.escape(message)}"):
         make()
