@@ -13,11 +13,9 @@ COLUMNS += ["friction", "angles", "angular_velocities"]
 def three(**settings: Any) -> jostle.World:
     """Three discs that do not touch; the last is immovable."""
     arguments: dict[str, Any] = {
-        "positions": [(0, 0), (10, 0), (20, 5)],
-        "velocities": [(1, 0), (0, 2), (0, 0)],
-        "radii": [1, 2, 3],
-        "movable": [True, True, False],
-    }
+        "positions": [(0, 0), (10, 0), (20, 5)], "velocities": [(1, 0), (0, 2), (0, 0)],
+        "radii": [1, 2, 3], "movable": [True, True, False],
+    }  # fmt: skip
     return jostle.World(**{**arguments, **settings})
 
 

@@ -19,13 +19,11 @@ from jostle_lab.storage import files
 from jostle_lab.storage.paths import new_path
 
 SCENES = [
-    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
-    Settings("emitters", 100),
-    Settings("springs", 100),
-    Settings("orbit", 100, on_touch="merge"),
+    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9), Settings("emitters", 100),
+    Settings("springs", 100), Settings("orbit", 100, on_touch="merge"),
     Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
     Settings("mixed", 40, method="brute"),
-]
+]  # fmt: skip
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
@@ -79,13 +77,9 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
     simulation = start(Settings("gas", 5))
     before = simulation.save()
     for wrong in (
-        b"",
-        b"words",
-        before.replace(b"jostle world", b"jostle scene", 1),
-        before[:-1],
-        before[: len(before) // 2],
-        before + b"x",
-    ):
+        b"", b"words", before.replace(b"jostle world", b"jostle scene", 1), before[:-1],
+        before[: len(before) // 2], before + b"x",
+    ):  # fmt: skip
         with pytest.raises(ValueError, match=r"it is|its|data is"):
             simulation.load(wrong)
         assert simulation.save() == before

@@ -67,11 +67,8 @@ def test_signals() -> None:
     if last:
         world._core = Interrupted(core)
     calls: list[Callable[[], Any]] = [
-        world.state_hash,
-        world.gather,
-        lambda: world.kinetic_energy,
-        lambda: world.momentum,
-    ]
+        world.state_hash, world.gather, lambda: world.kinetic_energy, lambda: world.momentum,
+    ]  # fmt: skip
     for call in calls:
         try:
             call()

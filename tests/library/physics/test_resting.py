@@ -280,13 +280,10 @@ def test_a_pile_comes_to_rest_in_five_seconds() -> None:
 @pytest.mark.parametrize(
     ("kind", "n", "dt"),
     [
-        ("as in the scene", 4000, 1 / 60),
-        ("as in the scene", 1000, 1 / 30),
-        ("masses 100:1", 1000, 1 / 60),
-        ("radii 10:1", 1000, 1 / 60),
-        ("radii 25:1", 300, 1 / 60),
+        ("as in the scene", 4000, 1 / 60), ("as in the scene", 1000, 1 / 30),
+        ("masses 100:1", 1000, 1 / 60), ("radii 10:1", 1000, 1 / 60), ("radii 25:1", 300, 1 / 60),
     ],
-)
+)  # fmt: skip
 def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
     world = a_pile(kind, friction, n)
     world.step(dt, steps=round(5 / dt))
@@ -374,13 +371,10 @@ def measure_speeds(friction: float, count: int) -> None:
 def measure_overlaps() -> None:
     """Print the overlaps in piles after 5 seconds."""
     cases = [
-        ("as in the scene", 4_000, 1 / 60),
-        ("as in the scene", 20_000, 1 / 60),
-        ("as in the scene", 1_000, 1 / 30),
-        ("masses 100:1", 1_000, 1 / 60),
-        ("radii 10:1", 1_000, 1 / 60),
-        ("radii 25:1", 1_000, 1 / 60),
-    ]
+        ("as in the scene", 4_000, 1 / 60), ("as in the scene", 20_000, 1 / 60),
+        ("as in the scene", 1_000, 1 / 30), ("masses 100:1", 1_000, 1 / 60),
+        ("radii 10:1", 1_000, 1 / 60), ("radii 25:1", 1_000, 1 / 60),
+    ]  # fmt: skip
     for kind, n, dt in cases:
         for friction in (0, 0.1, 0.5):
             overlaps = []
