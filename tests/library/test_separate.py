@@ -226,18 +226,22 @@ def test_a_gap_is_kept() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"weights": [1, 0]}, r"weights\[1\] is 0"), ({"weights": -1.0}, "weights is -1"),
+        ({"weights": [1, 0]}, r"weights\[1\] is 0"),
+        ({"weights": -1.0}, "weights is -1"),
         ({"weights": [1, 2, 3]}, r"weights has shape \(3,\)"),
-        ({"fixed": [True]}, r"fixed has shape \(1,\)"), ({"gap": -1}, "gap is -1"),
+        ({"fixed": [True]}, r"fixed has shape \(1,\)"),
+        ({"gap": -1}, "gap is -1"),
         ({"gap": float("nan")}, "gap is NaN"),
         ({"tolerance": 2}, "tolerance is 2; it must be between 0 and 1"),
-        ({"axis": 2}, "axis is 2; it must be 0 or 1"), ({"bounds": (0, 0, -1, 1)}, "bounds is"),
+        ({"axis": 2}, "axis is 2; it must be 0 or 1"),
+        ({"bounds": (0, 0, -1, 1)}, "bounds is"),
         ({"bounds": (0, 0, 1, 1)}, "shape 0 is larger"),
         ({"bounds": [(0, 0, 9, 9)]}, r"bounds has shape \(1, 4\)"),
         ({"radii": [1, float("inf")]}, r"radii\[1\] is inf"),
-        ({"max_rounds": -1}, "max_rounds is -1"), ({"threads": 0}, "threads is 0"),
+        ({"max_rounds": -1}, "max_rounds is -1"),
+        ({"threads": 0}, "threads is 0"),
     ],
-)  # fmt: skip
+)
 def test_bad_arguments(arguments, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         jostle.separate([(0, 0), (1, 1)], **{"radii": 1.0, **arguments})
