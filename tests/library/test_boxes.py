@@ -1,5 +1,6 @@
 """Shapes given as boxes: min and max are compared exactly, in pairs, queries and spaces."""
 
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -20,15 +21,16 @@ def by_row(pairs: NDArray[Any]) -> list[list[int]]:
     return sorted(pairs.tolist())
 
 
+def pairs_of(shapes: list[Any], overlap: Callable[[Any, Any], bool]) -> list[list[int]]:
+    """Pairs of rows of which `overlap` is true."""
+    rows = range(len(shapes))
+    return [[i, j] for i in rows for j in rows[i + 1 :] if overlap(shapes[i], shapes[j])]
+
+
 def exact_pairs(boxes: NDArray[Any]) -> list[list[int]]:
     """Pairs of rows whose open interiors overlap, by comparing exact fractions."""
     rows = [[Fraction(float(v)) for v in row] for row in boxes]
-    return [
-        [i, j]
-        for i, a in enumerate(rows)
-        for j, b in enumerate(rows[i + 1 :], i + 1)
-        if all(a[k] < b[k + 2] and b[k] < a[k + 2] for k in (0, 1))
-    ]
+    return pairs_of(rows, lambda a, b: all(a[k] < b[k + 2] and b[k] < a[k + 2] for k in (0, 1)))
 
 
 class Shape(NamedTuple):
@@ -198,12 +200,7 @@ def test_boxes_and_other_shapes_overlap_as_in_exact_arithmetic(
         space.add(boxes=rows, radii=radius)
         space.add(centers[half:], radii[half:], None if sizes is None else sizes[half:])
         together = second[:half] + first + second[half:]
-        pairs = [
-            [i, j]
-            for i, a in enumerate(together)
-            for j, b in enumerate(together[i + 1 :], i + 1)
-            if overlap(a, b)
-        ]
+        pairs = pairs_of(together, overlap)
         assert by_row(space.pairs()) == pairs
         assert space.update().entered.tolist() == pairs
 
@@ -342,12 +339,7 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
         [pygame.Rect(*row) for row in four.tolist()],
         [pygame.FRect(*(row * 0.1)) for row in four],
     ):
-        expected = [
-            [i, j]
-            for i, rect in enumerate(rects)
-            for j in range(i + 1, len(rects))
-            if overlap_by_sides(rect, rects[j])
-        ]
+        expected = pairs_of(rects, overlap_by_sides)
         assert by_row(jostle.find_pairs(boxes=rects)) == expected
         assert by_row(jostle.find_pairs(boxes=tuple(rects))) == expected
         tree = jostle.Quadtree(boxes=rects, leaf_capacity=4)
