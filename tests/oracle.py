@@ -179,3 +179,9 @@ def many_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) -
 def any_shapes(dtype: Any = None, boxes: bool | None = None) -> st.SearchStrategy[Shapes]:
     """Few or many shapes."""
     return few_shapes(dtype, boxes) | many_shapes(dtype, boxes)
+
+
+def uniform(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
+    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
+    side = np.sqrt(n * np.pi * 0.25 / 0.4)
+    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)

@@ -3,11 +3,11 @@
 import io
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 import pygame
 import pytest
 import rich.console as rich_console
+from outputs import frames_of
 
 from jostle_lab import headless
 from jostle_lab.draw.palette import GROUND
@@ -22,12 +22,6 @@ SIZE = (640, 360)
 @pytest.fixture
 def console():
     return rich_console.Console(file=io.StringIO(), width=100)
-
-
-def frames_of(video: Path) -> list[np.ndarray]:
-    reader = imageio_ffmpeg.read_frames(str(video))
-    width, height = next(reader)["size"]
-    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
 
 
 @pytest.mark.parametrize(("method", "name"), [("quadtree", "article"), ("brute", "article-brute")])

@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Iterator
 
 import numpy as np
 import pygame
@@ -15,12 +14,6 @@ from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
 
 
 def test_a_held_particle_that_vanishes_is_dropped() -> None:

@@ -1,7 +1,5 @@
 """The menus of the right mouse button: what they say and do, and that ImGui shows them."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
 import pytest
@@ -10,12 +8,6 @@ from lab_interaction import RIGHT, Driver, post, tags, world_of
 from jostle_lab.panels.menus import Item, Number, is_over, lines_of, numbers, title
 
 TWO = [(200, 100), (400, 300)]
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
 
 
 def line_of(driver: Driver, name: str) -> Item | Number:

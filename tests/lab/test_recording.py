@@ -7,6 +7,7 @@ import imageio_ffmpeg
 import numpy as np
 import pygame
 import pytest
+from outputs import frames_of
 
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.palette import DISCS, GROUND, RECORDING
@@ -20,12 +21,6 @@ from jostle_lab.storage.recording import MOST_QUEUED, Recording
 from jostle_lab.window import Window
 
 SIZE = (320, 180)
-
-
-def frames_of(film: Path) -> list[np.ndarray]:
-    reader = imageio_ffmpeg.read_frames(str(film))
-    width, height = next(reader)["size"]
-    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
 
 
 def canvas(size: tuple[int, int], colour: tuple[int, int, int] = GROUND) -> object:

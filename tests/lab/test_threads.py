@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pygame
 import pytest
@@ -17,12 +17,6 @@ from jostle_lab.simulate.simulation import Simulation
 
 MANY = 200_000
 TWO = [(200, 250), (600, 250)]
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
 
 
 def held_up(driver: Driver) -> Callable[[], None]:

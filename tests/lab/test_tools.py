@@ -1,7 +1,5 @@
 """Selecting, drawing walls, placing attractors, panning and zooming, by posted events."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
 import pytest
@@ -19,12 +17,6 @@ from jostle_lab.simulate.settings import Polyline, Settings
 from jostle_lab.simulate.start import start
 
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
 
 
 def test_a_box_selects_what_lies_in_it() -> None:

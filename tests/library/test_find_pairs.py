@@ -9,19 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from oracle import DTYPES, Shapes, any_shapes, by_row, pairs_within
+from oracle import DTYPES, Shapes, any_shapes, by_row, pairs_within, uniform
 from scipy.spatial import cKDTree
 from signals import lets_others_run
 
 import jostle
 
 METHODS = ["auto", "brute", "quadtree"]
-
-
-def discs(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
-    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
-    side = np.sqrt(n * np.pi * 0.25 / 0.4)
-    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)
 
 
 @given(any_shapes(), st.sampled_from(METHODS))
@@ -51,7 +45,7 @@ def test_equals_the_tree_of_scipy(shapes: Shapes, radius: float) -> None:
 
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_a_crowd_against_scipy(dtype: Any) -> None:
-    centers = discs(20_000, dtype)
+    centers = uniform(20_000, dtype)
     expected = cKDTree(centers.astype(np.float64)).query_pairs(1.0, output_type="ndarray")
     found = jostle.find_pairs(centers, 0.5, sort=True)
     different = {*map(tuple, found.tolist())} ^ {*map(tuple, expected.tolist())}
@@ -65,7 +59,7 @@ def test_a_crowd_against_scipy(dtype: Any) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("n", [0, 1, 2, 500])
 def test_the_answer_is_a_plain_array(n: int, method: Any) -> None:
-    pairs = jostle.find_pairs(discs(n), 0.5, method=method)
+    pairs = jostle.find_pairs(uniform(n), 0.5, method=method)
     assert pairs.dtype == np.int64
     assert pairs.ndim == 2
     assert pairs.shape[1] == 2
@@ -187,7 +181,7 @@ def test_float32_computes_in_float32() -> None:
 
 
 def test_the_input_stays_as_it_was() -> None:
-    centers, radii = discs(300), np.full(300, 0.5)
+    centers, radii = uniform(300), np.full(300, 0.5)
     before = centers.copy(), radii.copy()
     jostle.find_pairs(centers, radii)
     np.testing.assert_array_equal(centers, before[0])
@@ -291,7 +285,7 @@ def test_too_many_pairs_stop_the_search() -> None:
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("n", [2, 40, 3000])
 def test_max_pairs_is_exact(method: Any, threads: int, n: int) -> None:
-    centers = discs(n) / 4
+    centers = uniform(n) / 4
     count = len(jostle.find_pairs(centers, 0.5, method=method))
     limited = jostle.find_pairs(centers, 0.5, method=method, max_pairs=count, threads=threads)
     assert len(limited) == count > 0
@@ -305,7 +299,7 @@ def test_no_pairs_need_no_room() -> None:
 
 @pytest.mark.parametrize("method", ["brute", "quadtree"])
 def test_other_threads_run_meanwhile(method: Any) -> None:
-    centers = discs(50_000 if method == "brute" else 2_000_000)
+    centers = uniform(50_000 if method == "brute" else 2_000_000)
     assert lets_others_run(lambda: jostle.find_pairs(centers, 0.5, method=method, threads=1))
 
 

@@ -19,18 +19,13 @@ from oracle import (
     overlap,
     pairs_between,
     pairs_within,
+    uniform,
 )
 
 import jostle
 
 capacities = st.integers(1, 20)
 depths = st.integers(0, 12) | st.just(4096)
-
-
-def uniform(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
-    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
-    side = np.sqrt(n * np.pi * 0.25 / 0.4)
-    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)
 
 
 def work_of(centers: Any, radii: Any = 0.5, **settings: Any) -> int:
