@@ -29,10 +29,13 @@ def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> 
 class Driver:
     """Scripted input of a window."""
 
-    def __init__(self, simulation: Simulation, *, synchronous: bool = True) -> None:
+    def __init__(
+        self, simulation: Simulation, *, synchronous: bool = True, paused: bool = False
+    ) -> None:
         self.window = Window(simulation, SIZE, synchronous=synchronous)
         self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
+        self.session.runner.paused = paused
         pygame.event.clear()
 
     @property

@@ -168,10 +168,8 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
     assert second.message == "Loaded one.jostle"
     assert second.settings == first.settings
     assert second.engine.simulation.save() == first.engine.simulation.save()
-    assert (second.view_options.tree, second.view_options.colour_by) == (
-        TreeView.FILLED,
-        ColourBy.MASS,
-    )
+    assert second.view_options.tree == TreeView.FILLED
+    assert second.view_options.colour_by == ColourBy.MASS
     assert second.view_options.velocities
     assert second.camera.scale == pytest.approx(2 * first.camera.scale)
     assert second.camera.center == pytest.approx(first.camera.center)

@@ -99,10 +99,8 @@ def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
     session.interaction.attractors.attract_to_cursor(None)
     session.runner.adjust("gravity", (0.0, 50.0))
     go(9)
-    history, times = (
-        session.runner.history,
-        [moment.time for moment in session.runner.history.moments],
-    )
+    history = session.runner.history
+    times = [moment.time for moment in history.moments]
     assert len(times) > 31 / 2
     if stride == 1:
         assert len(times) == 32

@@ -112,8 +112,7 @@ def test_space_ends_when_the_window_loses_the_keys() -> None:
 
 
 def test_a_adds_a_particle_of_the_usual_size_at_the_cursor() -> None:
-    driver = Driver(world_of([(200, 100), (300, 100)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(200, 100), (300, 100)]), paused=True)
     driver.point_at((500, 300))
     driver.key(pygame.K_a)
     frame = driver.session.frame
@@ -129,17 +128,14 @@ def test_adding_outside_the_walls_is_no_error() -> None:
 
 
 def test_the_usual_size_is_the_median_of_what_moves() -> None:
-    frame = world_of(
-        [(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=[True] * 3 + [False] * 2
-    ).frame()
-    assert usual(frame) == (2, 1)
+    movable = [True] * 3 + [False] * 2
+    assert usual(world_of([(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=movable).frame()) == (2, 1)
     assert usual(world_of([]).frame()) == (10, 1)
 
 
 @pytest.mark.parametrize("key", [pygame.K_DELETE, pygame.K_BACKSPACE])
 def test_delete_deletes_the_selection_or_what_is_under_the_cursor(key: int) -> None:
-    driver = Driver(world_of([(100, 100), (200, 100), (300, 100), (400, 100)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(100, 100), (200, 100), (300, 100), (400, 100)]), paused=True)
     driver.point_at((300, 100))
     driver.key(key)
     assert tags(driver.session.frame.tags) == [0, 1, 3]
@@ -152,8 +148,7 @@ def test_delete_deletes_the_selection_or_what_is_under_the_cursor(key: int) -> N
 
 
 def test_d_clones_next_to_the_original_with_its_velocity() -> None:
-    driver = Driver(world_of([(100, 100), (750, 300)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(100, 100), (750, 300)]), paused=True)
     driver.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 0)))
     for x, y in [(100, 100), (750, 300)]:
         driver.point_at((x, y))
@@ -166,8 +161,7 @@ def test_d_clones_next_to_the_original_with_its_velocity() -> None:
 
 def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
     places = [(x, y) for x in range(40, 800, 80) for y in range(40, 500, 80)]
-    driver = Driver(world_of(places))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(places), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
     driver.frames(1)
     now = driver.world.positions
@@ -178,8 +172,7 @@ def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
 
 def test_clones_stay_inside_a_circle() -> None:
     places = [(400 + x, 250 + y) for x, y in ((0, 180), (0, -180), (130, 130), (-185, 0), (20, 0))]
-    driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
     driver.frames(1)
     now = driver.world.positions.astype(float) - (400, 250)
@@ -245,10 +238,8 @@ def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:
     simulation.step()
     frame = simulation.frame()
     assert tags(frame.tags) == [0, 1, 3] and len(frame.born) == len(frame.radii) == 3
-    assert frame.radii[1] > 10 and frame.attractors == (
-        Attractor(4.0, tag=1),
-        Attractor(4.0, tag=3),
-    )
+    assert frame.radii[1] > 10
+    assert frame.attractors == (Attractor(4.0, tag=1), Attractor(4.0, tag=3))
 
 
 def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None:
@@ -271,9 +262,8 @@ def test_the_attraction_of_what_has_merged_can_be_stopped() -> None:
     for _ in range(3):
         session.engine.step()
     session.advance(FRAME)
-    assert session.interaction.attractors.attracts(
-        0
-    ) and not session.interaction.attractors.attracts(1)
+    attracts = session.interaction.attractors.attracts
+    assert attracts(0) and not attracts(1)
     session.interaction.attractors.stop()
     assert session.engine.simulation.world.forces == ()
     session.close()
@@ -355,10 +345,8 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
     driver.session.interaction.attractors.place((0.0, 0.0))
     driver.session.interaction.commands.wall((10, 10), (40, 10))
     driver.key(pygame.K_RIGHTBRACKET)
-    assert (
-        driver.session.engine.scene == "pile"
-        and len(driver.session.interaction.commands.drawn_walls) == 0
-    )
+    assert driver.session.engine.scene == "pile"
+    assert len(driver.session.interaction.commands.drawn_walls) == 0
     driver.frames(2)
     assert driver.session.frame.attractors == () == driver.session.interaction.attractors.placed
     driver.key(pygame.K_LEFTBRACKET)
@@ -366,8 +354,7 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
 
 
 def test_edits_are_made_on_the_worker_thread() -> None:
-    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False, paused=True)
     engine = driver.session.engine
     gate = threading.Event()
     engine.edit(lambda simulation: gate.wait(10) and None)

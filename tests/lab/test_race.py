@@ -111,9 +111,8 @@ def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_window) -
             window.frame(FRAME)  # would never end if it waited for the current step
             left_contestant.engine.wait()  # one step per frame on any machine
         assert right.busy and right_contestant.steps == 0
-        assert (
-            left_contestant.steps > 10 and left_contestant.stats.time > right_contestant.stats.time
-        )
+        assert left_contestant.steps > 10
+        assert left_contestant.stats.time > right_contestant.stats.time
     finally:
         release()
 
@@ -159,10 +158,8 @@ def test_a_changed_setting_begins_both_anew(open_window) -> None:
     assert right.settings.method == "brute" and session.camera.columns == 2
     run(window, 5)
     session.runner.restart()
-    assert all(
-        contestant.stats.time == 0 and contestant.steps == 0
-        for contestant in session.runner.race.contestants
-    )
+    contestants = session.runner.race.contestants
+    assert [(each.stats.time, each.steps) for each in contestants] == [(0, 0)] * 2
 
 
 def test_pause_and_single_steps_hold_for_both(open_window) -> None:

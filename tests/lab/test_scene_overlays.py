@@ -82,10 +82,8 @@ def test_stars_are_counted_and_the_largest_weighed() -> None:
 
 
 def test_other_scenes_have_no_extras_and_none_needs_particles() -> None:
-    assert (
-        SceneOverlays().draw_above(Notes(), frame_of([(1, 1)], scene="gas"), camera_of_pixels())
-        == []
-    )
+    frame = frame_of([(1, 1)], scene="gas")
+    assert SceneOverlays().draw_above(Notes(), frame, camera_of_pixels()) == []
     for scene in ("galton", "brownian", "thermostat", "stars"):
         notes, extras = Notes(), SceneOverlays()
         extras.draw_below(notes, frame_of([], scene=scene), camera_of_pixels())

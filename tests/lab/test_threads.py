@@ -81,8 +81,7 @@ def test_the_drag_state_of_a_step_never_changes() -> None:
 
 
 def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
-    driver = Driver(world_of(TWO), synchronous=False)
-    driver.session.runner.paused = True
+    driver = Driver(world_of(TWO), synchronous=False, paused=True)
     gate = threading.Event()
     driver.session.engine.edit(lambda simulation: gate.wait(30) and None)
     driver.down(TWO[0])
@@ -228,9 +227,8 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
     gate, asked = threading.Event(), []
     adjust = session.engine.simulation.adjust
     session.engine.simulation.adjust = lambda name, value: (
-        asked.append(value),
-        adjust(name, value),
-    )[1]
+        asked.append(value) or adjust(name, value)
+    )
     session.engine.edit(lambda simulation: gate.wait(30) and None)
     for n in (19, 18, 17):
         session.runner.adjust("n", n)

@@ -214,10 +214,8 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     driver.up((400, 400))
     assert len(driver.session.frame) == 4
     driver.key(pygame.K_ESCAPE)
-    assert (
-        driver.session.interaction.tool is Tool.POINTER
-        and len(driver.session.interaction.selection) == 1
-    )
+    assert driver.session.interaction.tool is Tool.POINTER
+    assert len(driver.session.interaction.selection) == 1
     driver.key(pygame.K_ESCAPE)
     assert len(driver.session.interaction.selection) == 0 and driver.session.open
     driver.key(pygame.K_ESCAPE)
