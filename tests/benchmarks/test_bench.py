@@ -264,37 +264,30 @@ def test_a_machine_has_a_name_for_files() -> None:
     assert slug() == slug().lower() and " " not in slug() and "core" in slug()
 
 
-def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
-    parts = ["pairs", "small", "share", "hard-cases"]
-    options = ["--largest", "100", "--rounds", "2", "--out", str(tmp_path)]
-    done = subprocess.run(
-        [sys.executable, BENCHMARKS / "run.py", *parts, *options], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    for words in (describe().split(",")[0], "discs, ns per shape", "jostle, 2 threads", "(×1)"):
-        assert words in done.stdout
-    assert "…" not in done.stdout
-    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
-
-    page = tmp_path / "page.md"
-    page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
-    code = (
-        "import sys, tables; from pathlib import Path; tables.write_all(*map(Path, sys.argv[1:]))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code, tmp_path, page], cwd=BENCHMARKS, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    written = page.read_text()
-    assert "old" not in written and "Worst ratio" in written
-    assert written.startswith("before\n") and written.endswith("after\n")
-
-
-def run_benchmarks(*arguments: str | Path, code: str = "") -> None:
+def run_benchmarks(*arguments: str | Path, code: str = "") -> str:
+    """Run them, or `code` beside them; return what is printed."""
     program = ["-c", code] if code else ["run.py"]
     command = [sys.executable, *program, *arguments]
     done = subprocess.run(command, cwd=BENCHMARKS, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_runner_writes_results_and_fills_the_page(tmp_path: Path) -> None:
+    parts = ["pairs", "small", "share", "hard-cases"]
+    said = run_benchmarks(*parts, "--largest", "100", "--rounds", "2", "--out", str(tmp_path))
+    for words in (describe().split(",")[0], "discs, ns per shape", "jostle, 2 threads", "(×1)"):
+        assert words in said
+    assert "…" not in said
+    assert {path.name for path in tmp_path.iterdir()} == {f"{part}-{slug()}.csv" for part in parts}
+
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- table: small -->\nold\n<!-- end -->\nafter\n")
+    code = "import sys, tables, pathlib; tables.write_all(*map(pathlib.Path, sys.argv[1:]))"
+    run_benchmarks(tmp_path, page, code=code)
+    written = page.read_text()
+    assert "old" not in written and "Worst ratio" in written
+    assert written.startswith("before\n") and written.endswith("after\n")
 
 
 def test_the_limits_of_the_memory_are_computed_and_drawn(tmp_path: Path) -> None:

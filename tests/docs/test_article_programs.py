@@ -52,9 +52,7 @@ def test_the_options_set_the_film_the_number_and_the_seed(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
-def test_a_window_passes_the_mouse_on_until_it_is_closed(
-    program: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_window_passes_the_mouse_on_until_it_is_closed(program: str, monkeypatch) -> None:
     monkeypatch.setattr(sys, "argv", [f"{program}.py", "-n", "20"])
     monkeypatch.setattr(sys, "path", [str(FOLDER), *sys.path])
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")

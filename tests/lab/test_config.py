@@ -176,9 +176,7 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ("n = 1\ngravity = [1,\n", "scene.toml, line 2: "),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_refused_by_name_and_line(
-    tmp_path: Path, text: str, sentence: str
-) -> None:
+def test_what_is_wrong_is_refused_by_name_and_line(tmp_path, text: str, sentence: str) -> None:
     assert sentence in refusal(tmp_path, text)
 
 

@@ -225,9 +225,7 @@ SAID = {
 }
 
 
-def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
-    session: Session, tmp_path: Path
-) -> None:
+def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(session, tmp_path) -> None:
     for name, path in wrong_files(tmp_path, session).items():
         before = session.engine.simulation, session.engine.simulation.save()
         looks = session.camera.center, session.camera.scale, session.view_options.tree

@@ -85,9 +85,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
-def test_table_sets_the_methods_side_by_side(
-    tmp_path: Path, console, monkeypatch, method: str
-) -> None:
+def test_table_sets_the_methods_side_by_side(tmp_path, console, monkeypatch, method: str) -> None:
     monkeypatch.setattr(headless, "PATIENCE", 0.01)
     table = table_of(Settings("article", 50, method=method), tmp_path, console)
     for words in ("particles", "50", "steps/s", "1,225", "touching", "quadtree",
@@ -101,9 +99,7 @@ def test_table_without_particles_compares_nothing(tmp_path: Path, console, monke
     assert "nothing to compare" in table and "×" not in table
 
 
-def test_table_says_when_a_method_was_not_timed_in_full(
-    tmp_path: Path, console, monkeypatch
-) -> None:
+def test_table_says_when_a_method_was_not_timed_in_full(tmp_path, console, monkeypatch) -> None:
     for name, value in [
         ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
     ]:  # fmt: skip

@@ -187,9 +187,7 @@ def test_the_command_ends_without_output_during_imports_and_in_a_window(
         assert said.replace("handled\n", "") == ""
 
 
-def test_a_film_that_is_stopped_can_be_played(
-    command: Callable[..., subprocess.Popen[str]], tmp_path: Path
-) -> None:
+def test_a_film_that_is_stopped_can_be_played(command, tmp_path: Path) -> None:
     options = ("--headless", "--steps", "1000000")  # so many that it never ends by itself
     process = command("run", "gas", "-n", "20", *options, cwd=tmp_path)
     film, patience = tmp_path / "out" / "gas.mp4", time.monotonic() + 60

@@ -28,9 +28,7 @@ def some_map(**changes: object) -> Map:
     return Map("gas", 100, 1, Setting(96, NO_LIMIT), **facts)  # type: ignore[arg-type]
 
 
-def test_every_round_times_each_tree_once_after_it_has_answered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_every_round_times_each_tree_once_after_it_has_answered(monkeypatch) -> None:
     calls: list[Setting] = []
     pairs = Search.pairs
 
@@ -125,9 +123,7 @@ def test_a_picture_frames_the_best_and_the_default(count: int, tmp_path: Path) -
         assert (np.abs(pixels - colour).max(axis=2) <= 2).sum() > 1000 * count
 
 
-def test_the_command_prints_a_table_and_writes_the_picture(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_prints_a_table_and_writes_the_picture(monkeypatch, capsys, tmp_path) -> None:
     out = tmp_path / "new" / "map.png"
     monkeypatch.setattr(sys, "argv", ["jostle", "tune", "gas", "-n", "200", "--out", str(out)])
     with pytest.raises(SystemExit) as end:

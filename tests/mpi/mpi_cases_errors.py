@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from mpi_worlds import comm, evenly, gas, refuse, scattered
+from mpi_checks import refuse
+from mpi_worlds import comm, evenly, gas, scattered
 
 import jostle
 import jostle.mpi

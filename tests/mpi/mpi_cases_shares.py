@@ -3,7 +3,8 @@
 from typing import Any
 
 import numpy as np
-from mpi_worlds import check_touches, comm, expected_now, refuse, step_all, up_to
+from mpi_checks import check_touches, expected_now, refuse, step_all
+from mpi_worlds import comm, up_to
 
 import jostle
 import jostle.mpi
