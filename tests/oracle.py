@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 DTYPES = [np.float32, np.float64]
 ALL_BITS = 0xFFFFFFFF
+Bits = NDArray[Any]
 
 
 class Shapes(NamedTuple):
@@ -56,10 +57,7 @@ def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
 
 
 def may_pair(
-    categories_a: NDArray[Any],
-    masks_a: NDArray[Any],
-    categories_b: NDArray[Any],
-    masks_b: NDArray[Any],
+    categories_a: Bits, masks_a: Bits, categories_b: Bits, masks_b: Bits
 ) -> NDArray[np.bool_]:
     """Return for each row and column whether the filters allow the pair."""
     forth = categories_a[:, None] & masks_b[None]

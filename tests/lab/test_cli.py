@@ -13,11 +13,7 @@ from jostle_lab import cli
 
 
 def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    environment = {
-        name: value
-        for name, value in os.environ.items()
-        if name not in ("DISPLAY", "WAYLAND_DISPLAY")
-    }
+    environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
     return subprocess.run(
         [sys.executable, "-m", "jostle_lab", *arguments],
         capture_output=True,

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pygame
 import pytest
+from lab_interaction import gate_steps
 
 import jostle
 from jostle_lab import race as racing
@@ -104,7 +105,7 @@ def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_window) -
     window.session.runner.loader.wait()
     window.frame(0.0)
     right = window.session.runner.race.engine
-    release = _held_up(right.simulation)
+    _, release = gate_steps(right.simulation)
     try:
         left_contestant, right_contestant = window.session.runner.race.contestants
         for _ in range(30):
@@ -115,20 +116,6 @@ def test_the_slower_one_falls_behind_and_the_window_does_not_wait(open_window) -
         assert left_contestant.stats.time > right_contestant.stats.time
     finally:
         release()
-
-
-def _held_up(simulation):
-    """Let the simulation's steps wait until the answer is called."""
-    import threading
-
-    gate, step = threading.Event(), simulation.step
-
-    def waiting() -> None:
-        gate.wait(30)
-        step()
-
-    simulation.step = waiting
-    return gate.set
 
 
 def test_the_race_ends_and_the_scene_goes_on_alone(open_window) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pygame
 import pytest
-from lab_interaction import Driver, world_of
+from lab_interaction import Driver, gate_steps, world_of
 
 import jostle
 from jostle_lab.act.interaction import DragTool
@@ -21,21 +21,13 @@ TWO = [(200, 250), (600, 250)]
 
 def held_up(driver: Driver) -> Callable[[], None]:
     """Continue until a step is in progress, which waits until the returned function is called."""
-    simulation = driver.session.engine.simulation
-    gate, begun, step = threading.Event(), threading.Event(), simulation.step
-
-    def waiting() -> None:
-        begun.set()
-        gate.wait(30)
-        step()
-
-    simulation.step = waiting
+    begun, release = gate_steps(driver.session.engine.simulation)
     for _ in range(3_000):
         driver.frames(1)
         if begun.wait(0.01):
             break
     assert driver.session.engine.busy
-    return gate.set
+    return release
 
 
 def settled(driver: Driver) -> None:

@@ -56,12 +56,8 @@ def test_the_trees_are_those_of_the_map_and_the_default_is_the_librarys() -> Non
     positions, radii = Search.of("gas", 300).positions, Search.of("gas", 300).radii
     assert sorted(found.depths) == sorted({*CAPACITIES, found.default.leaf_capacity})
     default = jostle.Quadtree(positions, radii)
-    limited = jostle.Quadtree(
-        positions,
-        radii,
-        leaf_capacity=found.default.leaf_capacity,
-        max_depth=found.default.max_depth,
-    )
+    limits = {name: getattr(found.default, name) for name in ("leaf_capacity", "max_depth")}
+    limited = jostle.Quadtree(positions, radii, **limits)
     assert np.array_equal(default.nodes().boxes, limited.nodes().boxes)
     for setting in found.rounds:
         assert found.same_tree(*setting) == setting

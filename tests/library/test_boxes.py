@@ -15,6 +15,7 @@ import jostle
 
 DTYPES = [np.float32, np.float64]
 METHODS = ["brute", "quadtree"]
+Vector = tuple[float, float]
 
 
 def by_row(pairs: NDArray[Any]) -> list[list[int]]:
@@ -242,11 +243,7 @@ _small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.00781
 @settings(max_examples=50, deadline=None)
 @given(boxes(_near), st.tuples(_near, _near), st.tuples(_small, _small), _small, st.booleans())
 def test_queries_are_those_of_min_and_max(
-    rows: NDArray[Any],
-    at: tuple[float, float],
-    size: tuple[float, float],
-    radius: float,
-    in_space: bool,
+    rows: NDArray[Any], at: Vector, size: Vector, radius: float, in_space: bool
 ) -> None:
     dtype = rows.dtype
     point, size, r = np.array(at, dtype), np.array(size, dtype), dtype.type(radius)

@@ -224,9 +224,8 @@ SHIP = 2
     [~SHIP, [~SHIP] * 3, np.int8(~SHIP), np.full(3, ~SHIP, np.int16), ~np.uint32(SHIP), -SHIP - 1],
 )
 def test_all_bits_but_some(inverted: Any) -> None:
-    assert (
-        jostle.Space().add(POINTS[:0], masks=inverted if np.ndim(inverted) == 0 else [])
-    ).size == 0
+    none = jostle.Space().add(POINTS[:0], masks=inverted if np.ndim(inverted) == 0 else [])
+    assert none.size == 0
     collection = jostle.Space()
     collection.add(POINTS, 1.0, masks=inverted)
     assert collection.masks().tolist() == [0xFFFFFFFD] * 3

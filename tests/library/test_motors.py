@@ -91,10 +91,7 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
         [(0, 0), (5, 0)], [(0.25, 0), (0, 0)], 1.0, movable=[False, True], walls=walls,
         wall_velocities=[(0.5, 0)],
     )  # fmt: skip
-    world.forces = [
-        jostle.Motor([0], walls=[0], velocity=(1, 0)),
-        jostle.Motor([0], walls=[0], velocity=(0, 2)),
-    ]
+    world.forces = [jostle.Motor([0], walls=[0], velocity=way) for way in ((1, 0), (0, 2))]
     with pytest.raises(ValueError, match="dt"):
         world.step(1e30)
     assert world.velocities.tolist() == [[0.25, 0], [0, 0]]

@@ -321,12 +321,8 @@ def test_boxes_by_hand() -> None:
     tree = jostle.Quadtree(centers, 0.1, leaf_capacity=3)
     nodes = tree.nodes()
     assert isinstance(nodes, jostle.Nodes)
-    found = {
-        (*box, level, count, leaf)
-        for box, level, count, leaf in zip(
-            nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf, strict=True
-        )
-    }
+    columns = nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf
+    found = {(*box, level, count, leaf) for box, level, count, leaf in zip(*columns, strict=True)}
     assert found == {
         (0, 0, 8, 8, 0, 7, False), (0, 0, 4, 4, 1, 4, False), (4, 0, 8, 4, 1, 1, True),
         (0, 4, 4, 8, 1, 1, True), (4, 4, 8, 8, 1, 1, True), (0, 0, 2, 2, 2, 3, True),

@@ -182,11 +182,8 @@ def test_representation() -> None:
 
 def test_signatures() -> None:
     assert str(inspect.signature(jostle.World.step)) == "(self, /, dt, steps=1)"
-    assert list(inspect.signature(jostle.World.add).parameters)[1:4] == [
-        "positions",
-        "velocities",
-        "radii",
-    ]
+    parameters = list(inspect.signature(jostle.World.add).parameters)
+    assert parameters[1:4] == ["positions", "velocities", "radii"]
     assert "ids, *, positions=None" in str(inspect.signature(jostle.World.set))
 
 

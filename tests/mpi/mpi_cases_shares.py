@@ -146,11 +146,8 @@ def test_substeps_are_decided_by_all_ranks() -> None:
                 mine[:] = False
             if first and comm().size > 1:
                 order = np.r_[n - 1, : n - 1]  # ids are in the order of ranks
-                world = jostle.World(
-                    **{key: of[order] for key, of in columns.items()},
-                    **{name: column[order]},
-                    **gravity,
-                )
+                ordered = {key: of[order] for key, of in {**columns, name: column}.items()}
+                world = jostle.World(**ordered, **gravity)
             elif comm().size == 1:
                 mine[:] = True
             own = {key: of[mine] for key, of in columns.items()}
