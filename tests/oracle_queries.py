@@ -12,7 +12,6 @@ from oracle import Shapes
 
 QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
 
-
 # Beyond these, squares overflow or underflow: numbers are multiplied by a power of two, which does
 # not round them.
 RANGES = {"float32": (2.0**50, 2.0**-50, 2.0**90), "float64": (2.0**500, 2.0**-500, 2.0**600)}

@@ -27,7 +27,6 @@ from jostle.sprites import Near, Radii
 
 theirs = pygame.sprite
 
-
 RECTS = ["ints", "floats", "mixed"]
 
 

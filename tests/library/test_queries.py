@@ -20,7 +20,6 @@ directions = st.sampled_from(
 ) | st.tuples(st.floats(-9, 9, width=32), st.floats(0.5, 9, width=32))
 places = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6)
 
-
 SCALES = (1.0, 1.0, 1.0, 1e-30, 1e-24, 1e-12, 1e12, 1e25, 1e30)
 
 

@@ -18,7 +18,6 @@ import jostle
 
 Pair = tuple[int, int]
 
-
 coordinates = st.integers(-6, 6).map(float) | st.floats(-10, 10, width=32) | st.just(1e30)
 sizes = st.sampled_from([0.0, 0.5, 1.0, 2.0, 50.0]) | st.floats(2**-59, 3, width=32)
 bits = st.sampled_from([ALL_BITS, 1, 2, 3, 0])
