@@ -25,8 +25,6 @@ Computational Physics 34 (1980). B. D. Lubachevsky, How to Simulate Billiards an
 Journal of Computational Physics 94 (1991).
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from typing import NamedTuple
@@ -132,8 +130,6 @@ class _Simulation:
         self.turning = np.broadcast_to(np.asarray(angular_velocities, float), self.n).copy()
         self.angles = np.zeros(self.n)  # as if the present angular velocities began at time 0
 
-    # ---- paths -------------------------------------------------------------------------------
-
     def position(self, i: int, t: float) -> Floats:
         """Return where disc i is at time t, on a torus not wrapped."""
         fall = self.gravity * (t * t / 2) if self.movable[i] else 0.0
@@ -150,8 +146,6 @@ class _Simulation:
         self.a[:, i] -= change * t
         self.b[:, i] += change
         self.collisions[i] += 1
-
-    # ---- prediction --------------------------------------------------------------------------
 
     def predict(self, i: int, t: float, end: float) -> None:
         """Push the earliest collision of disc i from time t on, if it is before `end`."""
@@ -223,8 +217,6 @@ class _Simulation:
         g = self.gravity
         squared = np.array([g @ g / 4, v @ g, v @ v + p @ g, 2 * (p @ v), p @ p - distance**2])
         return first_fall(squared if inwards else -squared)
-
-    # ---- collisions --------------------------------------------------------------------------
 
     def collide(self, i: int, partner: int, t: float) -> None:
         """Change the velocities of disc i and of its partner, if they approach each other."""
@@ -299,9 +291,6 @@ class _Simulation:
         wrapped = at if self.period is None else at % self.period[:, 0]
         angles = self.angles + self.turning * t
         return Result(wrapped, velocities, at - self.start, self.collisions, self.turning, angles)
-
-
-# ---- formulas ------------------------------------------------------------------------------------
 
 
 def flat_walls(box: Box) -> tuple[list[int], list[int], list[float]]:

@@ -4,8 +4,6 @@ Lengths are in radii, and the mean speed is 1: a step of `dt` is one of `dt` rad
 displacement.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 DTYPES = [np.float32, np.float64]
 ALL_BITS = 0xFFFFFFFF
+Bits = NDArray[Any]
 
 
 class Shapes(NamedTuple):
@@ -56,10 +57,7 @@ def overlaps(a: Shapes, b: Shapes) -> NDArray[np.bool_]:
 
 
 def may_pair(
-    categories_a: NDArray[Any],
-    masks_a: NDArray[Any],
-    categories_b: NDArray[Any],
-    masks_b: NDArray[Any],
+    categories_a: Bits, masks_a: Bits, categories_b: Bits, masks_b: Bits
 ) -> NDArray[np.bool_]:
     """Return for each row and column whether the filters allow the pair."""
     forth = categories_a[:, None] & masks_b[None]
@@ -90,8 +88,6 @@ def by_row(pairs: NDArray[Any]) -> NDArray[Any]:
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-# ---- shapes one by one ---------------------------------------------------------------------------
-
 # Small integers, and even more powers of two, touch, coincide and are on the borders of cells.
 _borders = st.one_of(
     st.integers(-8, 8).map(float),
@@ -116,9 +112,6 @@ def few_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) ->
     shape = st.tuples(coordinates, coordinates, sizes, sizes, sizes)
     rows = np.array(draw(st.lists(shape, max_size=40)), np.float64).reshape(-1, 5).astype(dtype)
     return Shapes(rows[:, :2], rows[:, 2], rows[:, 3:] if boxes else None)
-
-
-# ---- many shapes by a seed -----------------------------------------------------------------------
 
 
 def _uniform(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
@@ -156,15 +149,9 @@ def _with_outliers(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
 ARRANGEMENTS = {
     arrange.__name__.strip("_"): arrange
     for arrange in (
-        _uniform,
-        _on_a_line,
-        _on_a_grid,
-        _coincident,
-        _nested,
-        _clusters,
-        _with_outliers,
+        _uniform, _on_a_line, _on_a_grid, _coincident, _nested, _clusters, _with_outliers,
     )
-}
+}  # fmt: skip
 
 
 @st.composite
@@ -190,3 +177,9 @@ def many_shapes(draw: st.DrawFn, dtype: Any = None, boxes: bool | None = None) -
 def any_shapes(dtype: Any = None, boxes: bool | None = None) -> st.SearchStrategy[Shapes]:
     """Few or many shapes."""
     return few_shapes(dtype, boxes) | many_shapes(dtype, boxes)
+
+
+def uniform(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
+    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
+    side = np.sqrt(n * np.pi * 0.25 / 0.4)
+    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)

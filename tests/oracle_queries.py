@@ -4,8 +4,6 @@ Each function takes one query and returns for all shapes whether they are found,
 distances, in the dtype of the shapes.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,6 @@ from numpy.typing import NDArray
 from oracle import Shapes
 
 QUIET = {"over": "ignore", "under": "ignore", "invalid": "ignore", "divide": "ignore"}
-
 
 # Beyond these, squares overflow or underflow: numbers are multiplied by a power of two, which does
 # not round them.

@@ -5,8 +5,6 @@ their velocity. Scenes in which discs have too many collisions are counted too.
     make search ARGS=10000   as many as asked
 """
 
-from __future__ import annotations
-
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ their surface to the horizontal are about 21° when an avalanche starts and abou
 tests/tilted_pile.py 16` takes 16 sub-steps instead of four, and four times as long.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 
@@ -40,17 +38,10 @@ class TiltedPile:
         self.width = width
         self.tilt = 0.0
         self.world = jostle.World(
-            positions,
-            rng.normal(size=positions.shape),
-            radii,
-            masses=radii**2,
-            gravity=(0, -GRAVITY),
-            restitution=0.0,
-            friction=friction,
-            substeps=substeps,
-            container=jostle.Box(0, 0, width, 2 * largest * (rows[-1] + 2)),
-            sleeping=False,
-        )
+            positions, rng.normal(size=positions.shape), radii, masses=radii**2,
+            gravity=(0, -GRAVITY), restitution=0.0, friction=friction, substeps=substeps,
+            container=jostle.Box(0, 0, width, 2 * largest * (rows[-1] + 2)), sleeping=False,
+        )  # fmt: skip
         self.world.step(STEP, steps=400)
 
     def tilt_by(self, degrees: float, steps: int) -> None:

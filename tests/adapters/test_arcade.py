@@ -1,7 +1,6 @@
 """`jostle.arcade` has the results of arcade, in the order of the list."""
 
-from __future__ import annotations
-
+from itertools import combinations, product
 from typing import Any
 
 import arcade
@@ -16,14 +15,9 @@ EVERYTHING = 3  # arcade's method that tests all sprites in turn
 
 # Some are not convex, some are very small.
 HIT_BOXES: list[Any] = [
-    None,
-    [(-9, -9), (9, -9), (0, 9)],
-    [(-9, -9), (9, -9), (0, -3), (0, 9)],
-    [(-9, 0), (0, 9), (9, 0), (0, 2)],
-    [(-20, 0), (20, 0)],
-    [(0, 0)],
-    [],
-]
+    None, [(-9, -9), (9, -9), (0, 9)], [(-9, -9), (9, -9), (0, -3), (0, 9)],
+    [(-9, 0), (0, 9), (9, 0), (0, 2)], [(-20, 0), (20, 0)], [(0, 0)], [],
+]  # fmt: skip
 
 
 def sprite(rng: np.random.Generator, spread: float) -> Any:
@@ -104,18 +98,9 @@ def test_points_and_rectangles(seed: int) -> None:
 
 
 def test_tiles_that_only_touch_do_not_collide() -> None:
-    tiles = [
-        arcade.SpriteSolidColor(16, 16, x * 16, y * 16, angle=angle)
-        for x in range(6)
-        for y in range(6)
-        for angle in (0, 90)
-    ]
-    expected = [
-        (p, q)
-        for i, p in enumerate(tiles)
-        for q in tiles[i:]
-        if p is not q and arcade.check_for_collision(p, q)
-    ]
+    places = product(range(0, 96, 16), range(0, 96, 16), (0, 90))
+    tiles = [arcade.SpriteSolidColor(16, 16, x, y, angle=angle) for x, y, angle in places]
+    expected = [pair for pair in combinations(tiles, 2) if arcade.check_for_collision(*pair)]
     assert ours.selfcollide(tiles) == expected
     assert len(expected) < len(tiles) * 5
 
@@ -124,9 +109,8 @@ def test_a_list_is_answered_by_arcade() -> None:
     a = sprites(1)
     one, rect = a[0], arcade.LBWH(0, 0, 50, 50)
     assert ours.check_for_collision_with_list(one, a) == colliding(one, a)
-    assert ours.get_sprites_at_point(one.position, a) == arcade.get_sprites_at_point(
-        one.position, a
-    )
+    at = one.position
+    assert ours.get_sprites_at_point(at, a) == arcade.get_sprites_at_point(at, a)
     assert ours.get_sprites_at_exact_point(one.position, a) == [one]
     assert ours.get_sprites_in_rect(rect, a) == arcade.get_sprites_in_rect(rect, a)
     assert ours.get_closest_sprite(one, a) == (one, 0)
@@ -145,9 +129,6 @@ def test_none_at_all() -> None:
 def test_a_position_that_is_no_place_is_refused() -> None:
     with pytest.raises(ValueError, match="finite"):
         ours.selfcollide([arcade.SpriteSolidColor(4, 4, float("nan"))])
-
-
-# ---- engines -------------------------------------------------------------------------------------
 
 
 def boxes(*rows: tuple[float, float, float, float]) -> Any:

@@ -5,8 +5,6 @@ the torus, agents that are added and removed, distances, differences and neighbo
 both spaces.
 """
 
-from __future__ import annotations
-
 import random
 from typing import Any
 

@@ -5,8 +5,6 @@ pygame are called on the first, those of jostle on the second. The states after 
 compared too.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterable, Iterator
@@ -19,17 +17,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from pygame import FRect, Rect
-from pygame.sprite import (
-    AbstractGroup,
-    GroupSingle,
-    LayeredUpdates,
-    Sprite,
-    collide_circle,
-    collide_circle_ratio,
-    collide_mask,
-    collide_rect,
-    collide_rect_ratio,
-)
+from pygame.sprite import collide_circle, collide_circle_ratio, collide_rect, collide_rect_ratio
 from signals import reaction_to_ctrl_c, run_child
 
 import jostle.pygame as ours
@@ -39,12 +27,10 @@ from jostle.sprites import Near, Radii
 
 theirs = pygame.sprite
 
-# ---- scenes --------------------------------------------------------------------------------------
-
 RECTS = ["ints", "floats", "mixed"]
 
 
-class Named(Sprite):
+class Named(theirs.Sprite):
     """A sprite with a name for the messages of failing tests."""
 
     def __init__(self, name: str, rect: Any) -> None:
@@ -109,21 +95,13 @@ def odd(left: Any, right: Any) -> bool:
 
 Collided = Callable[[Any, Any], Any] | None
 BUILT_IN: dict[str, Collided] = {
-    "none": None,
-    "rect": collide_rect,
-    "rect ratio": collide_rect_ratio(1.5),
-    "rect ratio down": collide_rect_ratio(0.3),
-    "rect ratio 2": collide_rect_ratio(2),
-    "rect ratio 0": collide_rect_ratio(0),
-    "rect ratio -1": collide_rect_ratio(-1.0),
-    "circle": collide_circle,
-    "circle ratio": collide_circle_ratio(0.8),
-    "circle ratio 2": collide_circle_ratio(2),
-    "circle ratio -1": collide_circle_ratio(-1),
+    "none": None, "rect": collide_rect, "rect ratio": collide_rect_ratio(1.5),
+    "rect ratio down": collide_rect_ratio(0.3), "rect ratio 2": collide_rect_ratio(2),
+    "rect ratio 0": collide_rect_ratio(0), "rect ratio -1": collide_rect_ratio(-1.0),
+    "circle": collide_circle, "circle ratio": collide_circle_ratio(0.8),
+    "circle ratio 2": collide_circle_ratio(2), "circle ratio -1": collide_circle_ratio(-1),
     "prefilter": ours.prefilter(odd, reach=2.5),
-}
-
-# ---- comparisons -------------------------------------------------------------------------------
+}  # fmt: skip
 
 
 def same_groupcollide(
@@ -273,9 +251,6 @@ def test_a_sequence_with_a_rect_is_read_as_pygame_does() -> None:
     assert ours.collide_rect_lists(queries, things) == [[], [0], [1]]
 
 
-# ---- masks and the user's functions -----------------------------------------------------------
-
-
 def with_masks(seed: int, kind: str) -> Scene:
     """Return a scene whose masks may be larger or smaller than their rects."""
     scene, draw = Scene(seed, kind, largest=8), random.Random(seed)
@@ -296,8 +271,8 @@ def with_masks(seed: int, kind: str) -> Scene:
 def test_masks(kind: str) -> None:
     for seed in range(150):
         kills = bool(seed & 1), bool(seed & 2)
-        same_groupcollide(lambda seed=seed: with_masks(seed, kind), *kills, collide_mask)
-        same_others(lambda seed=seed: with_masks(seed, kind), kills[0], collide_mask)
+        same_groupcollide(lambda seed=seed: with_masks(seed, kind), *kills, theirs.collide_mask)
+        same_others(lambda seed=seed: with_masks(seed, kind), kills[0], theirs.collide_mask)
 
 
 def test_masks_are_asked_only_where_they_may_meet() -> None:
@@ -311,7 +286,7 @@ def test_masks_are_asked_only_where_they_may_meet() -> None:
     sprites = [Named(f"s{x}", Rect(x, 0, 1, 1)) for x in range(0, 1000, 10)]
     for sprite in sprites:
         sprite.mask = Mask((8, 8), fill=True)
-    assert ours.selfcollide(sprites, collide_mask) == []
+    assert ours.selfcollide(sprites, theirs.collide_mask) == []
     assert called == []
 
 
@@ -438,7 +413,7 @@ def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
     def groups() -> tuple[Any, Any]:
         a, b = theirs.Group(), theirs.Group()
         for name, group in (("x", a), ("xyz", a), ("xy", b), ("xyzz", b)):
-            sprite = Sprite(group)
+            sprite = theirs.Sprite(group)
             sprite.name = name
         return a, b
 
@@ -452,9 +427,6 @@ def test_sprites_without_rects_are_for_a_function_that_needs_none() -> None:
     assert len(ours.selfcollide(b, shorter)) == 1
 
 
-# ---- kills -------------------------------------------------------------------------------------
-
-
 def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
     """Return sprites that all overlap."""
     sprites = [kind(f"s{row}", Rect(0, 0, 5, 5)) for row in range(count)]
@@ -464,7 +436,7 @@ def one_place(count: int, *groups: Any, kind: type = Named) -> list[Any]:
 
 
 @pytest.mark.parametrize(
-    "collided", [None, collide_circle, collide_mask, odd, ours.prefilter(odd, reach=3)]
+    "collided", [None, collide_circle, theirs.collide_mask, odd, ours.prefilter(odd, reach=3)]
 )
 @pytest.mark.parametrize("kill_b", [False, True])
 def test_a_kill_of_ones_own_may_do_anything(collided: Collided, kill_b: bool) -> None:
@@ -522,12 +494,14 @@ def test_groups_of_ones_own_may_do_anything() -> None:
         assert run(ours, group) == run(theirs, group)
 
 
-@pytest.mark.parametrize("kind", [theirs.Group, LayeredUpdates, GroupSingle, ours.Group, list, set])
+@pytest.mark.parametrize(
+    "kind", [theirs.Group, theirs.LayeredUpdates, theirs.GroupSingle, ours.Group, list, set]
+)
 def test_kinds_of_groups(kind: Any) -> None:
     """Collections can be iterated twice; for other iterables pygame's function is called."""
     for library, kill in product((theirs, ours), (False, True)):
         hunters, hunted = one_place(3), one_place(3)
-        grouped = issubclass(kind, AbstractGroup)
+        grouped = issubclass(kind, theirs.AbstractGroup)
         b = kind() if grouped else kind(hunted)
         if grouped:
             b.add(*hunted)
@@ -543,9 +517,6 @@ def test_duplicates_in_lists() -> None:
     x, y = one_place(2)
     assert ours.groupcollide([x, x], [y, x, y], False, False) == {x: [y, x, y]}
     assert ours.selfcollide([x, y, x]) == [(x, y), (x, x), (y, x)]
-
-
-# ---- kinds of rects ----------------------------------------------------------------------------
 
 
 class Plain(Rect):
@@ -601,7 +572,7 @@ def test_a_subclass_that_changes_nothing_is_searched_quickly() -> None:
 
 
 def test_a_rect_may_be_a_property() -> None:
-    class Body(Sprite):
+    class Body(theirs.Sprite):
         def __init__(self, x: float) -> None:
             super().__init__()
             self.x = x
@@ -623,11 +594,11 @@ def test_a_rect_may_be_a_property() -> None:
 
 @pytest.mark.parametrize("rule", [*BUILT_IN, "mask"])
 @pytest.mark.parametrize("broken", ["left", "right"])
-@pytest.mark.parametrize("kind", [Sprite, type("Bare", (), {})])
+@pytest.mark.parametrize("kind", [theirs.Sprite, type("Bare", (), {})])
 def test_a_sprite_without_a_rect_is_refused_as_pygame_does(
     rule: str, broken: str, kind: type
 ) -> None:
-    collided = BUILT_IN.get(rule, collide_mask)
+    collided = BUILT_IN.get(rule, theirs.collide_mask)
     good, bad = Named("good", Rect(0, 0, 1, 1)), kind()
     good.mask = bad.mask = pygame.Mask((1, 1), fill=True)
     left, right = ([bad], [good]) if broken == "left" else ([good], [bad])
@@ -661,7 +632,7 @@ def test_nothing_collides_with_nothing(collided: Collided) -> None:
 
 
 def test_a_keyboard_interrupt_gets_through() -> None:
-    class Stop(Sprite):
+    class Stop(theirs.Sprite):
         @property
         def rect(self) -> Any:
             raise KeyboardInterrupt
@@ -703,9 +674,6 @@ def test_radii_of_numpy_are_computed_as_numpy_does() -> None:
             left.radius, right.radius = kind(gap) * kind(0.3), kind(gap) * kind(0.7)
             want = theirs.spritecollide(left, [right], False, collide_circle)
             assert ours.spritecollide(left, [right], False, collide_circle) == want
-
-
-# ---- Group ---------------------------------------------------------------------------------------
 
 
 @given(some_rects, ints | halves | anything)

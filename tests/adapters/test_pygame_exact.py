@@ -1,7 +1,5 @@
 """`jostle.pygame` on pairs of sprites that touch within a millionth of a pixel."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable
@@ -11,13 +9,7 @@ import numpy as np
 import pygame
 import pytest
 from pygame import FRect, Rect
-from pygame.sprite import (
-    Sprite,
-    collide_circle,
-    collide_circle_ratio,
-    collide_rect,
-    collide_rect_ratio,
-)
+from pygame.sprite import collide_circle, collide_circle_ratio, collide_rect, collide_rect_ratio
 
 import jostle.pygame as ours
 
@@ -27,7 +19,7 @@ NEAR = 1e-6
 
 
 def sprite(rect: Any, radius: float | None = None) -> Any:
-    made: Any = Sprite()
+    made: Any = pygame.sprite.Sprite()
     made.rect = rect
     if radius is not None:
         made.radius = radius

@@ -1,7 +1,5 @@
 """pygame-ce's own tests of sprites, with the functions and the group of `jostle.pygame`."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

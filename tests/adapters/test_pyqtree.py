@@ -1,7 +1,5 @@
 """`jostle.pyqtree.Index` has the results of the package pyqtree."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

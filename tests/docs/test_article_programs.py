@@ -1,18 +1,15 @@
 """The article's two programs run without a display, and write a film of what they do."""
 
-from __future__ import annotations
-
 import os
 import runpy
 import subprocess
 import sys
 from pathlib import Path
 
-import imageio_ffmpeg
-import numpy as np
 import pygame
 import pytest
 from article import window
+from outputs import frames_of
 
 from jostle_lab.article import HEIGHT, WIDTH, Particle, Simulation
 
@@ -33,17 +30,11 @@ def run(program: str, *options: str, folder: Path) -> str:
     return done.stdout
 
 
-def pictures_of(film: Path) -> list[np.ndarray]:
-    reader = imageio_ffmpeg.read_frames(str(film))
-    width, height = next(reader)["size"]
-    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
-
-
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_without_a_display_a_program_writes_a_film(program: str, tmp_path: Path) -> None:
     said = run(program, "--frames", "6", folder=tmp_path)
     assert f"{program}.mp4: 6 frames" in said
-    pictures = pictures_of(tmp_path / f"{program}.mp4")
+    pictures = frames_of(tmp_path / f"{program}.mp4")
     assert len(pictures) == 6 and pictures[0].shape == (HEIGHT, WIDTH, 3)
     assert (pictures[0] != pictures[-1]).any()
     red = [(picture[:, :, 0] > picture[:, :, 2].astype(int) + 20).mean() for picture in pictures]
@@ -56,14 +47,12 @@ def test_the_options_set_the_film_the_number_and_the_seed(tmp_path: Path) -> Non
     for name, seed in [("a.mp4", "1"), ("b.mp4", "1"), ("c.mp4", "2")]:
         run("brute_force", "-n", "40", "--seed", seed, "--film", name, "--frames", "2",
             folder=tmp_path)  # fmt: skip
-        films.append(pictures_of(tmp_path / name)[-1][40:])  # without the milliseconds
+        films.append(frames_of(tmp_path / name)[-1][40:])  # without the milliseconds
     assert (films[0] == films[1]).all() and (films[0] != films[2]).any()
 
 
 @pytest.mark.parametrize("program", PROGRAMS)
-def test_a_window_passes_the_mouse_on_until_it_is_closed(
-    program: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_window_passes_the_mouse_on_until_it_is_closed(program: str, monkeypatch) -> None:
     monkeypatch.setattr(sys, "argv", [f"{program}.py", "-n", "20"])
     monkeypatch.setattr(sys, "path", [str(FOLDER), *sys.path])
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")

@@ -1,7 +1,5 @@
 """The check of docstrings by numpydoc: what it finds."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 from types import SimpleNamespace

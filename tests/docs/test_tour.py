@@ -1,7 +1,5 @@
 """The tour: its stops lead somewhere, and leave pictures and films behind."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -135,9 +133,8 @@ def test_a_user_folds_sections_and_opens_menus(user: ScriptedUser) -> None:
     assert before and after and after[1] < before[1]
     user.session.runner.paused = True
     user.click(user.pixel(nearest(user.session.frame, (0.0, 0.0))), RIGHT)
-    assert (
-        user.session.interaction.menu is not None and user.session.interaction.menu.tag is not None
-    )
+    menu = user.session.interaction.menu
+    assert menu is not None and menu.tag is not None
 
 
 # What must hold when the user has done everything that they do at a stop.

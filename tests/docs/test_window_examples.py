@@ -1,7 +1,5 @@
 """The programs in examples/ run and draw something for a few frames, without a display."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import shutil

@@ -1,8 +1,7 @@
 """What the tests of the driver share: a window without a display, and events to post to it."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Sequence
+import threading
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 import pygame
@@ -31,10 +30,13 @@ def world_of(places: Sequence[Point], radii: object = 10.0, **rules: object) -> 
 class Driver:
     """Scripted input of a window."""
 
-    def __init__(self, simulation: Simulation, *, synchronous: bool = True) -> None:
+    def __init__(
+        self, simulation: Simulation, *, synchronous: bool = True, paused: bool = False
+    ) -> None:
         self.window = Window(simulation, SIZE, synchronous=synchronous)
         self.window.builders = []  # no panels between the mouse and the scene
         self.session = self.window.session
+        self.session.runner.paused = paused
         pygame.event.clear()
 
     @property
@@ -87,6 +89,19 @@ class Driver:
             x, y = np.array(start) + share * (np.array(end) - np.array(start))
             self.point_at((float(x), float(y)))
         self.up(end, button, mod)
+
+
+def gate_steps(simulation: Simulation) -> tuple[threading.Event, Callable[[], None]]:
+    """Let steps wait until the second is called; the first is set when one has begun."""
+    gate, begun, step = threading.Event(), threading.Event(), simulation.step
+
+    def waiting() -> None:
+        begun.set()
+        gate.wait(30)
+        step()
+
+    simulation.step = waiting
+    return begun, gate.set
 
 
 def post(kind: int, **facts: object) -> None:

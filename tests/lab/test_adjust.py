@@ -1,7 +1,5 @@
 """Settings that change while a scene runs: number, walls, size and rules."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -12,12 +10,7 @@ from jostle_lab.simulate.settings import Group, Polyline, Settings
 from jostle_lab.simulate.simulation import MOST_AT_ONCE, Simulation
 from jostle_lab.simulate.start import start
 
-CONTAINERS = [
-    jostle.Box(-10, 0, 90, 50),
-    jostle.Circle((40, 25), 30),
-    jostle.Torus(100, 50),
-    None,
-]
+CONTAINERS = [jostle.Box(-10, 0, 90, 50), jostle.Circle((40, 25), 30), jostle.Torus(100, 50), None]
 
 
 def gas(n: int = 200, **settings) -> Simulation:
@@ -31,9 +24,6 @@ def is_inside(simulation: Simulation) -> bool:
     radii = frame.radii.astype(np.float64)
     places = frame.positions.astype(np.float64)
     return bool(np.allclose(moved_inside(places, radii, frame.container), places, atol=1e-3))
-
-
-# ---- the number of particles ---------------------------------------------------------------------
 
 
 def test_more_particles_are_copies_that_touch_nothing() -> None:
@@ -117,9 +107,6 @@ def test_a_session_begins_anew_where_there_is_no_room() -> None:
     assert len(session.frame) == session.settings.n == 2_000
     assert session.frame.stats.time == 0 and "begins anew" in session.message
     session.close()
-
-
-# ---- walls ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=str)
@@ -215,9 +202,6 @@ def test_the_camera_shows_the_world_that_has_grown() -> None:
     session.advance(0.0)
     assert session.camera.scale == zoomed  # who looks closely goes on looking there
     session.close()
-
-
-# ---- rules ---------------------------------------------------------------------------------------
 
 
 def test_friction_of_walls_is_that_of_drawn_ones_and_is_saved() -> None:

@@ -1,7 +1,5 @@
 """The article's rules, compared with values computed by hand, and the demonstrations of faults."""
 
-from __future__ import annotations
-
 import doctest
 import math
 import re
@@ -16,23 +14,19 @@ from jostle_lab.article import Particle, Simulation, add_vectors, collide, overl
 UP, RIGHT, DOWN, LEFT = 0.0, math.pi / 2, math.pi, 3 * math.pi / 2
 METHODS = ["brute", "quadtree"]
 
+Point = tuple[float, float]
+
 
 def ball(x: float, y: float = 250.0, **others: Any) -> Particle:
     return Particle(x, y, **{"radius": 10, "density": 1, **others})
 
 
-def velocity(particle: Particle) -> tuple[float, float]:
-    return (
-        particle.speed * math.sin(particle.angle),
-        -particle.speed * math.cos(particle.angle),
-    )
+def velocity(particle: Particle) -> Point:
+    return (particle.speed * math.sin(particle.angle), -particle.speed * math.cos(particle.angle))
 
 
 def state(simulation: Simulation) -> list[tuple[float, ...]]:
     return [(p.x, p.y, p.speed, p.angle, p.radius, p.density) for p in simulation.particles]
-
-
-# The demonstrations
 
 
 def test_every_fault_has_a_demonstration() -> None:
@@ -40,9 +34,6 @@ def test_every_fault_has_a_demonstration() -> None:
     assert [int(fault.split(".")[0]) for fault in faults] == list(range(1, 12))
     assert all(">>> " in fault for fault in faults)
     assert doctest.testmod(article).failed == 0
-
-
-# Particles
 
 
 def test_mass_and_drag_come_from_radius_and_density() -> None:
@@ -84,22 +75,13 @@ def test_move_adds_gravity_then_the_velocity_then_drag() -> None:
         ((2000, 250), (-420, 250), (2, 0), (-1.5, 0), 0.75),  # reflected once only
     ],
 )
-def test_walls(
-    start: tuple[float, float],
-    end: tuple[float, float],
-    before: tuple[float, float],
-    after: tuple[float, float],
-    speed: float,
-) -> None:
+def test_walls(start: Point, end: Point, before: Point, after: Point, speed: float) -> None:
     length = math.hypot(*before)
     particle = ball(*start, speed=length, angle=math.atan2(before[0], -before[1]))
     particle.bounce(800, 500)
     assert (particle.x, particle.y) == pytest.approx(end)
     assert velocity(particle) == pytest.approx(after)
     assert particle.speed == pytest.approx(speed * length)
-
-
-# Collisions
 
 
 def test_collision_by_hand() -> None:
@@ -132,9 +114,6 @@ def test_coincident_balls_part_along_x() -> None:
     assert collide(first, second)
     assert (first.x, second.x) == pytest.approx((110.5, 89.5))
     assert (first.y, second.y) == pytest.approx((250, 250))
-
-
-# The order of the two programs
 
 
 @pytest.mark.parametrize(
@@ -193,9 +172,6 @@ def test_the_method_may_be_changed_between_frames() -> None:
     assert simulation.leaves
 
 
-# The tree and the counters
-
-
 @pytest.mark.parametrize("n", [0, 1, 2, 50])
 def test_brute_force_tests_every_pair_once(n: int) -> None:
     simulation = Simulation(n, "brute")
@@ -216,11 +192,8 @@ def test_a_box_of_four_splits_and_a_line_belongs_to_both_sides() -> None:
     simulation = Simulation.of(balls, "quadtree")
     simulation.frame()
     assert simulation.leaves == [
-        (0, 0, 400, 250, 1),
-        (400, 0, 400, 250, 1),
-        (0, 250, 400, 250, 1),
-        (400, 250, 400, 250, 1),
-    ]
+        (0, 0, 400, 250, 1), (400, 0, 400, 250, 1), (0, 250, 400, 250, 1), (400, 250, 400, 250, 1),
+    ]  # fmt: skip
     assert (simulation.tests, simulation.repeats, simulation.hits) == (2, 1, 1)
     assert simulation.tested == {(0, 1)}
 
@@ -245,11 +218,8 @@ def test_the_tree_does_not_see_a_particle_before_its_rectangle_is_renewed() -> N
 
 def test_quarters_lose_the_odd_pixel() -> None:
     assert quarters((10, 20, 7, 5)) == [
-        (10, 20, 3, 2),
-        (13, 20, 3, 2),
-        (10, 22, 3, 2),
-        (13, 22, 3, 2),
-    ]
+        (10, 20, 3, 2), (13, 20, 3, 2), (10, 22, 3, 2), (13, 22, 3, 2),
+    ]  # fmt: skip
 
 
 def test_rectangles_are_cut_towards_zero() -> None:
@@ -258,9 +228,6 @@ def test_rectangles_are_cut_towards_zero() -> None:
 
 def test_overlaps_gives_the_depth_of_each() -> None:
     assert overlaps([ball(100), ball(115), ball(135)]) == {(0, 1): 5.0}
-
-
-# The mouse
 
 
 def test_the_first_particle_under_the_cursor_is_held() -> None:

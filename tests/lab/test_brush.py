@@ -1,12 +1,7 @@
 """The brush of the simulator: particles along a drag, of the chosen kind, where there is room."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
-import pytest
 from lab_interaction import Driver, world_of
 
 import jostle
@@ -20,12 +15,6 @@ from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 LINE = (200.0, 250.0), (600.0, 250.0)
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
 
 
 def test_a_drag_adds_particles_within_reach_of_its_path() -> None:

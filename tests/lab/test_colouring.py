@@ -1,7 +1,5 @@
 """Which colours particles get, and what a legend says of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

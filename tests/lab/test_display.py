@@ -1,7 +1,5 @@
 """Which painter a window gets, and what it does when that fails, is hidden, or is slow."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import sys
@@ -31,11 +29,9 @@ from jostle_lab.window import Window
 FRAME = 1 / 60
 SIZE = (640, 360)
 KINDS = [
-    Settings("pile", 60, on_touch="merge"),
-    Settings("springs", 40),
-    Settings("galton", 30),
+    Settings("pile", 60, on_touch="merge"), Settings("springs", 40), Settings("galton", 30),
     Settings("brownian", 30, container="torus"),
-]
+]  # fmt: skip
 
 
 @pytest.fixture
@@ -57,9 +53,6 @@ def open_window() -> Iterator:
 
 def picture_of(painter) -> np.ndarray:
     return pygame.surfarray.array3d(painter.canvas()).astype(int)
-
-
-# ---- the choice ----------------------------------------------------------------------------------
 
 
 @pytest.mark.skipif(
@@ -93,9 +86,7 @@ def test_the_window_has_the_icon_of_jostle(renderer: str, monkeypatch) -> None:
     window.close()
 
 
-def test_software_opengl_is_used_only_when_it_is_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_software_opengl_is_used_only_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     opengl = pytest.importorskip("jostle_lab.draw.opengl")
     try:
         name = Screen(SIZE, "opengl").painter.renderer
@@ -153,9 +144,6 @@ def test_a_window_of_either_kind_shows_the_scene_and_builds_panels(
     assert built and built[0] == (window.session, window.gui)
 
 
-# ---- failures ------------------------------------------------------------------------------------
-
-
 def test_a_lost_card_is_replaced_and_the_simulation_does_not_notice(open_window) -> None:
     moderngl = pytest.importorskip("moderngl")
     window = open_window(renderer="opengl")
@@ -189,9 +177,6 @@ def test_what_is_wrong_in_software_is_not_hidden(open_window) -> None:
     window.painter.show = wrong
     with pytest.raises(pygame.error, match="wrong"):
         window.frame(FRAME)
-
-
-# ---- hidden, dense, slow -------------------------------------------------------------------------
 
 
 def test_a_minimised_window_draws_nothing_and_the_world_goes_on(open_window) -> None:
@@ -315,8 +300,6 @@ def test_a_window_on_many_particles_closes_at_any_time(open_window, renderer) ->
     window.frame(FRAME)
     assert picture_of(window.painter).std() > 1
 
-
-# ---- drawing changes nothing ---------------------------------------------------------------------
 
 EVERYTHING = ViewOptions(
     tree=TreeView.OUTLINE, contacts=True, forces=True, velocities=True, trails=True, labels=True

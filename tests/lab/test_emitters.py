@@ -1,7 +1,5 @@
 """The app's emitters add due drops, remove the oldest ones, and are reproducible."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -119,9 +117,6 @@ def test_a_long_step_emits_no_more_than_the_cap() -> None:
     emitters.step(world, 1000.0)
     assert len(world) == N
     assert emitters.emitted > 10 * N
-
-
-# ---- random numbers -----------------------------------------------------------------------------
 
 
 def test_points_are_spread_evenly_over_a_disc() -> None:

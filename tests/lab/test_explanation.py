@@ -1,7 +1,5 @@
 """Why two particles touch or do not: the sentences are true, whatever the tree and the rules."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -70,11 +68,8 @@ def test_two_whose_boxes_overlap_but_not_the_circles() -> None:
 
 def test_two_that_just_meet_do_not_touch() -> None:
     why = answer([(0, 0), (3, 4)], [2, 3])
-    assert not why.touching
-    assert (
-        why.lines[0]
-        == "Particles 0 and 1 do not touch: the gap is 0, and touching requires overlap."
-    )
+    said = "Particles 0 and 1 do not touch: the gap is 0, and touching requires overlap."
+    assert not why.touching and why.lines[0] == said
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Scenes, pictures, tables, trajectories: written, read again, and refused where they are wrong."""
 
-from __future__ import annotations
-
 import csv
 from dataclasses import asdict
 from pathlib import Path
@@ -21,13 +19,11 @@ from jostle_lab.storage import files
 from jostle_lab.storage.exports import new_path
 
 SCENES = [
-    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
-    Settings("emitters", 100),
-    Settings("springs", 100),
-    Settings("orbit", 100, on_touch="merge"),
+    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9), Settings("emitters", 100),
+    Settings("springs", 100), Settings("orbit", 100, on_touch="merge"),
     Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
     Settings("mixed", 40, method="brute"),
-]
+]  # fmt: skip
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
@@ -42,9 +38,6 @@ def session(tmp_path: Path):
 def wait(session: Session) -> None:
     """Show the results of exports; in a synchronous session they are finished."""
     session.advance(0.0)
-
-
-# ---- states --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
@@ -84,13 +77,9 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
     simulation = start(Settings("gas", 5))
     before = simulation.save()
     for wrong in (
-        b"",
-        b"words",
-        before.replace(b"jostle world", b"jostle scene", 1),
-        before[:-1],
-        before[: len(before) // 2],
-        before + b"x",
-    ):
+        b"", b"words", before.replace(b"jostle world", b"jostle scene", 1), before[:-1],
+        before[: len(before) // 2], before + b"x",
+    ):  # fmt: skip
         with pytest.raises(ValueError, match=r"it is|its|data is"):
             simulation.load(wrong)
         assert simulation.save() == before
@@ -134,9 +123,6 @@ def test_a_state_with_a_wrong_value_leaves_a_simulation_as_it_was(changes: dict)
     assert simulation.save() == before
 
 
-# ---- packing -------------------------------------------------------------------------------------
-
-
 def test_what_is_packed_comes_back() -> None:
     parts = [b"", b"three", bytes(range(256))]
     assert unpack("thing", pack("thing", {"x": [1, 2.5, None]}, *parts), 3) == (
@@ -157,9 +143,6 @@ def test_every_cut_and_every_changed_byte_is_noticed() -> None:
             unseal(bytes(bent))
 
 
-# ---- scene files ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("settings", SCENES, ids=NAMES)
 def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, settings) -> None:
     first = Session(start(settings), (640, 360), synchronous=True)
@@ -174,10 +157,8 @@ def test_a_saved_scene_comes_back_with_all_that_belongs_to_it(tmp_path: Path, se
     assert second.message == "Loaded one.jostle"
     assert second.settings == first.settings
     assert second.engine.simulation.save() == first.engine.simulation.save()
-    assert (second.view_options.tree, second.view_options.colour_by) == (
-        TreeView.FILLED,
-        ColourBy.MASS,
-    )
+    assert second.view_options.tree == TreeView.FILLED
+    assert second.view_options.colour_by == ColourBy.MASS
     assert second.view_options.velocities
     assert second.camera.scale == pytest.approx(2 * first.camera.scale)
     assert second.camera.center == pytest.approx(first.camera.center)
@@ -242,9 +223,7 @@ SAID = {
 }
 
 
-def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(
-    session: Session, tmp_path: Path
-) -> None:
+def test_wrong_files_are_refused_in_a_sentence_and_nothing_is_lost(session, tmp_path) -> None:
     for name, path in wrong_files(tmp_path, session).items():
         before = session.engine.simulation, session.engine.simulation.save()
         looks = session.camera.center, session.camera.scale, session.view_options.tree
@@ -263,18 +242,12 @@ def test_names_of_scenes_make_names_of_files(tmp_path: Path) -> None:
     assert path.parent == tmp_path and path.name.startswith("-a-b-c-")
 
 
-# ---- pictures ------------------------------------------------------------------------------------
-
-
 def test_a_screenshot_is_the_picture(session: Session) -> None:
     session.files.screenshot()
     (path,) = session.files.folder.glob("*.png")
     picture = pygame.image.load(path)
     assert picture.get_size() == (640, 360)
     assert len(np.unique(pygame.surfarray.array2d(picture))) > 30
-
-
-# ---- tables --------------------------------------------------------------------------------------
 
 
 def test_csv_has_every_particle_and_the_sums_over_time(session: Session) -> None:

@@ -1,7 +1,5 @@
 """ImGui over both painters: clicks by posted events, text, and who gets an event."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -164,9 +162,7 @@ def test_panels_have_their_colours_and_text(panel: Panel) -> None:
     assert 0.01 < inked < 0.3
 
 
-def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_quiet_panel_is_not_painted_again_and_a_hovered_button_is(monkeypatch) -> None:
     screen = Screen(SIZE, "software")
     panel = Panel(screen.painter)
     for _ in range(3):

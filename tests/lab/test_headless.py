@@ -1,15 +1,13 @@
 """A run without a window: a playable video, a picture and a table."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 import pygame
 import pytest
 import rich.console as rich_console
+from outputs import frames_of
 
 from jostle_lab import headless
 from jostle_lab.draw.palette import GROUND
@@ -24,12 +22,6 @@ SIZE = (640, 360)
 @pytest.fixture
 def console():
     return rich_console.Console(file=io.StringIO(), width=100)
-
-
-def frames_of(video: Path) -> list[np.ndarray]:
-    reader = imageio_ffmpeg.read_frames(str(video))
-    width, height = next(reader)["size"]
-    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
 
 
 @pytest.mark.parametrize(("method", "name"), [("quadtree", "article"), ("brute", "article-brute")])
@@ -71,10 +63,7 @@ def test_a_film_takes_ten_seconds() -> None:
 
 def test_an_interrupted_film_still_plays(tmp_path: Path) -> None:
     canvas = pygame.Surface(SIZE, 0, 32, (0xFF0000, 0xFF00, 0xFF, 0))
-    with (
-        pytest.raises(KeyboardInterrupt),
-        Encoder(tmp_path / "film.mp4", SIZE) as recorder,
-    ):
+    with pytest.raises(KeyboardInterrupt), Encoder(tmp_path / "film.mp4", SIZE) as recorder:
         for _ in range(3):
             recorder.draw(canvas)
         raise KeyboardInterrupt
@@ -96,9 +85,7 @@ def table_of(settings: Settings, tmp_path: Path, console) -> str:
 
 
 @pytest.mark.parametrize("method", ["quadtree", "brute"])
-def test_table_sets_the_methods_side_by_side(
-    tmp_path: Path, console, monkeypatch, method: str
-) -> None:
+def test_table_sets_the_methods_side_by_side(tmp_path, console, monkeypatch, method: str) -> None:
     monkeypatch.setattr(headless, "PATIENCE", 0.01)
     table = table_of(Settings("article", 50, method=method), tmp_path, console)
     for words in ("particles", "50", "steps/s", "1,225", "touching", "quadtree",
@@ -112,9 +99,7 @@ def test_table_without_particles_compares_nothing(tmp_path: Path, console, monke
     assert "nothing to compare" in table and "×" not in table
 
 
-def test_table_says_when_a_method_was_not_timed_in_full(
-    tmp_path: Path, console, monkeypatch
-) -> None:
+def test_table_says_when_a_method_was_not_timed_in_full(tmp_path, console, monkeypatch) -> None:
     for name, value in [
         ("PATIENCE", 0.01), ("BRUTE_LIMIT", 20), ("BRUTE_SAMPLE", 10), ("ARTICLE_LIMIT", 15),
     ]:  # fmt: skip

@@ -1,7 +1,5 @@
 """Rewind and scrub: what is shown has really been, bit for bit, whatever was done in between."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -14,13 +12,9 @@ from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 SCENES = [
-    Settings("gas", 300),
-    Settings("pile", 200),
-    Settings("emitters", 200),
-    Settings("orbit", 200),
-    Settings("springs", 200),
-    Settings("mixed", 60, method="brute"),
-]
+    Settings("gas", 300), Settings("pile", 200), Settings("emitters", 200), Settings("orbit", 200),
+    Settings("springs", 200), Settings("mixed", 60, method="brute"),
+]  # fmt: skip
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
@@ -105,10 +99,8 @@ def test_acts_of_a_person_are_shown_as_they_were(stride: int) -> None:
     session.interaction.attractors.attract_to_cursor(None)
     session.runner.adjust("gravity", (0.0, 50.0))
     go(9)
-    history, times = (
-        session.runner.history,
-        [moment.time for moment in session.runner.history.moments],
-    )
+    history = session.runner.history
+    times = [moment.time for moment in history.moments]
     assert len(times) > 31 / 2
     if stride == 1:
         assert len(times) == 32

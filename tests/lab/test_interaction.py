@@ -1,10 +1,7 @@
 """Commands by keys and mouse: the state of the world afterwards."""
 
-from __future__ import annotations
-
 import threading
 import time
-from collections.abc import Iterator
 
 import numpy as np
 import pygame
@@ -17,15 +14,6 @@ from jostle_lab.simulate.frame import Attractor, FrameRequest
 from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
-
-
-# ---- dragging ------------------------------------------------------------------------------------
 
 
 def test_a_held_particle_that_vanishes_is_dropped() -> None:
@@ -84,9 +72,6 @@ def test_in_a_pause_a_held_particle_is_moved_to_the_cursor() -> None:
     assert driver.world.velocities[0].tolist() == [0, 0] and driver.world.time == 0
 
 
-# ---- Space ---------------------------------------------------------------------------------------
-
-
 def test_space_attracts_all_by_distance_and_stops_on_release() -> None:
     driver = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
     still = Driver(world_of([(200, 100), (300, 100), (500, 100)]))
@@ -126,12 +111,8 @@ def test_space_ends_when_the_window_loses_the_keys() -> None:
     assert not driver.session.frame.attractors
 
 
-# ---- adding, copying, removing -------------------------------------------------------------------
-
-
 def test_a_adds_a_particle_of_the_usual_size_at_the_cursor() -> None:
-    driver = Driver(world_of([(200, 100), (300, 100)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(200, 100), (300, 100)]), paused=True)
     driver.point_at((500, 300))
     driver.key(pygame.K_a)
     frame = driver.session.frame
@@ -147,17 +128,14 @@ def test_adding_outside_the_walls_is_no_error() -> None:
 
 
 def test_the_usual_size_is_the_median_of_what_moves() -> None:
-    frame = world_of(
-        [(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=[True] * 3 + [False] * 2
-    ).frame()
-    assert usual(frame) == (2, 1)
+    movable = [True] * 3 + [False] * 2
+    assert usual(world_of([(0, 0)] * 5, radii=[1, 2, 3, 50, 50], movable=movable).frame()) == (2, 1)
     assert usual(world_of([]).frame()) == (10, 1)
 
 
 @pytest.mark.parametrize("key", [pygame.K_DELETE, pygame.K_BACKSPACE])
 def test_delete_deletes_the_selection_or_what_is_under_the_cursor(key: int) -> None:
-    driver = Driver(world_of([(100, 100), (200, 100), (300, 100), (400, 100)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(100, 100), (200, 100), (300, 100), (400, 100)]), paused=True)
     driver.point_at((300, 100))
     driver.key(key)
     assert tags(driver.session.frame.tags) == [0, 1, 3]
@@ -170,8 +148,7 @@ def test_delete_deletes_the_selection_or_what_is_under_the_cursor(key: int) -> N
 
 
 def test_d_clones_next_to_the_original_with_its_velocity() -> None:
-    driver = Driver(world_of([(100, 100), (750, 300)]))
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(100, 100), (750, 300)]), paused=True)
     driver.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 0)))
     for x, y in [(100, 100), (750, 300)]:
         driver.point_at((x, y))
@@ -184,8 +161,7 @@ def test_d_clones_next_to_the_original_with_its_velocity() -> None:
 
 def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
     places = [(x, y) for x in range(40, 800, 80) for y in range(40, 500, 80)]
-    driver = Driver(world_of(places))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(places), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
     driver.frames(1)
     now = driver.world.positions
@@ -196,8 +172,7 @@ def test_clones_of_a_wide_selection_stay_between_the_walls() -> None:
 
 def test_clones_stay_inside_a_circle() -> None:
     places = [(400 + x, 250 + y) for x, y in ((0, 180), (0, -180), (130, 130), (-185, 0), (20, 0))]
-    driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(places, container=jostle.Circle((400, 250), 200)), paused=True)
     driver.session.interaction.commands.clone(driver.session.frame.tags)
     driver.frames(1)
     now = driver.world.positions.astype(float) - (400, 250)
@@ -263,10 +238,8 @@ def test_particles_that_merge_keep_the_tag_of_the_oldest() -> None:
     simulation.step()
     frame = simulation.frame()
     assert tags(frame.tags) == [0, 1, 3] and len(frame.born) == len(frame.radii) == 3
-    assert frame.radii[1] > 10 and frame.attractors == (
-        Attractor(4.0, tag=1),
-        Attractor(4.0, tag=3),
-    )
+    assert frame.radii[1] > 10
+    assert frame.attractors == (Attractor(4.0, tag=1), Attractor(4.0, tag=3))
 
 
 def test_what_merges_with_an_attracting_particle_attracts_in_its_place() -> None:
@@ -289,9 +262,8 @@ def test_the_attraction_of_what_has_merged_can_be_stopped() -> None:
     for _ in range(3):
         session.engine.step()
     session.advance(FRAME)
-    assert session.interaction.attractors.attracts(
-        0
-    ) and not session.interaction.attractors.attracts(1)
+    attracts = session.interaction.attractors.attracts
+    assert attracts(0) and not attracts(1)
     session.interaction.attractors.stop()
     assert session.engine.simulation.world.forces == ()
     session.close()
@@ -304,14 +276,7 @@ def test_attraction_ends_with_a_particle_that_is_removed() -> None:
     assert simulation.frame().attractors == () and simulation.world.forces == ()
 
 
-# ---- all particles -------------------------------------------------------------------------------
-
-CONTAINERS = [
-    jostle.Box(*VIEW),
-    jostle.Circle((400, 250), 200.0),
-    jostle.Torus(800.0, 500.0),
-    None,
-]
+CONTAINERS = [jostle.Box(*VIEW), jostle.Circle((400, 250), 200.0), jostle.Torus(800.0, 500.0), None]
 
 
 @pytest.mark.parametrize("container", CONTAINERS, ids=lambda walls: type(walls).__name__)
@@ -347,21 +312,14 @@ def test_scramble_and_randomise_go_on_in_every_scene(scene: str) -> None:
     assert np.isfinite(driver.session.frame.positions).all() and not driver.session.runner.paused
 
 
-# ---- gravity and time ----------------------------------------------------------------------------
-
-
 def test_the_keys_of_gravity() -> None:
     driver = Driver(world_of([(200, 100)], gravity=(0.0, 100.0)))
     world = driver.world
     for key, expected in [
-        (pygame.K_PLUS, (0, 150)),
-        (pygame.K_KP_MINUS, (0, 100)),
-        (pygame.K_i, (0, -100)),
-        (pygame.K_g, (100, 0)),
-        (pygame.K_g, (0, 100)),
-        (pygame.K_0, (0, 0)),
+        (pygame.K_PLUS, (0, 150)), (pygame.K_KP_MINUS, (0, 100)), (pygame.K_i, (0, -100)),
+        (pygame.K_g, (100, 0)), (pygame.K_g, (0, 100)), (pygame.K_0, (0, 0)),
         (pygame.K_MINUS, (0, 0)),
-    ]:
+    ]:  # fmt: skip
         driver.key(key)
         assert world.gravity == pytest.approx(expected), pygame.key.name(key)
         assert "ravity" in driver.session.message
@@ -387,22 +345,16 @@ def test_attractors_and_selection_do_not_survive_another_scene() -> None:
     driver.session.interaction.attractors.place((0.0, 0.0))
     driver.session.interaction.commands.wall((10, 10), (40, 10))
     driver.key(pygame.K_RIGHTBRACKET)
-    assert (
-        driver.session.engine.scene == "pile"
-        and len(driver.session.interaction.commands.drawn_walls) == 0
-    )
+    assert driver.session.engine.scene == "pile"
+    assert len(driver.session.interaction.commands.drawn_walls) == 0
     driver.frames(2)
     assert driver.session.frame.attractors == () == driver.session.interaction.attractors.placed
     driver.key(pygame.K_LEFTBRACKET)
     assert driver.session.engine.scene == "gas"
 
 
-# ---- very many -----------------------------------------------------------------------------------
-
-
 def test_edits_are_made_on_the_worker_thread() -> None:
-    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False)
-    driver.session.runner.paused = True
+    driver = Driver(world_of([(200, 100), (300, 100)]), synchronous=False, paused=True)
     engine = driver.session.engine
     gate = threading.Event()
     engine.edit(lambda simulation: gate.wait(10) and None)
@@ -426,9 +378,6 @@ def test_an_edit_on_the_worker_thread_shows_without_another(paused: bool) -> Non
         time.sleep(0.001)
     driver.frames(1)
     assert len(driver.session.frame) == 1
-
-
-# ---- no limit of time ----------------------------------------------------------------------------
 
 
 def test_a_key_held_without_end_and_a_point_beyond_the_world_are_refused() -> None:

@@ -17,27 +17,12 @@ from jostle_lab.window import Window
 ROOT = Path(__file__).parents[2]
 
 PROMISED = {
-    pygame.K_p: "pause",
-    pygame.K_o: "step",
-    pygame.K_u: "step back",
-    pygame.K_r: "restart",
-    pygame.K_b: "method",
-    pygame.K_t: "tree",
-    pygame.K_c: "contacts",
-    pygame.K_v: "velocities",
-    pygame.K_l: "trails",
-    pygame.K_a: "create",
-    pygame.K_SPACE: "attract",
-    pygame.K_TAB: "panels",
-    pygame.K_h: "help",
-    pygame.K_F1: "help",
-    pygame.K_ESCAPE: "escape",
-    pygame.K_HOME: "home",
-    pygame.K_LEFT: "left",
-    pygame.K_RIGHT: "right",
-    pygame.K_UP: "up",
-    pygame.K_DOWN: "down",
-}
+    pygame.K_p: "pause", pygame.K_o: "step", pygame.K_u: "step back", pygame.K_r: "restart",
+    pygame.K_b: "method", pygame.K_t: "tree", pygame.K_c: "contacts", pygame.K_v: "velocities",
+    pygame.K_l: "trails", pygame.K_a: "create", pygame.K_SPACE: "attract", pygame.K_TAB: "panels",
+    pygame.K_h: "help", pygame.K_F1: "help", pygame.K_ESCAPE: "escape", pygame.K_HOME: "home",
+    pygame.K_LEFT: "left", pygame.K_RIGHT: "right", pygame.K_UP: "up", pygame.K_DOWN: "down",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", PROMISED)

@@ -1,7 +1,5 @@
 """Particle life in the app: the panel, the setting, colours and files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,9 +1,5 @@
 """The menus of the right mouse button: what they say and do, and that ImGui shows them."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
 import pytest
@@ -14,15 +10,14 @@ from jostle_lab.panels.menus import Item, Number, is_over, lines_of, numbers, ti
 TWO = [(200, 100), (400, 300)]
 
 
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
+def lines_by_name(driver: Driver) -> dict[str, Item | Number]:
+    """The lines of the menu that is open."""
+    lines = lines_of(driver.session, driver.session.interaction.menu)
+    return {line.name: line for line in lines if line is not None}
 
 
 def line_of(driver: Driver, name: str) -> Item | Number:
-    lines = lines_of(driver.session, driver.session.interaction.menu)
-    return next(line for line in lines if line is not None and line.name == name)
+    return lines_by_name(driver)[name]
 
 
 def choose(driver: Driver, name: str, point: tuple[float, float]) -> None:
@@ -33,27 +28,17 @@ def choose(driver: Driver, name: str, point: tuple[float, float]) -> None:
     line.command()
 
 
-# ---- on a particle -------------------------------------------------------------------------------
-
-
 def test_the_menu_of_a_particle_tells_its_numbers_as_they_change() -> None:
-    driver = Driver(world_of(TWO))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(TWO), paused=True)
     driver.click((400, 300), RIGHT)
     driver.session.engine.edit(lambda simulation: simulation.change([1], velocities=(30, 40)))
     facts = numbers(driver.session.interaction.menu, driver.session.frame)
-    assert facts == {
-        "speed": "50.0",
-        "position": "400.0, 300.0",
-        "mass": "100",
-        "radius": "10",
-    }
+    assert facts == {"speed": "50.0", "position": "400.0, 300.0", "mass": "100", "radius": "10"}
     assert title(driver.session.interaction.menu, driver.session.frame) == "particle 1"
 
 
 def test_delete_clone_and_stop() -> None:
-    driver = Driver(world_of(TWO))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(TWO), paused=True)
     choose(driver, "clone", (400, 300))
     assert len(driver.session.frame) == 3
     driver.session.engine.edit(lambda simulation: simulation.change([0, 1], velocities=(30, 40)))
@@ -95,9 +80,8 @@ def test_the_menu_acts_on_the_whole_selection() -> None:
     driver = Driver(world_of([*TWO, (600, 400)]))
     driver.drag((150, 50), (450, 350))
     driver.click((400, 300), RIGHT)
-    assert (
-        title(driver.session.interaction.menu, driver.session.frame) == "particle 1 of 2 selected"
-    )
+    menu = driver.session.interaction.menu
+    assert title(menu, driver.session.frame) == "particle 1 of 2 selected"
     line_of(driver, "delete").command()
     assert tags(driver.session.frame.tags) == [2]
     choose(driver, "select", (600, 400))
@@ -108,10 +92,7 @@ def test_the_menu_acts_on_the_whole_selection() -> None:
 def test_two_selected_particles_can_be_asked_about() -> None:
     driver = Driver(world_of([*TWO, (600, 400)]))
     driver.click((400, 300), RIGHT)
-    assert all(
-        line is None or line.name != "why"
-        for line in lines_of(driver.session, driver.session.interaction.menu)
-    )
+    assert "why" not in lines_by_name(driver)
     driver.drag((150, 50), (450, 350))
     choose(driver, "why", (400, 300))
     assert driver.session.question.pair == (0, 1)
@@ -123,9 +104,8 @@ def test_a_particle_outside_the_selection_is_acted_on_alone() -> None:
     driver = Driver(world_of([*TWO, (600, 400)]))
     driver.drag((150, 50), (450, 350))
     choose(driver, "delete", (600, 400))
-    assert (
-        tags(driver.session.frame.tags) == [0, 1] == tags(driver.session.interaction.selection.tags)
-    )
+    assert tags(driver.session.frame.tags) == [0, 1]
+    assert tags(driver.session.interaction.selection.tags) == [0, 1]
 
 
 def test_the_menu_ends_with_its_particle() -> None:
@@ -136,12 +116,8 @@ def test_the_menu_ends_with_its_particle() -> None:
     assert numbers(driver.session.interaction.menu, driver.session.frame) == {}
 
 
-# ---- on the ground -------------------------------------------------------------------------------
-
-
 def test_create_and_attract_here() -> None:
-    driver = Driver(world_of(TWO))
-    driver.session.runner.paused = True
+    driver = Driver(world_of(TWO), paused=True)
     choose(driver, "create", (600, 100))
     assert driver.session.frame.positions[2] == pytest.approx((600, 100), abs=1)
     choose(driver, "attractor", (100, 400))
@@ -173,9 +149,6 @@ def test_clear_walls_scramble_and_randomise_are_offered() -> None:
     assert (driver.session.frame.positions != before).any()
     choose(driver, "randomise", (driver.session.camera.to_world((5, 5))))
     assert np.abs(driver.session.frame.velocities).max() > 0
-
-
-# ---- shown by ImGui ------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -219,12 +192,7 @@ def test_a_click_on_a_line_acts_and_closes_the_menu(driver: Driver) -> None:
 def test_every_line_of_both_menus_is_shown(driver: Driver) -> None:
     for point in [(400, 300), (600, 100)]:
         open_at(driver, point)
-        names = [
-            line.name
-            for line in lines_of(driver.session, driver.session.interaction.menu)
-            if line is not None
-        ]
-        assert {f"menu {name}" for name in names} <= set(driver.window.gui.marks)
+        assert {f"menu {name}" for name in lines_by_name(driver)} <= set(driver.window.gui.marks)
         driver.key(pygame.K_ESCAPE)
         driver.frames(3)
         assert driver.session.interaction.menu is None and driver.session.open

@@ -1,17 +1,11 @@
 """What is drawn over and under the discs."""
 
-from __future__ import annotations
+from collections.abc import Callable
 
 import numpy as np
 import pygame
 import pytest
-from lab_overlays import (
-    SIZE,
-    Notes,
-    camera_of_pixels,
-    frame_of,
-    touching_of,
-)
+from lab_overlays import SIZE, Notes, camera_of_pixels, frame_of, touching_of
 
 import jostle
 from jostle_lab.draw import marks
@@ -21,7 +15,7 @@ from jostle_lab.draw.palette import ATTRACTOR, FIXED, HEAT, STAGE
 from jostle_lab.draw.picture import Picture
 from jostle_lab.draw.software import SoftwarePainter
 from jostle_lab.draw.view_options import ColourBy, ViewOptions
-from jostle_lab.simulate.frame import Attractor
+from jostle_lab.simulate.frame import Attractor, Frame
 
 
 def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
@@ -30,11 +24,24 @@ def tree_of(boxes, levels, counts, leaves) -> jostle.Nodes:
     )
 
 
+def drawn(draw: Callable[..., str | None], frame: Frame) -> tuple[Notes, str | None]:
+    """What a layer draws, and what it says."""
+    notes = Notes()
+    return notes, draw(notes, frame, camera_of_pixels())
+
+
+def crowd(most: int, impulses: float | None = None) -> Frame:
+    """A frame of 500 contacts more than `most`, with random impulses if their least is given."""
+    many = most + 500
+    rng = np.random.default_rng(0)
+    places, pairs = rng.uniform(10, 230, (many + 1, 2)), np.arange(many)[:, None] + (0, 1)
+    strengths = () if impulses is None else rng.uniform(impulses, impulses + 1, many)
+    normals = np.tile((1.0, 0.0), (many, 1))
+    return frame_of(places, contacts=touching_of(pairs, normals, np.zeros(many), strengths))
+
+
 def pixels(painter: SoftwarePainter) -> np.ndarray:
     return pygame.surfarray.array3d(painter.canvas()).astype(int)
-
-
-# ---- the tree ------------------------------------------------------------------------------------
 
 
 def test_heat_is_warmer_where_leaves_are_fuller() -> None:
@@ -72,40 +79,25 @@ def test_a_translucent_edge_lets_the_disc_below_show_through() -> None:
     assert 80 < red < 120 and 120 < blue < 160
 
 
-# ---- contacts and velocities ---------------------------------------------------------------------
-
-
 def test_a_contact_is_a_bar_along_the_normal_where_they_touch() -> None:
-    notes = Notes()
     frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching_of((0, 1), (1, 0), [0.0]))
-    assert marks.draw_contacts(notes, frame, camera_of_pixels()) is None
+    notes, said = drawn(marks.draw_contacts, frame)
+    assert said is None
     ((x0, y0, x1, y1),) = notes.lines_drawn()
     assert (x0 + x1) / 2 == pytest.approx(110) and y0 == y1 == pytest.approx(100)
     assert 3 < x1 - x0 < 20
 
 
 def test_deeper_contacts_are_warmer() -> None:
-    notes = Notes()
     pairs = touching_of([(0, 1), (0, 2)], [(1, 0), (0, 1)], [0.0, 4.0])
     frame = frame_of([(100, 100), (120, 100), (100, 116)], 10.0, contacts=pairs)
-    marks.draw_contacts(notes, frame, camera_of_pixels())
+    notes, _ = drawn(marks.draw_contacts, frame)
     calm, deep = notes.colours_drawn()[:, :3].astype(int)
     assert deep[2] < calm[2] and deep[0] >= calm[0] - 10
 
 
 def test_too_many_contacts_are_drawn_in_part_and_it_is_said() -> None:
-    many = marks.MOST_CONTACTS + 500
-    rng = np.random.default_rng(0)
-    frame = frame_of(
-        rng.uniform(10, 230, (many + 1, 2)),
-        contacts=touching_of(
-            np.column_stack([np.arange(many), np.arange(1, many + 1)]),
-            np.tile((1.0, 0.0), (many, 1)),
-            np.zeros(many),
-        ),
-    )
-    notes = Notes()
-    said = marks.draw_contacts(notes, frame, camera_of_pixels())
+    notes, said = drawn(marks.draw_contacts, crowd(marks.MOST_CONTACTS))
     assert len(notes.lines_drawn()) == marks.MOST_CONTACTS
     assert said is not None and f"{marks.MOST_CONTACTS:,} of" in said
 
@@ -115,8 +107,8 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
         [(0, 1), (1, 2)], [(1, 0), (1, 0)], [0.0, 0.0], [9.0, 1.0], walls=[(2, (-1, 0), 3.0)]
     )
     frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
-    notes = Notes()
-    assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
+    notes, said = drawn(marks.draw_force_chains, frame)
+    assert said is None
     lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
              for k in range(len(v[0]))]  # fmt: skip
     np.testing.assert_allclose(
@@ -132,25 +124,12 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
 def test_contacts_without_impulses_are_no_force_chains() -> None:
     for touching in (touching_of([], [], []), touching_of((0, 1), (1, 0), [0.0], [0.0]), None):
         frame = frame_of([(100, 100), (120, 100)], 10.0, contacts=touching)
-        notes = Notes()
-        assert marks.draw_force_chains(notes, frame, camera_of_pixels()) is None
-        assert len(notes.lines_drawn()) == 0
+        notes, said = drawn(marks.draw_force_chains, frame)
+        assert said is None and len(notes.lines_drawn()) == 0
 
 
 def test_the_smallest_of_too_many_forces_are_left_out() -> None:
-    many = marks.MOST_CHAINS + 500
-    rng = np.random.default_rng(0)
-    frame = frame_of(
-        rng.uniform(10, 230, (many + 1, 2)),
-        contacts=touching_of(
-            np.column_stack([np.arange(many), np.arange(1, many + 1)]),
-            np.tile((1.0, 0.0), (many, 1)),
-            np.zeros(many),
-            rng.uniform(5, 6, many),
-        ),
-    )
-    notes = Notes()
-    said = marks.draw_force_chains(notes, frame, camera_of_pixels())
+    notes, said = drawn(marks.draw_force_chains, crowd(marks.MOST_CHAINS, 5.0))
     assert len(notes.lines_drawn()) == marks.MOST_CHAINS
     assert said is not None and f"{marks.MOST_CHAINS:,} largest of" in said
 
@@ -158,8 +137,7 @@ def test_the_smallest_of_too_many_forces_are_left_out() -> None:
 def test_sensors_are_rings_and_no_walls() -> None:
     places = [(60 + 10 * k, 60) for k in range(5)]
     frame = frame_of(places, 10.0, movable=[False] * 5, sensors=np.array([1, 1, 2, 1, 1], np.int8))
-    notes = Notes()
-    draw_wall_discs(notes, frame, camera_of_pixels())
+    notes, _ = drawn(draw_wall_discs, frame)
     assert len(notes.lines_drawn()) == 0
     draw_discs(notes, frame, np.zeros(5, np.uint8), camera_of_pixels())
     rings = [values for name, values, _ in notes.strokes if name == "circle"]
@@ -169,22 +147,21 @@ def test_sensors_are_rings_and_no_walls() -> None:
 
 
 def test_radius_lines_show_the_angles_of_large_discs() -> None:
-    notes = Notes()
     angles = np.array([0, np.pi / 2, 1, 1], np.float32)
     places = [(50, 50), (150, 100), (250, 50), (200, 200)]
     frame = frame_of(places, [10, 20, 1, 10], angles=angles, movable=[True, True, True, False])
-    marks.draw_spins(notes, frame, camera_of_pixels())
+    notes, _ = drawn(marks.draw_spins, frame)
     ends = notes.lines_drawn()
     np.testing.assert_allclose(ends[:, 2:] - ends[:, :2], [(10, 0), (0, 20)], atol=1e-5)
-    marks.draw_spins(still := Notes(), frame_of(places, 10.0), camera_of_pixels())
+    still, _ = drawn(marks.draw_spins, frame_of(places, 10.0))
     assert len(still.lines_drawn()) == 0
 
 
 def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
-    notes = Notes()
     frame = frame_of([(50, 50), (200, 200)], 10.0, velocities=[(60, 0), (0, -120)])
-    assert marks.draw_velocities(notes, frame, camera_of_pixels()) is None
+    notes, said = drawn(marks.draw_velocities, frame)
     ends = notes.lines_drawn()
+    assert said is None
     shafts = ends[:2, 2:] - ends[:2, :2]
     assert shafts[0, 0] > 5 and shafts[0, 1] == 0
     assert shafts[1, 1] == pytest.approx(-2 * shafts[0, 0]) and shafts[1, 0] == 0
@@ -194,9 +171,7 @@ def test_arrows_point_where_particles_go_and_faster_ones_are_longer() -> None:
 def test_many_velocities_are_shown_sparsely_and_always_for_the_same_particles() -> None:
     places = np.random.default_rng(1).uniform(10, 230, (3_000, 2))
     frame = frame_of(places, velocities=np.tile((50.0, 0.0), (3_000, 1)))
-    notes, again = Notes(), Notes()
-    said = marks.draw_velocities(notes, frame, camera_of_pixels())
-    marks.draw_velocities(again, frame, camera_of_pixels())
+    (notes, said), (again, _) = (drawn(marks.draw_velocities, frame) for _ in range(2))
     assert said == f"velocities: {marks.MOST_ARROWS:,} of 3,000 shown"
     assert (notes.lines_drawn() == again.lines_drawn()).all()
 
@@ -209,16 +184,12 @@ def test_the_few_stay_the_same_when_others_go() -> None:
     assert len(subset(np.arange(5), 100)) == 5
 
 
-# ---- springs, attractors, walls ------------------------------------------------------------------
-
-
 def test_springs_join_their_ends_but_not_across_the_seam_of_a_torus() -> None:
     springs = np.array([(0, 1), (1, 2)], np.int64)
     places = [(10, 50), (40, 50), (300, 50)]
     for container, count in [(None, 2), (jostle.Torus(320, 240), 1)]:
-        notes = Notes()
         frame = frame_of(places, springs=springs, container=container)
-        marks.draw_springs(notes, frame, camera_of_pixels())
+        notes, _ = drawn(marks.draw_springs, frame)
         assert len(notes.lines_drawn()) == count
         assert notes.lines_drawn()[0] == pytest.approx((10, 50, 40, 50))
 
@@ -255,9 +226,6 @@ def test_walls_are_asked_for_again_when_they_have_moved() -> None:
         notes = Notes()
         draw_wall_discs(notes, frame, camera)
         assert len(notes.lines_drawn()) == count
-
-
-# ---- trails --------------------------------------------------------------------------------------
 
 
 def walk(path: Trails, steps: int, *, tags=(0, 1), begin: int = 0) -> Notes:
@@ -319,25 +287,20 @@ def test_going_back_in_time_begins_trails_anew() -> None:
     assert all(x0 == x1 for x0, _, x1, _ in notes.lines_drawn())
 
 
-# ---- labels and cards ----------------------------------------------------------------------------
-
-
 def test_labels_stand_on_discs_that_are_large_enough() -> None:
-    notes = Notes()
     frame = frame_of([(60, 60), (150, 60), (240, 60)], [30.0, 8.0, 2.0])
-    assert marks.draw_labels(notes, frame, camera_of_pixels()) is None
+    notes, said = drawn(marks.draw_labels, frame)
     places = notes.sheets_drawn()
-    assert len(places) == 3  # tag and speed on the large one, the tag on the other
+    assert said is None and len(places) == 3  # tag and speed on the large one, the tag on the other
     assert all(x < 160 for x, _ in places)
 
 
 def test_labels_say_when_they_are_too_small_or_too_many() -> None:
-    notes = Notes()
-    small = frame_of([(60, 60)], 1.0)
-    assert marks.draw_labels(notes, small, camera_of_pixels()) == "labels: zoom in to see them"
+    notes, said = drawn(marks.draw_labels, frame_of([(60, 60)], 1.0))
+    assert said == "labels: zoom in to see them" and not notes.sheets_drawn()
     many = frame_of(np.random.default_rng(3).uniform(10, 230, (300, 2)), 8.0)
-    assert marks.draw_labels(notes, many, camera_of_pixels()) == "labels: 200 of 300 shown"
-    assert len(notes.sheets_drawn()) == marks.MOST_LABELS
+    notes, said = drawn(marks.draw_labels, many)
+    assert said == "labels: 200 of 300 shown" and len(notes.sheets_drawn()) == marks.MOST_LABELS
 
 
 def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:

@@ -1,7 +1,5 @@
 """Pictures of both painters, by the statistics of their pixels."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -19,15 +17,7 @@ from jostle_lab.draw.base_layers import (
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.colouring import Colouring
 from jostle_lab.draw.painter import Painter
-from jostle_lab.draw.palette import (
-    DISCS,
-    FIXED_SHADE,
-    SHADES,
-    STAGE,
-    WALL,
-    blend,
-    level_colour,
-)
+from jostle_lab.draw.palette import DISCS, FIXED_SHADE, SHADES, STAGE, WALL, blend, level_colour
 from jostle_lab.draw.screen import NoRendererError, Screen
 from jostle_lab.draw.software import MEMORY_LIMIT, Stamps
 from jostle_lab.simulate.frame import Frame
@@ -50,14 +40,11 @@ def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -
     positions = np.array(positions, np.float32).reshape(-1, 2)
     n = len(positions)
     return Frame(
-        positions,
-        np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
+        positions, np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
         np.broadcast_to(np.asarray(radii, np.float32), n),
         np.broadcast_to(np.asarray(densities, np.float32), n),
-        np.broadcast_to(np.asarray(movable), n),
-        np.arange(n),
-        np.zeros(n),
-    )
+        np.broadcast_to(np.asarray(movable), n), np.arange(n), np.zeros(n),
+    )  # fmt: skip
 
 
 def camera_of_pixels() -> Camera:

@@ -1,7 +1,5 @@
 """Films: they play, keep the time, and never hold up the window."""
 
-from __future__ import annotations
-
 import threading
 from pathlib import Path
 
@@ -9,13 +7,10 @@ import imageio_ffmpeg
 import numpy as np
 import pygame
 import pytest
+from outputs import frames_of
 
 from jostle_lab.draw.camera import Camera
-from jostle_lab.draw.palette import (
-    DISCS,
-    GROUND,
-    RECORDING,
-)
+from jostle_lab.draw.palette import DISCS, GROUND, RECORDING
 from jostle_lab.draw.view_options import ViewOptions
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import Settings
@@ -25,12 +20,6 @@ from jostle_lab.storage.encoder import MOST_QUEUED, Encoder, Recording, gif_pale
 from jostle_lab.window import Window
 
 SIZE = (320, 180)
-
-
-def frames_of(film: Path) -> list[np.ndarray]:
-    reader = imageio_ffmpeg.read_frames(str(film))
-    width, height = next(reader)["size"]
-    return [np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader]
 
 
 def canvas(size: tuple[int, int], colour: tuple[int, int, int] = GROUND) -> object:
@@ -69,9 +58,6 @@ def finish(session: Session) -> Recording:
     return film
 
 
-# ---- the encoder ---------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("suffix", [".mp4", ".gif"])
 @pytest.mark.parametrize("size", [(64, 48), (65, 48), (64, 49), (65, 49), (3, 5)])
 def test_films_of_any_size(tmp_path: Path, suffix: str, size: tuple[int, int]) -> None:
@@ -102,9 +88,6 @@ def test_another_suffix_is_refused(tmp_path: Path) -> None:
 def test_a_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"(?i)no such file"):
         Encoder(tmp_path / "missing" / "film.mp4", SIZE, 30)
-
-
-# ---- a session's films ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("suffix", "rate"), [(".mp4", 30), (".gif", 25)])

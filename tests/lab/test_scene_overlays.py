@@ -1,7 +1,5 @@
 """What single scenes draw and do beyond their particles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -84,17 +82,12 @@ def test_stars_are_counted_and_the_largest_weighed() -> None:
 
 
 def test_other_scenes_have_no_extras_and_none_needs_particles() -> None:
-    assert (
-        SceneOverlays().draw_above(Notes(), frame_of([(1, 1)], scene="gas"), camera_of_pixels())
-        == []
-    )
+    frame = frame_of([(1, 1)], scene="gas")
+    assert SceneOverlays().draw_above(Notes(), frame, camera_of_pixels()) == []
     for scene in ("galton", "brownian", "thermostat", "stars"):
         notes, extras = Notes(), SceneOverlays()
         extras.draw_below(notes, frame_of([], scene=scene), camera_of_pixels())
         assert extras.draw_above(notes, frame_of([], scene=scene), camera_of_pixels()) == []
-
-
-# ---- what goes with the steps --------------------------------------------------------------------
 
 
 def test_emitters_add_drops_up_to_their_cap_and_the_oldest_go() -> None:

@@ -1,7 +1,5 @@
 """The statistics: ring buffers, requests for sums, and the change of energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -44,9 +42,6 @@ def seen(*states: Frame) -> Statistics:
     return statistics
 
 
-# ---- the ring ------------------------------------------------------------------------------------
-
-
 def test_a_series_keeps_its_newest_rows_in_order() -> None:
     series = Series(("a", "b"), 3)
     assert series["a"].tolist() == []
@@ -75,9 +70,6 @@ def test_rows_can_be_dropped_and_written_again(written: int) -> None:
     assert series["a"].tolist() == [*kept, 100]
     series.drop(50)
     assert len(series) == 0
-
-
-# ---- sums and drift ------------------------------------------------------------------------------
 
 
 def test_every_state_with_sums_gets_one_row() -> None:
@@ -150,9 +142,6 @@ def test_going_back_before_the_beginning_of_drift_begins_anew() -> None:
     statistics.follow(state(0.2, 10.0), 1.1, FRAME, running=True)
     assert statistics.reference.time == statistics.origin.time == pytest.approx(0.2)
     assert statistics.energy_drift == 0.0
-
-
-# ---- times ---------------------------------------------------------------------------------------
 
 
 def test_times_have_a_row_a_frame() -> None:
@@ -268,9 +257,6 @@ def test_lines_of_energy_begin_where_the_rules_changed() -> None:
     assert traces.momenta.shape == (3, 1)
 
 
-# ---- in a session --------------------------------------------------------------------------------
-
-
 def run(session: Session, seconds: float) -> None:
     for _ in range(round(seconds / FRAME)):
         session.messages.now += FRAME
@@ -313,13 +299,9 @@ def test_a_new_beginning_starts_the_statistics_afresh() -> None:
     session.runner.choose_scene("pile")
     assert session.runner.statistics.sums["time"].tolist() == [0.0]
     run(session, 0.3)
-    assert (
-        session.runner.statistics.sums["time"][0] == 0.0 and len(session.runner.statistics.sums) > 1
-    )
+    sums = session.runner.statistics.sums
+    assert sums["time"][0] == 0.0 and len(sums) > 1
     session.close()
-
-
-# ---- what else the panels ask of a session -------------------------------------------------------
 
 
 def test_scenes_follow_each_other_in_a_circle() -> None:

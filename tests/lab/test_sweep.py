@@ -1,7 +1,6 @@
 """Sweeps: plans, tables that are continued, and the same rows for every number of processes."""
 
 import contextlib
-import csv
 import signal
 import subprocess
 import sys
@@ -9,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from outputs import rows
 
 import jostle
 from jostle_lab.sweep.plan import PlanError, parse, plan
@@ -21,15 +21,6 @@ OPTIONS = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", 
 def sweep(out: Path, *more: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "jostle_lab", "sweep", *OPTIONS, "--out", str(out), *more]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a table without the time, sorted."""
-    with path.open(encoding="utf-8", newline="") as file:
-        found = list(csv.DictReader(file))
-    for row in found:
-        del row["seconds"]
-    return sorted(found, key=str)
 
 
 def test_ranges_include_both_ends() -> None:

@@ -1,14 +1,12 @@
 """The threads of the window: jobs, edits, loading, and their order."""
 
-from __future__ import annotations
-
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pygame
 import pytest
-from lab_interaction import Driver, world_of
+from lab_interaction import Driver, gate_steps, world_of
 
 import jostle
 from jostle_lab.act.interaction import DragTool
@@ -21,29 +19,15 @@ MANY = 200_000
 TWO = [(200, 250), (600, 250)]
 
 
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
-
-
 def held_up(driver: Driver) -> Callable[[], None]:
     """Continue until a step is in progress, which waits until the returned function is called."""
-    simulation = driver.session.engine.simulation
-    gate, begun, step = threading.Event(), threading.Event(), simulation.step
-
-    def waiting() -> None:
-        begun.set()
-        gate.wait(30)
-        step()
-
-    simulation.step = waiting
+    begun, release = gate_steps(driver.session.engine.simulation)
     for _ in range(3_000):
         driver.frames(1)
         if begun.wait(0.01):
             break
     assert driver.session.engine.busy
-    return gate.set
+    return release
 
 
 def settled(driver: Driver) -> None:
@@ -51,9 +35,6 @@ def settled(driver: Driver) -> None:
     driver.session.runner.loader.wait()
     driver.frames(1, 0.0)
     driver.session.engine.wait()
-
-
-# ---- dragging during a step ----------------------------------------------------------------------
 
 
 def test_a_throw_has_the_speed_of_its_release_and_the_next_grab_holds() -> None:
@@ -92,8 +73,7 @@ def test_the_drag_state_of_a_step_never_changes() -> None:
 
 
 def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
-    driver = Driver(world_of(TWO), synchronous=False)
-    driver.session.runner.paused = True
+    driver = Driver(world_of(TWO), synchronous=False, paused=True)
     gate = threading.Event()
     driver.session.engine.edit(lambda simulation: gate.wait(30) and None)
     driver.down(TWO[0])
@@ -109,9 +89,6 @@ def test_a_drag_in_a_pause_leaves_one_edit_waiting(monkeypatch) -> None:
     assert len(moved) == 1
     assert driver.world.positions[0] == pytest.approx((260, 250), abs=2)
     driver.window.close()
-
-
-# ---- refusals ------------------------------------------------------------------------------------
 
 
 def refusing(driver: Driver) -> Simulation:
@@ -177,9 +154,6 @@ def test_a_run_without_a_window_hears_of_a_refusal() -> None:
             engine.step()
 
 
-# ---- closing -------------------------------------------------------------------------------------
-
-
 def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     driver = Driver(world_of(TWO))
     closed: list[str] = []
@@ -201,9 +175,6 @@ def test_what_fails_in_closing_leaves_nothing_open(monkeypatch) -> None:
     with pytest.raises(RuntimeError, match="lost"):
         driver.window.close()
     assert closed == ["files", "engine", "background", "screen"]
-
-
-# ---- edits that are shown later ------------------------------------------------------------------
 
 
 def test_drift_begins_again_when_the_new_gravity_is_there() -> None:
@@ -248,9 +219,8 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
     gate, asked = threading.Event(), []
     adjust = session.engine.simulation.adjust
     session.engine.simulation.adjust = lambda name, value: (
-        asked.append(value),
-        adjust(name, value),
-    )[1]
+        asked.append(value) or adjust(name, value)
+    )
     session.engine.edit(lambda simulation: gate.wait(30) and None)
     for n in (19, 18, 17):
         session.runner.adjust("n", n)
@@ -259,9 +229,6 @@ def test_a_slider_of_numbers_leaves_only_its_last_value_waiting() -> None:
     session.engine.wait()
     assert asked == [17] and len(session.frame) == 17
     driver.window.close()
-
-
-# ---- another simulation --------------------------------------------------------------------------
 
 
 def test_a_new_scene_of_many_is_prepared_while_the_old_one_is_shown(monkeypatch) -> None:
@@ -347,9 +314,6 @@ def test_a_restart_does_not_wait_for_a_step_and_the_step_leaves_no_trace() -> No
     assert session.engine.steps == 0 and session.frame.stats.time == 0
     assert len(session.runner.history.moments) == 1 < len(history.moments)
     driver.window.close()
-
-
-# ---- a window on very many -----------------------------------------------------------------------
 
 
 def test_the_window_does_no_long_work_on_many_particles_itself(monkeypatch, tmp_path) -> None:

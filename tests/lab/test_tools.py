@@ -1,9 +1,5 @@
 """Selecting, drawing walls, placing attractors, panning and zooming, by posted events."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 import pygame
 import pytest
@@ -21,15 +17,6 @@ from jostle_lab.simulate.settings import Polyline, Settings
 from jostle_lab.simulate.start import start
 
 FOUR = [(100, 100), (200, 100), (100, 300), (600, 400)]
-
-
-@pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    yield
-    pygame.display.quit()
-
-
-# ---- selecting -----------------------------------------------------------------------------------
 
 
 def test_a_box_selects_what_lies_in_it() -> None:
@@ -81,9 +68,6 @@ def test_the_rubber_band_and_the_rings_are_drawn() -> None:
     x, y = driver.pixel((100, 100))
     around = pygame.surfarray.array3d(painter.canvas())[x - 30 : x + 30, y - 30 : y + 30]
     assert around.any() and not around[28:32, 28:32].any()
-
-
-# ---- walls ---------------------------------------------------------------------------------------
 
 
 def test_a_wall_that_is_drawn_stops_a_ball() -> None:
@@ -230,17 +214,12 @@ def test_escape_gives_up_a_drag_then_the_tool_then_the_selection_then_the_window
     driver.up((400, 400))
     assert len(driver.session.frame) == 4
     driver.key(pygame.K_ESCAPE)
-    assert (
-        driver.session.interaction.tool is Tool.POINTER
-        and len(driver.session.interaction.selection) == 1
-    )
+    assert driver.session.interaction.tool is Tool.POINTER
+    assert len(driver.session.interaction.selection) == 1
     driver.key(pygame.K_ESCAPE)
     assert len(driver.session.interaction.selection) == 0 and driver.session.open
     driver.key(pygame.K_ESCAPE)
     assert not driver.session.open
-
-
-# ---- attractors ----------------------------------------------------------------------------------
 
 
 def test_a_click_places_an_attractor_and_another_takes_it_away() -> None:
@@ -262,9 +241,6 @@ def test_dragging_an_attractor_sets_its_strength() -> None:
     driver.drag((200, 250), (500, 250))
     weak, strong = (pull.strength for pull in driver.session.frame.attractors)
     assert 0 < weak < STRENGTH < strong
-
-
-# ---- the picture ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("button", [MIDDLE, RIGHT])

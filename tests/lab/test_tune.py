@@ -1,7 +1,5 @@
 """`jostle tune`: the protocol, the map, the picture and the command, with minimal work."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -22,19 +20,15 @@ NO_LIMIT = 4096
 def some_map(**changes: object) -> Map:
     """The default is 2 % slower than the best, and one setting was too slow."""
     rounds = {
-        Setting(3, NO_LIMIT): [9e-3] * 3,
-        Setting(3, 5): [4e-3] * 3,
-        Setting(96, NO_LIMIT): [1e-3, 1.02e-3, 7e-3],
-        Setting(128, NO_LIMIT): [1e-3] * 3,
+        Setting(3, NO_LIMIT): [9e-3] * 3, Setting(3, 5): [4e-3] * 3,
+        Setting(96, NO_LIMIT): [1e-3, 1.02e-3, 7e-3], Setting(128, NO_LIMIT): [1e-3] * 3,
         Setting(128, 5): [2e-3] * 3,
-    }
+    }  # fmt: skip
     facts = {"depths": {3: 9, 96: 5, 128: 6}, "rounds": rounds, **changes}
     return Map("gas", 100, 1, Setting(96, NO_LIMIT), **facts)  # type: ignore[arg-type]
 
 
-def test_every_round_times_each_tree_once_after_it_has_answered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_every_round_times_each_tree_once_after_it_has_answered(monkeypatch) -> None:
     calls: list[Setting] = []
     pairs = Search.pairs
 
@@ -62,12 +56,8 @@ def test_the_trees_are_those_of_the_map_and_the_default_is_the_librarys() -> Non
     positions, radii = Search.of("gas", 300).positions, Search.of("gas", 300).radii
     assert sorted(found.depths) == sorted({*CAPACITIES, found.default.leaf_capacity})
     default = jostle.Quadtree(positions, radii)
-    limited = jostle.Quadtree(
-        positions,
-        radii,
-        leaf_capacity=found.default.leaf_capacity,
-        max_depth=found.default.max_depth,
-    )
+    limits = {name: getattr(found.default, name) for name in ("leaf_capacity", "max_depth")}
+    limited = jostle.Quadtree(positions, radii, **limits)
     assert np.array_equal(default.nodes().boxes, limited.nodes().boxes)
     for setting in found.rounds:
         assert found.same_tree(*setting) == setting
@@ -129,9 +119,7 @@ def test_a_picture_frames_the_best_and_the_default(count: int, tmp_path: Path) -
         assert (np.abs(pixels - colour).max(axis=2) <= 2).sum() > 1000 * count
 
 
-def test_the_command_prints_a_table_and_writes_the_picture(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_the_command_prints_a_table_and_writes_the_picture(monkeypatch, capsys, tmp_path) -> None:
     out = tmp_path / "new" / "map.png"
     monkeypatch.setattr(sys, "argv", ["jostle", "tune", "gas", "-n", "200", "--out", str(out)])
     with pytest.raises(SystemExit) as end:

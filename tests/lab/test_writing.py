@@ -1,7 +1,5 @@
 """Files are whole: after an error the old file is as before, and nothing else is left."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import resource

@@ -1,7 +1,6 @@
 """Shapes given as boxes: min and max are compared exactly, in pairs, queries and spaces."""
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -16,24 +15,23 @@ import jostle
 
 DTYPES = [np.float32, np.float64]
 METHODS = ["brute", "quadtree"]
+Vector = tuple[float, float]
 
 
 def by_row(pairs: NDArray[Any]) -> list[list[int]]:
     return sorted(pairs.tolist())
 
 
-# ---- oracles -------------------------------------------------------------------------------------
+def pairs_of(shapes: list[Any], overlap: Callable[[Any, Any], bool]) -> list[list[int]]:
+    """Pairs of rows of which `overlap` is true."""
+    rows = range(len(shapes))
+    return [[i, j] for i in rows for j in rows[i + 1 :] if overlap(shapes[i], shapes[j])]
 
 
 def exact_pairs(boxes: NDArray[Any]) -> list[list[int]]:
     """Pairs of rows whose open interiors overlap, by comparing exact fractions."""
     rows = [[Fraction(float(v)) for v in row] for row in boxes]
-    return [
-        [i, j]
-        for i, a in enumerate(rows)
-        for j, b in enumerate(rows[i + 1 :], i + 1)
-        if all(a[k] < b[k + 2] and b[k] < a[k + 2] for k in (0, 1))
-    ]
+    return pairs_of(rows, lambda a, b: all(a[k] < b[k + 2] and b[k] < a[k + 2] for k in (0, 1)))
 
 
 class Shape(NamedTuple):
@@ -96,8 +94,6 @@ def along_ray(
     return np.where(inside, 0, far).astype(boxes.dtype)
 
 
-# ---- boxes of every kind -------------------------------------------------------------------------
-
 _borders = st.integers(-8, 8).map(float)
 _any = st.one_of(
     _borders,
@@ -123,9 +119,6 @@ def tiles(dtype: Any) -> NDArray[Any]:
     edges = np.concatenate([low, high[-1:]]).astype(dtype)
     x, y = (part.ravel() for part in np.meshgrid(np.arange(30), np.arange(30)))
     return np.stack([edges[x], edges[y], edges[x + 1], edges[y + 1]], axis=1)
-
-
-# ---- pairs ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -208,12 +201,7 @@ def test_boxes_and_other_shapes_overlap_as_in_exact_arithmetic(
         space.add(boxes=rows, radii=radius)
         space.add(centers[half:], radii[half:], None if sizes is None else sizes[half:])
         together = second[:half] + first + second[half:]
-        pairs = [
-            [i, j]
-            for i, a in enumerate(together)
-            for j, b in enumerate(together[i + 1 :], i + 1)
-            if overlap(a, b)
-        ]
+        pairs = pairs_of(together, overlap)
         assert by_row(space.pairs()) == pairs
         assert space.update().entered.tolist() == pairs
 
@@ -246,8 +234,6 @@ def test_trees_of_boxes_hold_their_invariants_at_any_size(dtype: Any) -> None:
     assert (mixed.nodes().boxes == tree.nodes().boxes).all()
 
 
-# ---- queries -------------------------------------------------------------------------------------
-
 # The formulas below would lose numbers whose squares underflow; `test_ranges.py` tests those.
 _decimals = st.floats(-10, 10, width=32).map(lambda x: x if abs(x) > 1e-12 else 0.0)
 _near = st.one_of(_borders, st.integers(-9, 9).map(lambda k: k * 0.1), _decimals)
@@ -257,11 +243,7 @@ _small = st.one_of(st.just(0.0), st.integers(0, 4).map(float), st.floats(0.00781
 @settings(max_examples=50, deadline=None)
 @given(boxes(_near), st.tuples(_near, _near), st.tuples(_small, _small), _small, st.booleans())
 def test_queries_are_those_of_min_and_max(
-    rows: NDArray[Any],
-    at: tuple[float, float],
-    size: tuple[float, float],
-    radius: float,
-    in_space: bool,
+    rows: NDArray[Any], at: Vector, size: Vector, radius: float, in_space: bool
 ) -> None:
     dtype = rows.dtype
     point, size, r = np.array(at, dtype), np.array(size, dtype), dtype.type(radius)
@@ -341,9 +323,6 @@ def test_rays_hit_the_sides_of_boxes_exactly() -> None:
     assert walls.nearest((0, 0)).distances.tolist() == [0.3]
 
 
-# ---- pygame's rectangles -------------------------------------------------------------------------
-
-
 def overlap_by_sides(a: Any, b: Any) -> bool:
     """Whether two rects overlap; pygame rounds the sides of an FRect to float32."""
     return (a.left < b.right and b.left < a.right) and (a.top < b.bottom and b.top < a.bottom)
@@ -357,12 +336,7 @@ def test_rects_of_pygame_are_read_by_their_sides() -> None:
         [pygame.Rect(*row) for row in four.tolist()],
         [pygame.FRect(*(row * 0.1)) for row in four],
     ):
-        expected = [
-            [i, j]
-            for i, rect in enumerate(rects)
-            for j in range(i + 1, len(rects))
-            if overlap_by_sides(rect, rects[j])
-        ]
+        expected = pairs_of(rects, overlap_by_sides)
         assert by_row(jostle.find_pairs(boxes=rects)) == expected
         assert by_row(jostle.find_pairs(boxes=tuple(rects))) == expected
         tree = jostle.Quadtree(boxes=rects, leaf_capacity=4)
@@ -397,9 +371,6 @@ def test_a_rect_among_rows_is_read_by_its_sides_too() -> None:
     assert space.boxes().tolist() == [[0, 0, 2, 2], [1, 1, 2, 2], [5, 5, 7, 7]]
     hits = jostle.Quadtree(boxes=rows).query_rect(rows)
     assert [ids.tolist() for ids in hits.lists()] == [[0, 1], [0, 1], [2]]
-
-
-# ---- boxes of a space ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
@@ -479,9 +450,6 @@ def test_no_boxes_are_no_shapes() -> None:
         assert jostle.Space().add(boxes=none).shape == (0,)
 
 
-# ---- precision -----------------------------------------------------------------------------------
-
-
 def test_float32_boxes_are_compared_in_float32() -> None:
     a, b = np.float32(0.1), np.float32(np.nextafter(np.float32(0.1), np.float32(1)))
     rows = np.array([(0, 0, b, 1), (a, 0, 1, 1)], np.float32)
@@ -490,8 +458,6 @@ def test_float32_boxes_are_compared_in_float32() -> None:
     assert "float64" in repr(jostle.Quadtree(boxes=rows.tolist()))
     assert "float64" in repr(jostle.Quadtree(boxes=rows, radii=np.zeros(2)))
 
-
-# ---- refusals ------------------------------------------------------------------------------------
 
 ONE = [(0, 0, 1, 1)]
 WRONG = [

@@ -1,7 +1,5 @@
 """Normals, all hits of a ray, casts of boxes, a distance for each query, contacts of two trees."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

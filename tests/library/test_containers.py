@@ -1,7 +1,5 @@
 """`jostle.Box`, `jostle.Circle`, `jostle.Torus`: values that describe the region of a world."""
 
-from __future__ import annotations
-
 import copy
 import inspect
 import pickle

@@ -1,7 +1,5 @@
 """Categories and masks in `find_pairs` and in a `World`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 
@@ -69,11 +67,7 @@ def test_they_are_columns() -> None:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        (
-            {"categories": [1, 2]},
-            ValueError,
-            "categories has shape (2,); it must be",
-        ),
+        ({"categories": [1, 2]}, ValueError, "categories has shape (2,); it must be"),
         ({"masks": 2**32}, ValueError, "masks is 4294967296; "),
         ({"masks": [0, 0, 2**32]}, ValueError, "masks[2] is 4294967296; "),
         ({"categories": 1.0}, TypeError, "categories must hold integers, not float"),

@@ -1,7 +1,5 @@
 """`jostle.find_pairs` against brute force in NumPy and SciPy's tree, and its errors."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from typing import Any
@@ -11,22 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from oracle import DTYPES, Shapes, any_shapes, by_row, pairs_within
+from oracle import DTYPES, Shapes, any_shapes, by_row, pairs_within, uniform
 from scipy.spatial import cKDTree
 from signals import lets_others_run
 
 import jostle
 
 METHODS = ["auto", "brute", "quadtree"]
-
-
-def discs(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
-    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
-    side = np.sqrt(n * np.pi * 0.25 / 0.4)
-    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)
-
-
-# ---- the answer ----------------------------------------------------------------------------------
 
 
 @given(any_shapes(), st.sampled_from(METHODS))
@@ -56,7 +45,7 @@ def test_equals_the_tree_of_scipy(shapes: Shapes, radius: float) -> None:
 
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_a_crowd_against_scipy(dtype: Any) -> None:
-    centers = discs(20_000, dtype)
+    centers = uniform(20_000, dtype)
     expected = cKDTree(centers.astype(np.float64)).query_pairs(1.0, output_type="ndarray")
     found = jostle.find_pairs(centers, 0.5, sort=True)
     different = {*map(tuple, found.tolist())} ^ {*map(tuple, expected.tolist())}
@@ -70,7 +59,7 @@ def test_a_crowd_against_scipy(dtype: Any) -> None:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("n", [0, 1, 2, 500])
 def test_the_answer_is_a_plain_array(n: int, method: Any) -> None:
-    pairs = jostle.find_pairs(discs(n), 0.5, method=method)
+    pairs = jostle.find_pairs(uniform(n), 0.5, method=method)
     assert pairs.dtype == np.int64
     assert pairs.ndim == 2
     assert pairs.shape[1] == 2
@@ -109,8 +98,6 @@ def test_rectangles_overlap_by_their_insides() -> None:
     flat = [(0, 0), (1, 0)]  # on the same line, so neither has an interior
     assert len(jostle.find_pairs(flat, half_sizes=(5, 0))) == 0
 
-
-# ---- arguments ----------------------------------------------------------------------------------
 
 POINTS = np.array([(0, 0), (3, 0), (4, 0), (4, 1), (-7, 2)])
 EXPECTED = [[1, 2], [1, 3], [2, 3]]
@@ -194,14 +181,12 @@ def test_float32_computes_in_float32() -> None:
 
 
 def test_the_input_stays_as_it_was() -> None:
-    centers, radii = discs(300), np.full(300, 0.5)
+    centers, radii = uniform(300), np.full(300, 0.5)
     before = centers.copy(), radii.copy()
     jostle.find_pairs(centers, radii)
     np.testing.assert_array_equal(centers, before[0])
     np.testing.assert_array_equal(radii, before[1])
 
-
-# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 WRONG_VALUES = [
@@ -300,7 +285,7 @@ def test_too_many_pairs_stop_the_search() -> None:
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("n", [2, 40, 3000])
 def test_max_pairs_is_exact(method: Any, threads: int, n: int) -> None:
-    centers = discs(n) / 4
+    centers = uniform(n) / 4
     count = len(jostle.find_pairs(centers, 0.5, method=method))
     limited = jostle.find_pairs(centers, 0.5, method=method, max_pairs=count, threads=threads)
     assert len(limited) == count > 0
@@ -312,12 +297,9 @@ def test_no_pairs_need_no_room() -> None:
     assert jostle.find_pairs([(0, 0), (9, 9)], 1.0, max_pairs=0).shape == (0, 2)
 
 
-# ---- behaviour ----------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("method", ["brute", "quadtree"])
 def test_other_threads_run_meanwhile(method: Any) -> None:
-    centers = discs(50_000 if method == "brute" else 2_000_000)
+    centers = uniform(50_000 if method == "brute" else 2_000_000)
     assert lets_others_run(lambda: jostle.find_pairs(centers, 0.5, method=method, threads=1))
 
 
@@ -326,17 +308,9 @@ def test_its_signature_shows_its_defaults() -> None:
     defaults = {name: p.default for name, p in signature.parameters.items()}
     assert defaults.pop("centers") is None
     assert defaults == {
-        "boxes": None,
-        "categories": None,
-        "masks": None,
-        "radii": 0.0,
-        "half_sizes": None,
-        "method": "auto",
-        "sort": False,
-        "max_pairs": 2**27,
-        "threads": None,
-        "distance": 0.0,
+        "boxes": None, "categories": None, "masks": None, "radii": 0.0, "half_sizes": None,
+        "method": "auto", "sort": False, "max_pairs": 2**27, "threads": None, "distance": 0.0,
         "period": None,
-    }
+    }  # fmt: skip
     # They are the actual defaults.
     assert jostle.find_pairs(POINTS, **defaults).tolist() == jostle.find_pairs(POINTS).tolist()

@@ -1,7 +1,5 @@
 """Friction and spin of `jostle.World`, against an event-driven reference and analytic answers."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -22,19 +20,11 @@ def wrapped(angles: Floats) -> Floats:
     return inside
 
 
-# ---- columns -------------------------------------------------------------------------------------
-
-
 def test_friction_and_rotation_are_columns() -> None:
     world = jostle.World(
-        [(0, 0), (9, 0), (18, 0)],
-        [(0, 0)] * 3,
-        [1, 2, 1],
-        friction=0.5,
-        angles=[0, 1, -1],
-        angular_velocities=[2, 0, 3],
-        movable=[True, True, False],
-    )
+        [(0, 0), (9, 0), (18, 0)], [(0, 0)] * 3, [1, 2, 1], friction=0.5, angles=[0, 1, -1],
+        angular_velocities=[2, 0, 3], movable=[True, True, False],
+    )  # fmt: skip
     assert world.friction.tolist() == [0.5, 0.5, 0.5]
     assert world.angles.tolist() == [0, 1, -1]
     assert world.angular_velocities.tolist() == [2, 0, 3]  # the last is immovable
@@ -63,9 +53,6 @@ def test_slow_rotation_is_not_lost() -> None:
     world = jostle.World([(0, 0)], [(0, 0)], 1, angles=3, angular_velocities=1e-6)
     world.step(0.01, steps=10_000)
     np.testing.assert_allclose(world.angles, 3.0001, atol=3e-7)
-
-
-# ---- bounces -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("box", [False, True])
@@ -106,20 +93,12 @@ def test_a_ball_thrown_along_a_floor_begins_to_roll(steps: int) -> None:
     assert world.positions[0, 1] > 1
 
 
-# ---- resting contacts ----------------------------------------------------------------------------
-
-
 def on_an_incline(angle: float, friction: float, speed: float = 0.0) -> jostle.World:
     """Return a disc of radius 1 on a floor that falls towards +x."""
     return jostle.World(
-        [(0, 1)],
-        [(speed, 0)],
-        radii=1,
-        gravity=(G * math.sin(angle), -G * math.cos(angle)),
-        restitution=0.5,
-        friction=friction,
-        container=jostle.Box(-1000, 0, 1000, 100),
-    )
+        [(0, 1)], [(speed, 0)], radii=1, gravity=(G * math.sin(angle), -G * math.cos(angle)),
+        restitution=0.5, friction=friction, container=jostle.Box(-1000, 0, 1000, 100),
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("degrees", [5, 20, 40])
@@ -149,9 +128,6 @@ def test_a_pile_with_friction_comes_to_rest(friction: float) -> None:
     contacts = world.contacts
     smaller = world.radii[contacts.pairs].min(axis=1)
     assert (contacts.depths / smaller).max() <= 0.01
-
-
-# ---- impulses ------------------------------------------------------------------------------------
 
 
 def test_impulses_of_a_bounce() -> None:

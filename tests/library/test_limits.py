@@ -130,9 +130,6 @@ def test_a_signal_handler_may_use_jostle_and_raise_any_exception() -> None:
     assert len(space) == len(POINTS)
 
 
-# ---- memory --------------------------------------------------------------------------------------
-
-
 @linux
 def test_too_little_memory_is_a_memory_error() -> None:
     printed = run_child(
@@ -235,9 +232,6 @@ except MemoryError:
 """
     )
     assert printed == "refused\n"
-
-
-# ---- threads -------------------------------------------------------------------------------------
 
 
 def test_threads_sleep_when_there_is_nothing_to_do() -> None:

@@ -267,9 +267,6 @@ def test_a_force_must_fit_the_world():
     assert world.forces == ()
 
 
-# ---- a Lennard-Jones fluid ----
-
-
 def radial_distribution(frames, side, bins):
     """Return g(r) of some frames of particles on a torus."""
     counts = np.zeros(len(bins) - 1)

@@ -1,7 +1,5 @@
 """`jostle.Quadtree`: pairs, filters, contacts, boxes, and the number of tests."""
 
-from __future__ import annotations
-
 import re
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -21,6 +19,7 @@ from oracle import (
     overlap,
     pairs_between,
     pairs_within,
+    uniform,
 )
 
 import jostle
@@ -29,20 +28,11 @@ capacities = st.integers(1, 20)
 depths = st.integers(0, 12) | st.just(4096)
 
 
-def uniform(n: int, dtype: Any = np.float64, seed: int = 0) -> NDArray[Any]:
-    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
-    side = np.sqrt(n * np.pi * 0.25 / 0.4)
-    return np.random.default_rng(seed).uniform(0, side, (n, 2)).astype(dtype)
-
-
 def work_of(centers: Any, radii: Any = 0.5, **settings: Any) -> int:
     """Return how many pairs a tree tests to find the overlapping ones."""
     tree = jostle.Quadtree(centers, radii, **settings)
     tree.pairs()
     return tree.stats.tests
-
-
-# ---- pairs ---------------------------------------------------------------------------------------
 
 
 @given(any_shapes(), capacities, depths)
@@ -150,8 +140,6 @@ def test_length_and_representation() -> None:
     assert repr(tree) == "<jostle.Quadtree of 3 shapes, float32>"
 
 
-# ---- filters -------------------------------------------------------------------------------------
-
 bits = st.integers(0, 7) | st.sampled_from([ALL_BITS, ALL_BITS - 1, 1 << 31])
 
 
@@ -203,9 +191,6 @@ def test_any_integers_are_bits(dtype: str) -> None:
     assert tree.pairs(sort=True).tolist() == [[0, 1]]
     tree = jostle.Quadtree(np.zeros((3, 2)), 1.0, masks=np.repeat(masks, 2)[::2])
     assert tree.pairs(sort=True).tolist() == [[1, 2]]
-
-
-# ---- contacts ------------------------------------------------------------------------------------
 
 
 def moved(shapes: Shapes, pairs: NDArray[Any], by: NDArray[Any]) -> tuple[Shapes, Shapes]:
@@ -270,39 +255,23 @@ def test_contacts_are_a_named_tuple() -> None:
     assert contacts.depths.tolist() == [0.5]
 
 
-# ---- precision -----------------------------------------------------------------------------------
-
 SINGLE, DOUBLE = np.zeros((2, 2), "f4"), np.zeros((2, 2), "f8")
 
 
 @pytest.mark.parametrize(
     ("arguments", "dtype"),
     [
-        ((SINGLE,), "f4"),
-        ((SINGLE.astype(">f4"), SINGLE[0]), "f4"),
-        ((SINGLE, 1), "f4"),
-        ((SINGLE, np.float64(1), (1, 2)), "f4"),
-        ((SINGLE, 0.5, 0.5), "f4"),
-        ((SINGLE, SINGLE[0], SINGLE), "f4"),
-        ((DOUBLE,), "f8"),
-        ((SINGLE, DOUBLE[0]), "f8"),
-        ((SINGLE, [1, 2]), "f8"),
-        ((SINGLE, 1.0, DOUBLE), "f8"),
-        ((SINGLE, 1.0, DOUBLE[0]), "f8"),
-        ((SINGLE, 1.0, [(1, 2), (1, 2)]), "f8"),
-        ((DOUBLE, SINGLE[0], SINGLE), "f8"),
-        ((SINGLE.tolist(), SINGLE[0]), "f8"),
-        ((SINGLE.astype("i4"),), "f8"),
-        ((SINGLE.astype("f2"),), "f8"),
-        (([],), "f8"),
-        ((SINGLE[:0],), "f4"),
+        ((SINGLE,), "f4"), ((SINGLE.astype(">f4"), SINGLE[0]), "f4"), ((SINGLE, 1), "f4"),
+        ((SINGLE, np.float64(1), (1, 2)), "f4"), ((SINGLE, 0.5, 0.5), "f4"),
+        ((SINGLE, SINGLE[0], SINGLE), "f4"), ((DOUBLE,), "f8"), ((SINGLE, DOUBLE[0]), "f8"),
+        ((SINGLE, [1, 2]), "f8"), ((SINGLE, 1.0, DOUBLE), "f8"), ((SINGLE, 1.0, DOUBLE[0]), "f8"),
+        ((SINGLE, 1.0, [(1, 2), (1, 2)]), "f8"), ((DOUBLE, SINGLE[0], SINGLE), "f8"),
+        ((SINGLE.tolist(), SINGLE[0]), "f8"), ((SINGLE.astype("i4"),), "f8"),
+        ((SINGLE.astype("f2"),), "f8"), (([],), "f8"), ((SINGLE[:0],), "f4"),
     ],
-)
+)  # fmt: skip
 def test_float32_only_if_every_array_is(arguments: tuple[Any, ...], dtype: str) -> None:
     assert jostle.Quadtree(*arguments).contacts().depths.dtype == dtype
-
-
-# ---- boxes ---------------------------------------------------------------------------------------
 
 
 def holds_one_place(shapes: Shapes, box: Any, count: int) -> bool:
@@ -352,21 +321,13 @@ def test_boxes_by_hand() -> None:
     tree = jostle.Quadtree(centers, 0.1, leaf_capacity=3)
     nodes = tree.nodes()
     assert isinstance(nodes, jostle.Nodes)
-    found = {
-        (*box, level, count, leaf)
-        for box, level, count, leaf in zip(
-            nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf, strict=True
-        )
-    }
+    columns = nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf
+    found = {(*box, level, count, leaf) for box, level, count, leaf in zip(*columns, strict=True)}
     assert found == {
-        (0, 0, 8, 8, 0, 7, False),
-        (0, 0, 4, 4, 1, 4, False),
-        (4, 0, 8, 4, 1, 1, True),
-        (0, 4, 4, 8, 1, 1, True),
-        (4, 4, 8, 8, 1, 1, True),
-        (0, 0, 2, 2, 2, 3, True),
+        (0, 0, 8, 8, 0, 7, False), (0, 0, 4, 4, 1, 4, False), (4, 0, 8, 4, 1, 1, True),
+        (0, 4, 4, 8, 1, 1, True), (4, 4, 8, 8, 1, 1, True), (0, 0, 2, 2, 2, 3, True),
         (2, 2, 4, 4, 2, 1, True),
-    }
+    }  # fmt: skip
     assert tree.stats == (7, 5, 2, 0)
 
 
@@ -377,9 +338,6 @@ def test_max_depth_allows_so_many_subdivisions(max_depth: int, centers: Any) -> 
     deepest = max_depth if len(np.unique(centers)) > 1 else 0  # coincident shapes are one box
     assert tree.stats.depth == tree.nodes().depths.max() == deepest
     assert tree.stats.nodes <= (4 ** (max_depth + 1) - 1) // 3
-
-
-# ---- number of tests -----------------------------------------------------------------------------
 
 
 def test_stats_are_of_the_last_call() -> None:
@@ -439,8 +397,6 @@ def test_ever_smaller_steps_do_not_blow_up() -> None:
     assert tree.stats.depth <= 1070
     assert tree.stats.nodes < 3 * 1070
 
-
-# ---- errors -------------------------------------------------------------------------------------
 
 TWO = [(0, 0), (1, 1)]
 BITS = "it must be a set of 32 bits: between 0 and 4294967295, or a negative"

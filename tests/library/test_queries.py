@@ -1,7 +1,5 @@
 """The queries of `jostle.Quadtree`: regions, neighbours, rays and moving discs."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 
@@ -21,7 +19,6 @@ directions = st.sampled_from(
     [(1, 0), (0, -1), (-2, 0), (1, 1), (-3, 1e-3), (1e-9, 1), (1e30, -1e30), (0.3, -0.7)]
 ) | st.tuples(st.floats(-9, 9, width=32), st.floats(0.5, 9, width=32))
 places = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6)
-
 
 SCALES = (1.0, 1.0, 1.0, 1e-30, 1e-24, 1e-12, 1e12, 1e25, 1e30)
 
@@ -72,9 +69,6 @@ def assert_hits(one: Any, many: Any, questions: Any, expected: list[NDArray[np.b
         ids = np.flatnonzero(hit)
         np.testing.assert_array_equal(hits.ids[hits.offsets[q] : hits.offsets[q + 1]], ids)
         np.testing.assert_array_equal(one(q), ids)
-
-
-# ---- regions -------------------------------------------------------------------------------------
 
 
 @given(searches(), st.lists(st.tuples(sizes, sizes), min_size=6, max_size=6))
@@ -142,9 +136,6 @@ def test_an_axis_parallel_polygon_is_a_rectangle() -> None:
         np.testing.assert_array_equal(tree.query_polygon(corners), expected)
 
 
-# ---- neighbours ----------------------------------------------------------------------------------
-
-
 @given(searches(), st.integers(1, 12), sizes | st.just(np.inf))
 def test_nearest(search: Any, k: int, max_distance: float) -> None:
     shapes, categories, mask, points, tree = search
@@ -171,9 +162,6 @@ def test_nearest_equals_scipy() -> None:
     found = jostle.Quadtree(points).nearest(queries, 8)
     np.testing.assert_array_equal(found.ids, ids)
     np.testing.assert_allclose(found.distances, far, rtol=1e-12)
-
-
-# ---- rays ----------------------------------------------------------------------------------------
 
 
 @given(
@@ -241,9 +229,6 @@ def test_a_limit_counts_only_pairs_of_the_categories_asked_for() -> None:
         tree.pairs(mask=1, max_pairs=189)
 
 
-# ---- pairs with a mask ---------------------------------------------------------------------------
-
-
 @given(any_shapes(), capacities, st.sampled_from([1, 2, 6]))
 def test_pairs_of_some_categories(shapes: Shapes, capacity: int, mask: int) -> None:
     n = len(shapes.radii)
@@ -256,9 +241,6 @@ def test_pairs_of_some_categories(shapes: Shapes, capacity: int, mask: int) -> N
     np.testing.assert_array_equal(tree.pairs(sort=True, mask=mask), expected)
     other = tree.pairs(tree, sort=True, mask=mask)
     np.testing.assert_array_equal(other[other[:, 0] < other[:, 1]], expected)
-
-
-# ---- many queries --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -306,8 +288,6 @@ def test_work_grows_slowly() -> None:
     assert many[2] < 30 * few[2]
 
 
-# ---- errors --------------------------------------------------------------------------------------
-
 TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
 
 
@@ -321,38 +301,26 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, -2]), "radius[1] is -2; a radius must"),
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, 2, 3]), "radius has shape (3,); it must"),
         (lambda: TREE.query_point((0, np.inf)), "point is (0, inf); both coordinates must be"),
-        (
-            lambda: TREE.query_polygon([(0, 0), (1, 1)]),
-            "vertices is a list of 2; a polygon has at least 3",
-        ),
-        (
-            lambda: TREE.query_polygon([(0, 0), (4, 0), (1, 1), (0, 4)]),
-            "vertices[2] is (1, 1); the polygon is not convex there",
-        ),
-        (
-            lambda: TREE.query_polygon([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (2, 2)]]),
-            "vertices[1] is (0, 0); corner 0 of the polygon: the polygon is not convex there",
-        ),
+        (lambda: TREE.query_polygon([(0, 0), (1, 1)]),
+         "vertices is a list of 2; a polygon has at least 3"),
+        (lambda: TREE.query_polygon([(0, 0), (4, 0), (1, 1), (0, 4)]),
+         "vertices[2] is (1, 1); the polygon is not convex there"),
+        (lambda: TREE.query_polygon([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (2, 2)]]),
+         "vertices[1] is (0, 0); corner 0 of the polygon: the polygon is not convex there"),
         (lambda: TREE.nearest((0, 0), 0), "k is 0; it must be at least 1"),
-        (
-            lambda: TREE.nearest((0, 0), 10**9),
-            "k is 1000000000; for 1 point that is 1000000000 neighbours",
-        ),
+        (lambda: TREE.nearest((0, 0), 10**9),
+         "k is 1000000000; for 1 point that is 1000000000 neighbours"),
         (lambda: TREE.nearest((0, 0), max_distance=-1), "max_distance is -1; it must be at least"),
         (lambda: TREE.nearest((0, 0), max_distance=np.nan), "max_distance is NaN; it must be at"),
         (lambda: TREE.raycast((0, 0), (0, 0)), "direction is (0, 0); a direction has a length"),
-        (
-            lambda: TREE.raycast((0, 0), [(1, 0), (0, 0)]),
-            "direction[1] is (0, 0); a direction has a length",
-        ),
-        (
-            lambda: TREE.raycast(np.zeros((3, 2)), [(1, 0), (0, 1)]),
-            "direction has shape (2, 2); it must be (2,) or (3, 2)",
-        ),
+        (lambda: TREE.raycast((0, 0), [(1, 0), (0, 0)]),
+         "direction[1] is (0, 0); a direction has a length"),
+        (lambda: TREE.raycast(np.zeros((3, 2)), [(1, 0), (0, 1)]),
+         "direction has shape (2, 2); it must be (2,) or (3, 2)"),
         (lambda: TREE.query_point((0, 0), mask=[1]), "mask has shape (1,); it must be an integer"),
         (lambda: TREE.query_point((0, 0), mask=1 << 32), "mask is 4294967296; it must be a set of"),
     ],
-)
+)  # fmt: skip
 def test_refusals_name_argument_index_and_value(call: Any, sentence: str) -> None:
     with pytest.raises(ValueError, match="^" + re.escape(sentence)):
         call()

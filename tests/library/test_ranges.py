@@ -1,7 +1,5 @@
 """The smallest and the largest numbers give right answers or are refused."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from typing import Any

@@ -1,7 +1,5 @@
 """`jostle.separate` against brute force, theory and its promises."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
@@ -89,14 +87,9 @@ def test_threads_and_order_change_nothing(axis: int | None, n: int) -> None:
     )
     order = rng.permutation(n)
     many = jostle.separate(
-        centers[order],
-        radii[order],
-        halves[order],
-        weights=weights[order],
-        fixed=fixed[order],
-        axis=axis,
-        threads=2,
-    )
+        centers[order], radii[order], halves[order], weights=weights[order], fixed=fixed[order],
+        axis=axis, threads=2,
+    )  # fmt: skip
     np.testing.assert_array_equal(one.centers[order], many.centers)
     assert (one.rounds, one.overlaps) == (many.rounds, many.overlaps)
     np.testing.assert_array_equal(one.centers[fixed], centers[fixed])

@@ -1,7 +1,5 @@
 """`World.container_restitution`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

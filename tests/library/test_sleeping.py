@@ -1,7 +1,5 @@
 """Islands that rest fall asleep, and wake when something touches them or changes."""
 
-from __future__ import annotations
-
 import copy
 import math
 from typing import Any
@@ -99,13 +97,10 @@ def test_other_changes_wake_islands_or_nothing() -> None:
 
 def bits(world: jostle.World) -> tuple[Any, ...]:
     return (
-        world.state_hash(),
-        world.asleep.tolist(),
-        world.contacts.pairs.tolist(),
-        world.contacts.normal_impulses.tolist(),
-        world.wall_contacts.normal_impulses.tolist(),
+        world.state_hash(), world.asleep.tolist(), world.contacts.pairs.tolist(),
+        world.contacts.normal_impulses.tolist(), world.wall_contacts.normal_impulses.tolist(),
         world.potential_energy,
-    )
+    )  # fmt: skip
 
 
 def act(world: jostle.World, command: int, rng: np.random.Generator) -> None:

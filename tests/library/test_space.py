@@ -1,7 +1,5 @@
 """`jostle.Space`: shapes that are added, moved, changed and removed; events and ids."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import threading
@@ -13,14 +11,12 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from numpy.typing import NDArray
-from oracle import ALL_BITS, DTYPES, Shapes, may_pair, overlaps
+from oracle import ALL_BITS, DTYPES, Shapes, may_pair, overlaps, uniform
 from signals import lets_others_run
 
 import jostle
 
 Pair = tuple[int, int]
-
-# ---- long runs of every call against a model -----------------------------------------------------
 
 coordinates = st.integers(-6, 6).map(float) | st.floats(-10, 10, width=32) | st.just(1e30)
 sizes = st.sampled_from([0.0, 0.5, 1.0, 2.0, 50.0]) | st.floats(2**-59, 3, width=32)
@@ -253,15 +249,6 @@ LivingSpace.TestCase.settings = settings(max_examples=25, stateful_step_count=50
 TestLivingSpace = LivingSpace.TestCase
 
 
-# ---- sentences of the documentation --------------------------------------------------------------
-
-
-def uniform(n: int, seed: int = 0) -> NDArray[np.float64]:
-    """Centres of n discs of radius 0.5 that cover 40 % of a square."""
-    side = np.sqrt(n * np.pi * 0.25 / 0.4)
-    return np.random.default_rng(seed).uniform(0, side, (n, 2))
-
-
 def test_one_shape_at_a_time() -> None:
     space = jostle.Space()
     first, second = space.add((0, 0), 1.0), space.add(np.array([5.0, 0]), 1.0, (1, 2))
@@ -448,8 +435,8 @@ def test_several_threads_may_use_it_at_the_same_time() -> None:
     def work(seed: int) -> None:
         try:
             for round in range(20):
-                ids = space.add(uniform(500, seed), 0.5)
-                space.move(ids, uniform(500, seed + round))
+                ids = space.add(uniform(500, seed=seed), 0.5)
+                space.move(ids, uniform(500, seed=seed + round))
                 space.pairs()
                 space.update()
                 space.remove(ids)

@@ -1,7 +1,5 @@
 """`ThermalWalls` and `AndersenThermostat`, against the Maxwell distribution."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

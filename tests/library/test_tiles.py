@@ -1,7 +1,5 @@
 """`jostle.tiles` covers exactly the tiles of a map."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

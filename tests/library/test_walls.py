@@ -1,7 +1,5 @@
 """`World.walls`, `wall_restitution`, `wall_friction` and `polyline`."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

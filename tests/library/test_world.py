@@ -3,8 +3,6 @@
 The physics is tested in test_exact_step.py, test_resting.py, test_gas.py and in crates/jostle.
 """
 
-from __future__ import annotations
-
 import inspect
 import threading
 import time
@@ -16,8 +14,6 @@ from signals import reaction_to_ctrl_c
 from worlds import COLUMNS, NEW, SETTINGS, gas, three
 
 import jostle
-
-# ---- settings ------------------------------------------------------------------------------------
 
 
 def test_settings_and_their_defaults() -> None:
@@ -44,9 +40,6 @@ def test_settings_may_be_given_or_assigned(name: str) -> None:
 
 def test_gravity_may_be_an_array() -> None:
     assert three(gravity=np.array([1, 2])).gravity == (1, 2)
-
-
-# ---- a step --------------------------------------------------------------------------------------
 
 
 def test_time_passes() -> None:
@@ -128,9 +121,6 @@ def test_the_hash_is_of_the_state() -> None:
         assert other.state_hash() != world.state_hash()
 
 
-# ---- touching ------------------------------------------------------------------------------------
-
-
 def test_ids_are_followed_through_long_calls() -> None:
     world = gas(3000, on_touch="merge")
     masses = world.masses
@@ -153,9 +143,6 @@ def test_what_touches_may_be_ignored() -> None:
     np.testing.assert_allclose(depths, [1], rtol=1e-5)
     world.step(0.1, steps=10)
     np.testing.assert_allclose(world.positions[:, 0], [2, 1], rtol=1e-5)
-
-
-# ---- threads -------------------------------------------------------------------------------------
 
 
 def test_other_threads_see_the_world_between_steps() -> None:
@@ -187,9 +174,6 @@ def test_a_long_call_can_be_interrupted() -> None:
     world.step(1 / 60)  # and it is still usable
 
 
-# ---- other results -------------------------------------------------------------------------------
-
-
 def test_representation() -> None:
     world = three()
     world.step(0.25)
@@ -198,11 +182,8 @@ def test_representation() -> None:
 
 def test_signatures() -> None:
     assert str(inspect.signature(jostle.World.step)) == "(self, /, dt, steps=1)"
-    assert list(inspect.signature(jostle.World.add).parameters)[1:4] == [
-        "positions",
-        "velocities",
-        "radii",
-    ]
+    parameters = list(inspect.signature(jostle.World.add).parameters)
+    assert parameters[1:4] == ["positions", "velocities", "radii"]
     assert "ids, *, positions=None" in str(inspect.signature(jostle.World.set))
 
 
@@ -224,13 +205,9 @@ def test_given_positions_have_no_residual() -> None:
 def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -> None:
     rng = np.random.default_rng(4)
     world = jostle.World(
-        rng.uniform(0, 60, (300, 2)),
-        rng.normal(size=(300, 2)),
-        rng.uniform(0.5, 2, 300),
-        container=container,
-        on_touch="ignore",
-        leaf_capacity=7,
-    )
+        rng.uniform(0, 60, (300, 2)), rng.normal(size=(300, 2)), rng.uniform(0.5, 2, 300),
+        container=container, on_touch="ignore", leaf_capacity=7,
+    )  # fmt: skip
     empty = jostle.World(np.empty((0, 2)), np.empty((0, 2)), 1.0)
     assert len(empty.quadtree()) == 0
     for _ in range(3):
@@ -247,14 +224,9 @@ def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -
 
 def test_the_quadtree_has_sleeping_particles_too() -> None:
     world = jostle.World(
-        [(0, 1), (5, 1), (9, 5)],
-        np.zeros((3, 2)),
-        1.0,
-        movable=[True, True, False],
-        gravity=(0, -9.8),
-        restitution=0.3,
-        container=jostle.Box(-9, 0, 19, 9),
-    )
+        [(0, 1), (5, 1), (9, 5)], np.zeros((3, 2)), 1.0, movable=[True, True, False],
+        gravity=(0, -9.8), restitution=0.3, container=jostle.Box(-9, 0, 19, 9),
+    )  # fmt: skip
     world.step(1 / 60, steps=60)
     assert world.asleep.tolist() == [True, True, False]
     assert world.quadtree().query_circle((4, 2), 9).tolist() == [0, 1, 2]

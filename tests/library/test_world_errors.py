@@ -1,7 +1,5 @@
 """Arguments that `jostle.World` refuses, with the messages; nothing changes."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import Any
@@ -15,28 +13,19 @@ import jostle
 NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: w.step(0), ValueError, "dt is 0; it must be finite and above 0"),
     (lambda w: w.step(-0.1), ValueError, "dt is -0.1; it must be finite and above 0"),
-    (
-        lambda w: w.step(1e-300),
-        ValueError,
-        "dt is 1e-300; it must be finite and above 0 in float32",
-    ),
+    (lambda w: w.step(1e-300), ValueError,
+     "dt is 1e-300; it must be finite and above 0 in float32"),
     (lambda w: w.step(-1.5e300), ValueError, "dt is -1.5e300; it must be finite and above 0"),
     (lambda w: w.step(np.nan, 0), ValueError, "dt is NaN; it must be finite and above 0"),
     (lambda w: w.step("1"), TypeError, "dt must be a number, not str"),
     (lambda w: w.step(0.1, -1), ValueError, "steps is -1; it must be at least 0"),
     (lambda w: w.step(0.1, 1.5), TypeError, "steps must be an integer, not float"),
     (lambda w: w.add((0, np.nan), (0, 0), 1), ValueError, "positions is (0, NaN); both"),
-    (
-        lambda w: w.add((0, 1), [(0, 0)], 1),
-        ValueError,
-        "velocities has shape (1, 2); it must be (2",
-    ),
+    (lambda w: w.add((0, 1), [(0, 0)], 1), ValueError,
+     "velocities has shape (1, 2); it must be (2"),
     (lambda w: w.add([(0, 1)], (0, 0), 1), ValueError, "velocities has shape (2,); it must be (1"),
-    (
-        lambda w: w.add((0, 1, 2), (0, 0), 1),
-        ValueError,
-        "positions has shape (3,); it must be (2,)",
-    ),
+    (lambda w: w.add((0, 1, 2), (0, 0), 1), ValueError,
+     "positions has shape (3,); it must be (2,)"),
     (lambda w: w.add((0, 1), (0, 0), [1, 2]), ValueError, "radii has shape (2,); it must be a num"),
     (lambda w: w.add((0, 1), (0, 0), -1), ValueError, "radii is -1; a radius must be finite"),
     (lambda w: w.add((0, 1), (0, 0), 0), ValueError, "radii is 0; its mass, density times radius"),
@@ -63,46 +52,24 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: w.set([1], velocities=[(0, np.nan)]), ValueError, "velocities[0] is (0, NaN); both"),
     (lambda w: w.set([1], movable=[1]), TypeError, "movable must hold booleans, not int64"),
     (lambda w: w.set([1], masses=-1), ValueError, "masses is -1; a mass must lie between"),
-    (
-        lambda w: w.set([1], radii=1, restitutions=2),
-        ValueError,
-        "restitutions is 2; a restitution must lie between 0 and 1",
-    ),
+    (lambda w: w.set([1], radii=1, restitutions=2), ValueError,
+     "restitutions is 2; a restitution must lie between 0 and 1"),
     (lambda w: w.set(1, friction=-1), ValueError, "friction is -1; a coefficient of friction must"),
-    (
-        lambda w: w.set([1, 0], friction=[1, np.inf]),
-        ValueError,
-        "friction[1] is inf; a coefficient of friction must be finite and at least 0",
-    ),
+    (lambda w: w.set([1, 0], friction=[1, np.inf]), ValueError,
+     "friction[1] is inf; a coefficient of friction must be finite and at least 0"),
     (lambda w: setattr(w, "angles", np.nan), ValueError, "angles is NaN; an angle must be finite"),
-    (
-        lambda w: setattr(w, "angular_velocities", [0, 1e30, 0]),
-        ValueError,
-        "angular_velocities[1] is 1e30; an angular velocity must be finite and lie within ±1e18",
-    ),
+    (lambda w: setattr(w, "angular_velocities", [0, 1e30, 0]), ValueError,
+     "angular_velocities[1] is 1e30; an angular velocity must be finite and lie within ±1e18"),
     (lambda w: w.add([(1, 1)], [(0, 0)], -1), ValueError, "radii is -1; a radius must be finite"),
-    (
-        lambda w: w.add([(1, 1)], [(0, 0)], 0),
-        ValueError,
-        "radii[0] is 0; its mass, density times",
-    ),
+    (lambda w: w.add([(1, 1)], [(0, 0)], 0), ValueError, "radii[0] is 0; its mass, density times"),
     (lambda w: w.add([(1, 1)], [], 1), ValueError, "velocities has shape (0,); it must be (1, 2)"),
-    (
-        lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0),
-        ValueError,
-        "densities is 0; a density must be finite and above 0",
-    ),
-    (
-        lambda w: w.add([(1, 1)] * 2, [(0, 0)] * 2, 1, densities=[1, np.nan]),
-        ValueError,
-        "densities[1] is NaN; a density must be finite and above 0",
-    ),
+    (lambda w: w.add([(1, 1)], [(0, 0)], 1, densities=0), ValueError,
+     "densities is 0; a density must be finite and above 0"),
+    (lambda w: w.add([(1, 1)] * 2, [(0, 0)] * 2, 1, densities=[1, np.nan]), ValueError,
+     "densities[1] is NaN; a density must be finite and above 0"),
     (lambda w: w.add([(0, 1e30)], [(0, 0)], 1), ValueError, "positions[0] is (0"),
-    (
-        lambda w: setattr(w, "positions", [(0, 0)]),
-        ValueError,
-        "positions has shape (1, 2); it must",
-    ),
+    (lambda w: setattr(w, "positions", [(0, 0)]), ValueError,
+     "positions has shape (1, 2); it must"),
     (lambda w: setattr(w, "radii", [1, 2, -3]), ValueError, "radii[2] is -3; a radius must be"),
     (lambda w: setattr(w, "radii", None), TypeError, "radii must hold real numbers, not NoneType"),
     (lambda w: setattr(w, "movable", [1, 0, 1]), TypeError, "movable must hold booleans, not int"),
@@ -121,19 +88,13 @@ NOTHING_CHANGED: list[tuple[Callable[[Any], Any], type[Exception], str]] = [
     (lambda w: setattr(w, "max_depth", -1), ValueError, "max_depth is -1; it must be at least 0"),
     (lambda w: setattr(w, "substeps", 0), ValueError, "substeps is 0; it must be at least 1"),
     (lambda w: setattr(w, "substeps", 9999), ValueError, "substeps is 9999; it must lie between"),
-    (
-        lambda w: setattr(w, "container", "box"),
-        TypeError,
-        "container must be a jostle.Box, jostle.Circle, jostle.Torus or None, not str",
-    ),
-    (
-        lambda w: setattr(w, "container", jostle.Box(0, 0, 4, 4)),
-        ValueError,
-        "radii[2] is 3; it must fit between the walls (at most 2)",
-    ),
+    (lambda w: setattr(w, "container", "box"), TypeError,
+     "container must be a jostle.Box, jostle.Circle, jostle.Torus or None, not str"),
+    (lambda w: setattr(w, "container", jostle.Box(0, 0, 4, 4)), ValueError,
+     "radii[2] is 3; it must fit between the walls (at most 2)"),
     (lambda w: setattr(w, "time", 1), AttributeError, "attribute 'time' of 'jostle.World'"),
     (lambda w: setattr(w, "own", 1), AttributeError, "'jostle.World' object has no attribute"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("act", "error", "message"), NOTHING_CHANGED)

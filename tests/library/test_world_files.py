@@ -1,7 +1,5 @@
 """`World.save` and `World.load`: permissions, links, failures and damaged files."""
 
-from __future__ import annotations
-
 import os
 import re
 import stat
@@ -165,9 +163,7 @@ WHOLE = small().snapshot()
     ],
     ids=["empty", "in the magic", "in the head", "in the body", "foreign", "changed"],
 )
-def test_what_is_wrong_with_a_file_names_the_file(
-    data: bytes, sentence: str, tmp_path: Path
-) -> None:
+def test_what_is_wrong_with_a_file_names_the_file(data: bytes, sentence: str, tmp_path) -> None:
     path = tmp_path / "a world"
     path.write_bytes(data)
     with pytest.raises(ValueError, match=f"^{re.escape(f'{path} {sentence}')}$"):

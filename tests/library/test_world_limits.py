@@ -27,9 +27,6 @@ def ctrl_c() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
-# ---- numbers out of range ------------------------------------------------------------------------
-
-
 def overflowing() -> jostle.World:
     return jostle.World(
         [(0, 0), (3, 0), (6, 0)],
@@ -127,20 +124,13 @@ def worlds(draw: st.DrawFn) -> jostle.World:
         )
     )
     return jostle.World(
-        vectors(),
-        vectors(),
-        column(sizes),
-        masses=column(positive.filter(lambda m: m <= 1e30)),
+        vectors(), vectors(), column(sizes), masses=column(positive.filter(lambda m: m <= 1e30)),
         movable=draw(st.lists(st.booleans(), min_size=n, max_size=n)),
-        gravity=(draw(numbers), draw(numbers)),
-        drag=draw(sizes),
-        restitution=column(shares) if draw(st.booleans()) else draw(shares),
-        container=container,
-        forces=draw(forces(n)),
-        on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
-        substeps=draw(st.integers(1, 4)),
-        threads=1,
-    )
+        gravity=(draw(numbers), draw(numbers)), drag=draw(sizes),
+        restitution=column(shares) if draw(st.booleans()) else draw(shares), container=container,
+        forces=draw(forces(n)), on_touch=draw(st.sampled_from(["bounce", "merge", "ignore"])),
+        substeps=draw(st.integers(1, 4)), threads=1,
+    )  # fmt: skip
 
 
 @settings(max_examples=40, deadline=None)
@@ -164,9 +154,6 @@ def test_what_was_saved_can_be_loaded(data: st.DataObject) -> None:
         again = jostle.World.restore(world.snapshot())
         assert again.snapshot() == world.snapshot()
         assert again.state_hash() == world.state_hash()
-
-
-# ---- Ctrl-C --------------------------------------------------------------------------------------
 
 
 def long_step() -> tuple[jostle.World, float]:

@@ -7,13 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from mpi_worlds import (
-    comm,
-    evenly,
-    gas,
-    refuse,
-    scattered,
-)
+from mpi_checks import refuse
+from mpi_worlds import comm, evenly, gas, scattered
 
 import jostle
 import jostle.mpi
@@ -73,11 +68,8 @@ def test_signals() -> None:
     if last:
         world._core = Interrupted(core)
     calls: list[Callable[[], Any]] = [
-        world.state_hash,
-        world.gather,
-        lambda: world.kinetic_energy,
-        lambda: world.momentum,
-    ]
+        world.state_hash, world.gather, lambda: world.kinetic_energy, lambda: world.momentum,
+    ]  # fmt: skip
     for call in calls:
         try:
             call()

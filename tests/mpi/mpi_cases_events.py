@@ -4,23 +4,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi_worlds import (
-    REST,
-    all_on_last,
+from mpi_checks import (
     check_asleep_now,
     check_events,
     check_saved,
     check_touches,
-    evenly,
     expected_now,
-    gas,
-    of_rank,
-    scattered,
     step_all,
-    unevenly,
-    up_to,
-    with_folder,
 )
+from mpi_worlds import REST, evenly, gas, of_rank, on_last, scattered, unevenly, up_to, with_folder
 
 import jostle
 import jostle.mpi
@@ -80,7 +72,7 @@ def test_merging(folder: Path) -> None:
     }
     for number, (name, rules) in enumerate(options.items()):
         world = gas(400, cover=0.3, on_touch="merge", **rules)
-        ours = scattered(world, (evenly, unevenly, all_on_last)[number % 3], every=3)
+        ours = scattered(world, (evenly, unevenly, on_last)[number % 3], every=3)
         for steps in (1, 2, 8):
             dt = 0.4 if name == "long steps" else 1 / 60
             step_all((world, ours), dt, steps)

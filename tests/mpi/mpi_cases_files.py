@@ -6,21 +6,8 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from mpi_worlds import (
-    REST,
-    check,
-    check_asleep,
-    check_saved,
-    comm,
-    evenly,
-    gas,
-    refuse,
-    scattered,
-    sleepers,
-    unevenly,
-    up_to,
-    with_folder,
-)
+from mpi_checks import check, check_asleep, check_saved, refuse
+from mpi_worlds import REST, comm, evenly, gas, scattered, sleepers, unevenly, up_to, with_folder
 
 import jostle
 import jostle.mpi

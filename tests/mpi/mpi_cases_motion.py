@@ -3,21 +3,8 @@
 from functools import partial
 
 import numpy as np
-from mpi_worlds import (
-    REST,
-    all_on_first,
-    all_on_last,
-    check,
-    check_events,
-    comm,
-    evenly,
-    gas,
-    refuse,
-    scattered,
-    step_all,
-    unevenly,
-    up_to,
-)
+from mpi_checks import check, check_events, refuse, step_all
+from mpi_worlds import REST, comm, evenly, gas, on_first, on_last, scattered, unevenly, up_to
 
 import jostle
 import jostle.mpi
@@ -27,7 +14,7 @@ import jostle.mpi
 def test_gas() -> None:
     check("gas", gas(), 1 / 60, 50)
     # The first step moves all particles to the same domains, wherever they were.
-    for where in (all_on_first, all_on_last, unevenly):
+    for where in (on_first, on_last, unevenly):
         check("gas", gas(), 1 / 60, 10, where)
 
 
@@ -54,7 +41,7 @@ def test_scenes() -> None:
 def test_piles() -> None:
     rest = REST
     check("pile", gas(150, **rest), 1 / 60, 25)
-    check("pile", gas(150, **rest), 1 / 60, 5, all_on_first)
+    check("pile", gas(150, **rest), 1 / 60, 5, on_first)
     check("friction", gas(120, friction=0.5, **rest), 1 / 60, 15)
     for heaviest in (30.0, 300.0):  # 4 sub-steps, and up to 12
         masses = np.where(np.arange(120) % 5 == 0, heaviest, 1.0)
@@ -305,15 +292,9 @@ def test_settings() -> None:
     world = gas(300, cover=0.6, gravity=(0.0, 20.0))
     ours = scattered(world, unevenly)
     for name, value in (
-        ("method", "brute"),
-        ("leaf_capacity", 8),
-        ("method", "quadtree"),
-        ("max_depth", 3),
-        ("threads", 2),
-        ("track_events", True),
-        ("on_touch", "ignore"),
-        ("track_events", False),
-    ):
+        ("method", "brute"), ("leaf_capacity", 8), ("method", "quadtree"), ("max_depth", 3),
+        ("threads", 2), ("track_events", True), ("on_touch", "ignore"), ("track_events", False),
+    ):  # fmt: skip
         for one in (world, ours):
             setattr(one, name, value)
             one.step(1 / 60, 3)

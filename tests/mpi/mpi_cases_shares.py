@@ -3,7 +3,8 @@
 from typing import Any
 
 import numpy as np
-from mpi_worlds import check_touches, comm, expected_now, refuse, step_all, up_to
+from mpi_checks import check_touches, expected_now, refuse, step_all
+from mpi_worlds import comm, up_to
 
 import jostle
 import jostle.mpi
@@ -70,16 +71,12 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     columns = {"positions": rng.uniform(0, side, (n, 2)), "velocities": velocities, "radii": radii}
     defaults = {**DEFAULTS, "masses": default_masses(radii)}
     choices = {
-        "restitution": rng.choice([0.0, 0.5, 0.9], n),
-        "friction": rng.uniform(0, 1, n),
-        "masses": 10 ** rng.uniform(-2, 2, n),
-        "movable": rng.random(n) < 0.7,
-        "sensors": rng.random(n) < 0.3,
-        "angles": rng.uniform(-3, 3, n),
-        "angular_velocities": rng.normal(0, 5, n),
-        "categories": 1 << rng.integers(0, 3, n),
+        "restitution": rng.choice([0.0, 0.5, 0.9], n), "friction": rng.uniform(0, 1, n),
+        "masses": 10 ** rng.uniform(-2, 2, n), "movable": rng.random(n) < 0.7,
+        "sensors": rng.random(n) < 0.3, "angles": rng.uniform(-3, 3, n),
+        "angular_velocities": rng.normal(0, 5, n), "categories": 1 << rng.integers(0, 3, n),
         "masks": rng.integers(1, 8, n),
-    }
+    }  # fmt: skip
     for name, values in choices.items():
         if maybe(0.4):
             columns[name] = column(defaults[name], values)
@@ -149,11 +146,8 @@ def test_substeps_are_decided_by_all_ranks() -> None:
                 mine[:] = False
             if first and comm().size > 1:
                 order = np.r_[n - 1, : n - 1]  # ids are in the order of ranks
-                world = jostle.World(
-                    **{key: of[order] for key, of in columns.items()},
-                    **{name: column[order]},
-                    **gravity,
-                )
+                ordered = {key: of[order] for key, of in {**columns, name: column}.items()}
+                world = jostle.World(**ordered, **gravity)
             elif comm().size == 1:
                 mine[:] = True
             own = {key: of[mine] for key, of in columns.items()}

@@ -5,23 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi_worlds import (
-    check_asleep,
-    check_asleep_now,
-    check_events,
-    check_saved,
-    comm,
-    evenly,
-    gas,
-    of_rank,
-    refuse,
-    scattered,
-    sleepers,
-    step_all,
-    unevenly,
-    up_to,
-    with_folder,
-)
+from mpi_checks import check_asleep, check_asleep_now, check_events, check_saved, refuse, step_all
+from mpi_worlds import comm, evenly, gas, of_rank, scattered, sleepers, unevenly, up_to, with_folder
 
 import jostle
 

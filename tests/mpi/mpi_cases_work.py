@@ -2,13 +2,7 @@
 
 import numpy as np
 from mpi4py import MPI
-from mpi_worlds import (
-    all_on_first,
-    comm,
-    evenly,
-    gas,
-    scattered,
-)
+from mpi_worlds import comm, evenly, gas, on_first, scattered
 
 import jostle
 import jostle.mpi
@@ -17,7 +11,7 @@ import jostle.mpi
 def test_rebalancing() -> None:
     """Domains are chosen again when a rank has too much work, and results do not depend on it."""
     world = gas(600, velocities=np.zeros((600, 2)))
-    ours = scattered(world, all_on_first)
+    ours = scattered(world, on_first)
 
     def steps(count: int, work: float) -> int:
         for _ in range(count):

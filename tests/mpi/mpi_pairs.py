@@ -30,7 +30,7 @@ def evenly(ranks: np.ndarray) -> np.ndarray:
     return ranks
 
 
-def all_on_last(ranks: np.ndarray) -> np.ndarray:
+def on_last(ranks: np.ndarray) -> np.ndarray:
     return np.full_like(ranks, COMM.size - 1)
 
 
@@ -49,7 +49,7 @@ def check_all(comm: MPI.Comm) -> None:
     global COMM, RNG
     COMM, RNG = comm, np.random.default_rng(5)
     check(discs(3000))
-    check(discs(3000), all_on_last)
+    check(discs(3000), on_last)
     check(discs(3000), distance=0.7)
     rows = discs(2000)
     check({name: column.astype(np.float32) for name, column in rows.items()})
@@ -122,7 +122,7 @@ def check_all(comm: MPI.Comm) -> None:
 
 def check_shares() -> None:
     """All ranks find about as many pairs, wherever the shapes are, even if one is far away."""
-    share = split(discs(8000, 80.0), all_on_last)
+    share = split(discs(8000, 80.0), on_last)
     for far in ((40.0, 40.0), (1e12, -1e11), (-1e300, 1e-300)):
         if len(share["centers"]):
             share["centers"][1234] = far

@@ -17,7 +17,6 @@ LAUNCHER = shutil.which("mpiexec", path=str(BESIDE_PYTHON)) or shutil.which("mpi
 
 SECONDS = 600
 
-
 #: What ranks get beside the environment of the tests.
 ENVIRONMENT = {
     # Open MPI refuses more ranks than cores, and the root user, unless it is told otherwise.

@@ -1,14 +1,13 @@
 """Programs started on several ranks: the example that films a scene, and the command."""
 
-import csv
 import subprocess
 import sys
 from pathlib import Path
 
-import imageio_ffmpeg
 import numpy as np
 import pytest
 from mpi_ranks import needs_mpi, run_ranks
+from outputs import frames_of, rows
 
 import jostle
 
@@ -17,13 +16,6 @@ pytestmark = [pytest.mark.ranks, needs_mpi]
 EXAMPLE = Path(__file__).parents[2] / "examples" / "film_over_ranks.py"
 GROUND = (0x10, 0x14, 0x1A)
 RANKS = ((0xE2, 0xC6, 0x7C), (0x6F, 0xB0, 0xA2), (0xC9, 0x68, 0x6A))  # their colours
-
-
-def frames(film: Path) -> np.ndarray:
-    """The frames of a film, shape (count, height, width, 3)."""
-    reader = imageio_ffmpeg.read_frames(str(film))
-    width, height = next(reader)["size"]
-    return np.stack([np.frombuffer(one, np.uint8).reshape(height, width, 3) for one in reader])
 
 
 def share(picture: np.ndarray, colour: tuple[int, int, int]) -> float:
@@ -38,7 +30,7 @@ def test_the_example_films_the_scene_of_one_process(ranks: int, tmp_path: Path) 
     world = jostle.scenes.create("gas", n=300)
     world.step(1 / 60, 8)
     assert printed.count("state") == 1 and f"{world.state_hash():016x}" in printed
-    film = frames(out)
+    film = frames_of(out)
     assert len(film) == 8 and not np.array_equal(film[0], film[-1])
     # Each rank has discs, which together cover what the discs of the scene cover.
     shares = [share(film[0], colour) for colour in RANKS]
@@ -63,13 +55,6 @@ def test_a_window_or_film_of_one_scene_is_refused_with_one_message(tmp_path: Pat
 
 
 def test_ranks_write_the_rows_of_a_sweep_in_one_process(tmp_path: Path) -> None:
-    def rows(path: Path) -> list[dict[str, str]]:
-        with path.open(encoding="utf-8", newline="") as file:
-            found = list(csv.DictReader(file))
-        for row in found:
-            del row["seconds"]
-        return sorted(found, key=str)
-
     options = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", "--steps", "20"]
     sweep = ["-m", "jostle_lab", "sweep", *options, "--out"]
     one, many = tmp_path / "one.csv", tmp_path / "ranks.csv"

@@ -108,9 +108,6 @@ def gas(n: int, eta: float, seed: int, container: Container, **settings: Any) ->
     return discs(result.positions, result.velocities, np.ones(len(positions)), 1.0)
 
 
-# ---- the reference -------------------------------------------------------------------------------
-
-
 def test_reference_two_discs() -> None:
     """Masses 1 and 3, restitution 0.5: the textbook formulas along the line of centres."""
     result = simulate([(0, 0), (6, 1)], [(4, 0), (0, 0)], 1, [1, 3], 2.0, restitution=0.5)
@@ -187,9 +184,6 @@ def test_reference_round_container_with_gravity_conserves_energy_and_is_reversib
     assert separation(back.positions, start.positions).max() < 1e-6
 
 
-# ---- several collisions in one step --------------------------------------------------------------
-
-
 def three_discs(path: float, rng: np.random.Generator) -> Discs:
     """Three discs of different sizes and masses that mostly collide within a step of `path`."""
     radii = rng.uniform(0.7, 1.3, 3)
@@ -244,8 +238,6 @@ def difference(expected: Result, other: Result | jostle.World) -> float:
     return float(max(velocities, separation(other.positions, expected.positions).max()))
 
 
-# ---- gases ---------------------------------------------------------------------------------------
-
 SIDE = math.sqrt(120 * math.pi / 0.3)
 ARENAS: dict[str, dict[str, Any]] = {
     "box": {"container": jostle.Box(0, 0, SIDE, SIDE)},
@@ -276,14 +268,10 @@ def assert_step_agrees(state: Discs, path: float, share: float, **settings: Any)
 @pytest.mark.parametrize(
     ("eta", "path", "share"),
     [
-        (0.3, 0.1, 1.0),
-        (0.3, 1.0, 1.0),
-        (0.3, 5.0, 0.4),
-        (0.6, 0.1, 1.0),
-        (0.6, 1.0, 0.9),
+        (0.3, 0.1, 1.0), (0.3, 1.0, 1.0), (0.3, 5.0, 0.4), (0.6, 0.1, 1.0), (0.6, 1.0, 0.9),
         (0.6, 1.5, 0.8),
     ],
-)
+)  # fmt: skip
 def test_one_long_step_of_a_gas_on_a_torus(eta: float, path: float, share: float) -> None:
     period = torus(120, eta)
     for seed in range(2):
@@ -293,14 +281,10 @@ def test_one_long_step_of_a_gas_on_a_torus(eta: float, path: float, share: float
 @pytest.mark.parametrize(
     ("arena", "path", "share"),
     [
-        ("box", 1.0, 0.95),
-        ("box", 5.0, 0.4),
-        ("circle", 1.0, 0.95),
-        ("circle", 5.0, 0.4),
-        ("falling", 1.0, 0.95),
-        ("falling", 3.0, 0.4),
+        ("box", 1.0, 0.95), ("box", 5.0, 0.4), ("circle", 1.0, 0.95), ("circle", 5.0, 0.4),
+        ("falling", 1.0, 0.95), ("falling", 3.0, 0.4),
     ],
-)
+)  # fmt: skip
 def test_one_long_step_of_a_gas_between_walls(arena: str, path: float, share: float) -> None:
     settings = ARENAS[arena]
     assert_step_agrees(gas(120, 0.3, 3, **settings), path, share, **settings)
@@ -338,8 +322,6 @@ def test_a_step_of_five_radii_in_a_dense_gas() -> None:
     assert one.kinetic_energy == pytest.approx(before, rel=1e-5)
     assert deepest(one.positions, state.radii, period) < 1e-4
 
-
-# ---- diffusion -----------------------------------------------------------------------------------
 
 # Mean squared displacement after a mean path of LAG radii, 400 discs on a square torus, measured by
 # this file as a program with the reference; the standard errors are 0.3 % and 0.5 %.
@@ -393,9 +375,6 @@ def measure_diffusion() -> None:
                 name = "reference" if step is None else str(step)
                 value = f"{mean:.3f} ± {error:.3f}"
                 print(f"{eta:4} {n:6} {name:>13} {value:>24} {mean / base:7.3f}", flush=True)
-
-
-# ---- single collisions ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.25, 1.0, 5.0, 9.0])
@@ -472,9 +451,6 @@ def test_a_rack_breaks_symmetrically(dt: float, gap: float) -> None:
     assert one.velocities[0, 0] < 10  # the rack was struck
     assert one.kinetic_energy == pytest.approx(200, rel=1e-4)
     np.testing.assert_allclose(one.momentum, (20, 0), atol=1e-3)
-
-
-# ---- energy under gravity ------------------------------------------------------------------------
 
 
 def falling_gas(substeps: int) -> jostle.World:
@@ -577,8 +553,6 @@ def test_five_elastic_balls_in_a_shaft_keep_their_energy() -> None:
     assert one.kinetic_energy > 0.05 * before
 
 
-# ---- free flight ---------------------------------------------------------------------------------
-
 STEPS = [(1.0, 1), (1.0, 4), (0.5, 1), (0.1, 4), (1 / 60, 1), (1 / 60, 4), (1 / 240, 1)]
 
 
@@ -608,9 +582,6 @@ def test_a_flight_with_drag_and_gravity(
     np.testing.assert_allclose(one.positions, start * share + pull * rest, **within)
 
 
-# ---- tunnelling ----------------------------------------------------------------------------------
-
-
 def test_a_wall_at_a_hundred_radii_a_step() -> None:
     """Between two walls 18 radii apart the position is a triangle wave of the unfolded path."""
     box = jostle.Box(-10, -10, 10, 10)
@@ -628,9 +599,6 @@ def test_a_static_disc_hit_dead_centre_at_a_hundred_radii_a_step() -> None:
     one.step(1.0)
     np.testing.assert_allclose(one.positions, [(-4, 0), (50, 0)], atol=1e-4)
     np.testing.assert_array_equal(one.velocities, [(-100, 0), (0, 0)])
-
-
-# ---- forces --------------------------------------------------------------------------------------
 
 
 def trapped_energy(one: jostle.World, strength: float) -> float:
@@ -688,9 +656,6 @@ def test_substeps_are_those_that_forces_need() -> None:
     assert inspect.signature(jostle.World).parameters["substeps"].default is None
 
 
-# ---- threads -------------------------------------------------------------------------------------
-
-
 def test_contacts_within_rounding_do_not_depend_on_threads() -> None:
     """In the third step two discs touch a third one at times that differ by less than rounding.
 
@@ -708,9 +673,6 @@ def test_contacts_within_rounding_do_not_depend_on_threads() -> None:
         one.step(1.0, steps=3)
         hashes.append(one.state_hash())
     assert hashes[0] == hashes[1]
-
-
-# ---- bounded work --------------------------------------------------------------------------------
 
 
 def test_a_step_with_too_many_collisions_is_refused_soon() -> None:
@@ -735,9 +697,6 @@ def test_a_disc_that_stands_still_has_no_velocity_where_collisions_lose_energy()
     assert one.stats.unresolved == 1
     assert one.stats.collapsed == 1
     assert one.velocities.tolist() == [[0, 0]]
-
-
-# ---- inelastic collapse --------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gaps", [(1.0, 1.0), (1.0, 1.7)])

@@ -8,8 +8,6 @@ the well has most weight, and the pressure, in which the steep inner side has mo
 has the g(r) of the expansion in the density, and hard discs have Henderson's value at contact.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

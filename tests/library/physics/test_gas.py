@@ -12,8 +12,6 @@ displacement. So the temperature kT is 2/π, for a mass of 1.
 prints the measured quantities over the formulas, as means of 20 seeds (two minutes).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial
@@ -62,9 +60,6 @@ def melted(n: int, eta: float, seed: int) -> tuple[jostle.World, jostle.Torus]:
     return gas, period
 
 
-# ---- pressure ------------------------------------------------------------------------------------
-
-
 WALL_MASS = 1e9
 
 
@@ -82,13 +77,10 @@ def gas_between_walls(
     velocities[len(walls) :] = random_velocities(n, np.random.default_rng(seed))
     counts = [len(walls), n]
     gas = jostle.World(
-        positions,
-        velocities,
-        np.repeat([0.9, 1.0], counts),
-        masses=np.repeat([WALL_MASS, 1.0], counts),
-        container=jostle.Torus(width + 20, height),
+        positions, velocities, np.repeat([0.9, 1.0], counts),
+        masses=np.repeat([WALL_MASS, 1.0], counts), container=jostle.Torus(width + 20, height),
         substeps=1,
-    )
+    )  # fmt: skip
     return gas, slice(0, height // 2), slice(height // 2, height)
 
 
@@ -186,9 +178,6 @@ def test_pressure_on_walls_is_within_one_percent_of_henderson(eta: float, time: 
     assert np.mean(found) == pytest.approx(1, abs=0.01)
 
 
-# ---- collisions ----------------------------------------------------------------------------------
-
-
 def rate_over_enskog(eta: float, dt: float, collisions: float, seed: int) -> float:
     """Count about so many collisions; return the rate over Enskog's."""
     n = 2000
@@ -244,9 +233,6 @@ def test_the_discs_that_collide_in_a_long_step_are_those_of_the_reference() -> N
     assert (collided == (expected.collisions > 0)).mean() >= 0.99
 
 
-# ---- velocities ----------------------------------------------------------------------------------
-
-
 def distance_from_exponential(energies: Floats) -> float:
     """Return the Kolmogorov-Smirnov distance of n energies from their distribution, times √n.
 
@@ -289,8 +275,6 @@ def test_velocities_become_maxwellian(dt: float) -> None:
         assert energies.mean() == pytest.approx(1, abs=0.08)
 
 
-# ---- gravity -------------------------------------------------------------------------------------
-
 SCALE_HEIGHT = 30.0
 
 
@@ -308,13 +292,9 @@ def slope_over_barometric(dt: float, seed: int) -> float:
     speeds = np.stack([np.cos(directions), np.sin(directions)], 1) * math.sqrt(2 * KT)
     positions = lattice(n, width - 2, 2 * SCALE_HEIGHT) + 1
     gas = jostle.World(
-        positions,
-        speeds,
-        1.0,
-        gravity=(0, -gravity),
-        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT),
-        substeps=1,
-    )
+        positions, speeds, 1.0, gravity=(0, -gravity),
+        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT), substeps=1,
+    )  # fmt: skip
     before = gas.kinetic_energy + gas.potential_energy
     gas.step(dt, steps=round(500 / dt))
     heights, kinetic = [], []
@@ -331,9 +311,6 @@ def slope_over_barometric(dt: float, seed: int) -> float:
 def test_density_falls_by_the_barometric_law(dt: float) -> None:
     """Within 9 %; the standard error is 2.2 %."""
     assert slope_over_barometric(dt, seed=6) == pytest.approx(1, abs=0.09)
-
-
-# ---- conservation --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("walls", ["none", "torus"])
@@ -361,9 +338,6 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
         np.testing.assert_allclose(gas.momentum, momentum, rtol=0, atol=1e-7 * masses.sum())
 
 
-# ---- threads -------------------------------------------------------------------------------------
-
-
 def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
     n, rng = 15_000, np.random.default_rng(8)
     period = torus(n, 0.3)
@@ -375,9 +349,6 @@ def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
         gas.step(LONG, steps=2)
         hashes.append(gas.state_hash())
     assert hashes[0] == hashes[1]
-
-
-# ---- figures -------------------------------------------------------------------------------------
 
 
 def print_mean(name: str, measure: Callable[[int], float]) -> None:

@@ -5,8 +5,6 @@ it. If it is not inlined into that function, each of its vector instructions bec
 makes pairs four times as slow. Closures and `array::map` are the usual cause.
 """
 
-from __future__ import annotations
-
 import platform
 import shutil
 import subprocess

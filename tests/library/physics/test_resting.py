@@ -1,7 +1,5 @@
 """Inelastic collisions and resting contacts, against theory and the event-driven reference."""
 
-from __future__ import annotations
-
 import math
 
 import event_driven
@@ -35,9 +33,6 @@ def gas(
     return positions.astype(np.float32), rng.normal(size=(n, 2)).astype(np.float32), side
 
 
-# ---- inelastic collisions ------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("n", "restitution", "time"), [(100, 0.9, 5.0), (100, 0.5, 2.0), (300, 0.95, 2.0)]
 )
@@ -45,14 +40,9 @@ def test_one_long_step_of_an_inelastic_gas(n: int, restitution: float, time: flo
     positions, velocities, side = gas(n, 0.3, 0)
     box = (0.0, 0.0, side, side)
     expected = event_driven.simulate(
-        positions,
-        velocities,
-        np.ones(n),
-        np.ones(n),
-        time,
-        restitution=restitution,
+        positions, velocities, np.ones(n), np.ones(n), time, restitution=restitution,
         container=jostle.Box(*box),
-    )
+    )  # fmt: skip
     world = jostle.World(
         positions, velocities, radii=1, restitution=restitution, container=jostle.Box(*box)
     )
@@ -165,21 +155,15 @@ def test_friction_brings_elastic_discs_to_rest() -> None:
     assert world.kinetic_energy < 1e-4 * begun
 
 
-# ---- resting contacts ----------------------------------------------------------------------------
-
-
 def seconds_on_a_disc(
     dt: float, restitution: float, unit: float = 1.0, second: float = 1.0
 ) -> float:
     """When a disc released 30° off the top of a fixed one is .001 radii above it."""
     x, y = math.sin(math.radians(30)), math.cos(math.radians(30))
     world = jostle.World(
-        np.array([(0, 0), (2 * x, 2 * y)]) * unit,
-        np.zeros((2, 2)),
-        radii=unit,
-        gravity=(0, -G * unit / second**2),
-        restitution=restitution,
-    )
+        np.array([(0, 0), (2 * x, 2 * y)]) * unit, np.zeros((2, 2)), radii=unit,
+        gravity=(0, -G * unit / second**2), restitution=restitution,
+    )  # fmt: skip
     world.set([0], movable=False)
     while world.time < 2 * second:
         world.step(dt * second)
@@ -296,13 +280,10 @@ def test_a_pile_comes_to_rest_in_five_seconds() -> None:
 @pytest.mark.parametrize(
     ("kind", "n", "dt"),
     [
-        ("as in the scene", 4000, 1 / 60),
-        ("as in the scene", 1000, 1 / 30),
-        ("masses 100:1", 1000, 1 / 60),
-        ("radii 10:1", 1000, 1 / 60),
-        ("radii 25:1", 300, 1 / 60),
+        ("as in the scene", 4000, 1 / 60), ("as in the scene", 1000, 1 / 30),
+        ("masses 100:1", 1000, 1 / 60), ("radii 10:1", 1000, 1 / 60), ("radii 25:1", 300, 1 / 60),
     ],
-)
+)  # fmt: skip
 def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
     world = a_pile(kind, friction, n)
     world.step(dt, steps=round(5 / dt))
@@ -318,19 +299,13 @@ def stack(lower: float, upper: float, **settings: object) -> jostle.World:
 @pytest.mark.parametrize(
     ("world", "expected"),
     [
-        (stack(1, 100), 4),
-        (stack(1, 625), 20),
-        (stack(1, 1e4), 32),
-        (stack(1, 1e6), 4),
-        (stack(1e6, 1), 4),
-        (stack(1, 625, substeps=4), 4),
-        (stack(1, 625, restitution=1.0), 1),
-        (stack(1, 625, gravity=(-G, 0)), 20),
-        (stack(1, 625, gravity=(G, 0)), 4),
+        (stack(1, 100), 4), (stack(1, 625), 20), (stack(1, 1e4), 32), (stack(1, 1e6), 4),
+        (stack(1e6, 1), 4), (stack(1, 625, substeps=4), 4), (stack(1, 625, restitution=1.0), 1),
+        (stack(1, 625, gravity=(-G, 0)), 20), (stack(1, 625, gravity=(G, 0)), 4),
         (stack(1, 625, gravity=(0, 0)), 1),
     ],
     ids=lambda value: str(value) if isinstance(value, int) else "",
-)
+)  # fmt: skip
 def test_heavy_discs_that_press_light_ones_take_more_substeps(
     world: jostle.World, expected: int
 ) -> None:
@@ -364,12 +339,9 @@ def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
         (np.arange(200)[::-1], {"method": "brute"}),
     ]:
         world = jostle.World(
-            **{name: getattr(pile, name)[order] for name in columns},
-            gravity=pile.gravity,
-            restitution=pile.restitution,
-            container=pile.container,
-            **settings,
-        )
+            **{name: getattr(pile, name)[order] for name in columns}, gravity=pile.gravity,
+            restitution=pile.restitution, container=pile.container, **settings,
+        )  # fmt: skip
         for _ in range(30):
             world.step(1 / 60)
             most = max(most, world.stats.substeps)
@@ -399,13 +371,10 @@ def measure_speeds(friction: float, count: int) -> None:
 def measure_overlaps() -> None:
     """Print the overlaps in piles after 5 seconds."""
     cases = [
-        ("as in the scene", 4_000, 1 / 60),
-        ("as in the scene", 20_000, 1 / 60),
-        ("as in the scene", 1_000, 1 / 30),
-        ("masses 100:1", 1_000, 1 / 60),
-        ("radii 10:1", 1_000, 1 / 60),
-        ("radii 25:1", 1_000, 1 / 60),
-    ]
+        ("as in the scene", 4_000, 1 / 60), ("as in the scene", 20_000, 1 / 60),
+        ("as in the scene", 1_000, 1 / 30), ("masses 100:1", 1_000, 1 / 60),
+        ("radii 10:1", 1_000, 1 / 60), ("radii 25:1", 1_000, 1 / 60),
+    ]  # fmt: skip
     for kind, n, dt in cases:
         for friction in (0, 0.1, 0.5):
             overlaps = []

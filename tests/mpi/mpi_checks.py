@@ -1,0 +1,180 @@
+"""Comparison of worlds of ranks with those of one process. The programs of the tests use it."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from mpi_worlds import Distribution, comm, evenly, scattered
+
+import jostle
+import jostle.mpi
+
+STEPS = 100
+
+CHECK_EVERY = 25  # steps
+
+CONTACTS = ("contacts", "wall_contacts")
+
+
+class Expected(NamedTuple):
+    """The world of one process after its steps."""
+
+    hashes: list[int]  # before the first step, and after every `CHECK_EVERY`
+    contacts: dict[str, np.ndarray]
+    collisions: Any
+    kinetic_energy: float
+
+
+#: By the name of a world, its first hash and its steps: those of other numbers of ranks are equal.
+EXPECTED: dict[tuple[str, int, float, int], Expected] = {}
+
+
+def expected_of(name: str, world: jostle.World, dt: float, steps: int) -> Expected:
+    """Step the world of one process, on the first rank; all ranks get the result."""
+    key = (name, world.state_hash(), dt, steps)
+    if key not in EXPECTED:
+        found = None
+        if comm().rank == 0:
+            world = jostle.World.restore(world.snapshot())
+            hashes = [world.state_hash()]
+            for now in counts(steps):
+                world.step(dt, now)
+                hashes.append(world.state_hash())
+            found = expected_now(world, hashes)
+        comm().Barrier()
+        EXPECTED[key] = comm().bcast(found)
+    return EXPECTED[key]
+
+
+def expected_now(world: jostle.World, hashes: list[int]) -> Expected:
+    """What distributed worlds must have at this time."""
+    contacts = {kind: table_of(getattr(world, kind)) for kind in CONTACTS}
+    return Expected(hashes, contacts, world.collisions, world.kinetic_energy)
+
+
+def counts(steps: int) -> list[int]:
+    """The numbers of steps between two comparisons."""
+    return [min(CHECK_EVERY, steps - done) for done in range(0, steps, CHECK_EVERY)]
+
+
+def table_of(columns: Any) -> np.ndarray:
+    """Contacts as a sorted table."""
+    table = np.column_stack([np.asarray(column, np.float64) for column in columns])
+    return table[np.lexsort((table[:, 2], table[:, 1], table[:, 0]))]
+
+
+def check(
+    name: str, world: jostle.World, dt: float, steps: int = STEPS, where: Distribution = evenly
+) -> jostle.mpi.World:
+    """Compare a distributed world with one process; `world` remains as it is."""
+    expected = expected_of(name, world, dt, steps)
+    ours = scattered(world, where, every=7)
+    assert ours.state_hash() == expected.hashes[0], f"{name}: before the first step"
+    done = 0
+    for now, one in zip(counts(steps), expected.hashes[1:], strict=True):
+        ours.step(dt, now)
+        done += now
+        found = ours.state_hash()
+        assert found == one, f"{name}: {found:#x} is not {one:#x} after {done} steps"
+    assert sum(comm().allgather(len(ours))) == len(world) == ours.total
+    energy = expected.kinetic_energy
+    assert abs(ours.kinetic_energy - energy) <= 1e-12 * energy
+    check_touches(name, ours, expected)
+    if comm().rank == 0:
+        print(name, ours.traffic, flush=True)
+    return ours
+
+
+def step_all(worlds: Iterable[Any], dt: float, steps: int = 1) -> None:
+    """Step several worlds."""
+    for one in worlds:
+        one.step(dt, steps)
+
+
+def check_touches(name: str, ours: jostle.mpi.World, expected: Expected) -> None:
+    """The contacts of all ranks together are those of one process. Sums of the impulses of several
+    bounces of a pair in a step may be rounded differently."""
+    for kind in CONTACTS:
+        of_ranks = zip(*comm().allgather(getattr(ours, kind)), strict=True)
+        found = table_of([np.concatenate(column) for column in of_ranks])
+        one = expected.contacts[kind]
+        assert found.shape == one.shape, f"{name}: {kind}"
+        assert np.array_equal(found[:, :-2], one[:, :-2]), f"{name}: {kind}"
+        scale = np.abs(one[:, -2:]).max(initial=1.0)
+        assert np.allclose(found[:, -2:], one[:, -2:], rtol=1e-6, atol=1e-6 * scale), name
+    assert ours.collisions == expected.collisions, name
+
+
+def check_events(name: str, ours: jostle.mpi.World, world: jostle.World) -> int:
+    """The events of all ranks together are those of one process; returns how many these are."""
+    found = [np.concatenate(parts) for parts in zip(*comm().allgather(ours.events), strict=True)]
+    for pairs, expected in zip(found, world.events, strict=True):
+        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        assert np.array_equal(pairs, expected), f"{name} at {world.time}"
+    return sum(map(len, found))
+
+
+def check_asleep(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """The same state and the same sleeping particles."""
+    found, expected = ours.state_hash(), world.state_hash()
+    assert found == expected, f"{name}: {found:#x} is not {expected:#x} at {world.time}"
+    ids, asleep = (np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), f"{name} at {world.time}"
+    check_touches(name, ours, expected_now(world, [expected]))
+
+
+def check_asleep_now(name: str, ours: jostle.mpi.World, world: jostle.World) -> None:
+    """As `check_asleep`, without contacts, which are those of a step."""
+    assert ours.state_hash() == world.state_hash(), name
+    ids, asleep = (np.concatenate(comm().allgather(of)) for of in (ours.ids, ours.asleep))
+    assert np.array_equal(np.sort(ids), world.ids), name
+    assert np.array_equal(asleep[np.argsort(ids)], world.asleep), name
+
+
+def check_saved(path: Path, ours: jostle.mpi.World, world: jostle.World, steps: int) -> None:
+    ours.save(path)
+    comm().Barrier()
+    asleep, ids = world.asleep, world.ids
+    assert not list(path.parent.glob(".*")), "nothing is left beside the file"
+    world.step(1 / 60, steps)
+    # All ranks, one rank alone, and groups of two.
+    for ranks in (comm(), MPI.COMM_SELF, comm().Split(comm().rank // 2)):
+        again = jostle.mpi.World.load(ranks, path)
+        assert again.time == ours.time and again.total == len(ids)
+        assert np.array_equal(again.asleep, asleep[np.searchsorted(ids, again.ids)])
+        again.step(1 / 60, steps)
+        assert again.state_hash() == world.state_hash()
+    alone = ours.gather(comm().size - 1)
+    assert (alone is not None) == (comm().rank == comm().size - 1)
+    if alone is not None:
+        plain = jostle.World.load(path)
+        assert plain.time == alone.time and plain.walls.shape == world.walls.shape
+        for one in (alone, plain):
+            assert np.array_equal(one.asleep, asleep)
+            assert one.state_hash() == ours_hash_of(one)
+            one.step(1 / 60, steps)
+            assert one.state_hash() == world.state_hash()
+    for root in (-1, comm().size):
+        refuse(lambda root=root: ours.gather(root), f"root is {root}")
+    # Any number of ranks writes the same file.
+    ours.step(1 / 60, steps)
+    whole = path.read_bytes()
+    again = jostle.mpi.World.load(MPI.COMM_SELF, path)
+    again.save(path.with_name(f"{comm().rank}"))
+    assert path.with_name(f"{comm().rank}").read_bytes() == whole
+
+
+def ours_hash_of(world: jostle.World) -> int:
+    return jostle.World.restore(world.snapshot()).state_hash()
+
+
+def refuse(call: Callable[[], Any], message: str) -> None:
+    """All ranks raise, with this message or that of the rank that has it."""
+    try:
+        call()
+    except (ValueError, TypeError, AttributeError, OSError, jostle.mpi.RankError) as error:
+        assert message in str(error), error
+    else:
+        raise AssertionError(message)
