@@ -199,7 +199,7 @@ def test_files_raise_what_python_raises(tmp_path: Path) -> None:
 
 
 def test_other_threads_run_meanwhile() -> None:
-    world = jostle.scenes.create("gas", n=500_000)
+    world = jostle.scenes.create("gas", n=2_000_000)
     assert lets_others_run(lambda: jostle.World.restore(world.snapshot()))
 
 

@@ -454,11 +454,11 @@ def test_several_threads_may_use_it_at_the_same_time() -> None:
 
 def test_long_calls_let_other_threads_run() -> None:
     space = jostle.Space(threads=1)
-    ids = space.add(uniform(300_000), 0.5)
+    ids = space.add(uniform(1_500_000), 0.5)
     seeds = itertools.count()
 
     def move() -> None:
-        space.move(ids, uniform(300_000, seed=next(seeds)))
+        space.move(ids, uniform(1_500_000, seed=next(seeds)))
         space.update()
 
     assert lets_others_run(move)
