@@ -348,8 +348,9 @@ impl World {
         }
     }
 
-    /// Finds which particles belong together, because they touched in the step, their bounds
-    /// overlapped or a spring connects them, and what each rests on. Static particles belong to no
+    /// Finds which particles belong together, because they touched in the step, may come near each
+    /// other by themselves or a spring connects them, and what each rests on. Candidate pairs do not
+    /// count: which there are depends on the speeds of all particles. Static particles belong to no
     /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
         let Self {
@@ -363,7 +364,7 @@ impl World {
             forces,
             ..
         } = self;
-        let super::StepScratch { pairs, sensed, sleeping, forces: scratch, .. } = scratch;
+        let super::StepScratch { overlaps, events, sleeping, forces: scratch, .. } = scratch;
         let Scratch { groups, rests, .. } = sleeping;
         let movable = &particles.movable;
         let indices = &scratch.indices;
@@ -371,7 +372,7 @@ impl World {
             .map(|spring| spring.pair.map(|row| indices[row as usize]));
         groups.reset(movable.len());
         let touching = contacts.touching().map(|contact| contact.indices);
-        let near = pairs.iter().chain(&*sensed).flat_map(|(_, pairs)| pairs);
+        let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
         for pair in near.copied().chain(touching).chain(tied.clone()) {
             // Pairs of two ghosts are known to their own ranks.
             let is_known = pair.iter().any(|&index| domain::owns(domain, rows[index as usize]));
