@@ -62,7 +62,7 @@ def run(comm: MPI.Intracomm, scene: str, n: int, frames: int, out: str) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Film a scene over the ranks of MPI.")
-    parser.add_argument("scene", nargs="?", default="gas", help=", ".join(jostle.scenes.names()))
+    parser.add_argument("scene", nargs="?", default="gas", choices=jostle.scenes.names())
     parser.add_argument("-n", type=int, default=4_000, help="number of discs")
     parser.add_argument("--frames", type=int, default=600, help="60 are a second")
     parser.add_argument("--out", default="film.mp4")

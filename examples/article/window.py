@@ -19,14 +19,22 @@ SIZE = WIDTH, HEIGHT
 def options(name: str, n: int) -> argparse.Namespace:
     """Return the options of the command line; `n` is the number of balls in the article."""
     parser = argparse.ArgumentParser(description=f"The article's program: {name}.")
-    parser.add_argument("-n", type=int, default=n, help="number of balls (%(default)s)")
+    parser.add_argument("-n", type=count, default=n, help="number of balls (%(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="the same seed gives the same balls")
     parser.add_argument("--film", type=Path, help="an .mp4 or .gif to write; no window is opened")
-    parser.add_argument("--frames", type=int, default=300, help="length of the film (%(default)s)")
+    parser.add_argument("--frames", type=count, default=300, help="of the film (%(default)s)")
     chosen = parser.parse_args()
     if chosen.film is None and not has_display():
-        chosen.film = Path(f"{name}.mp4")
+        chosen.film = Path("out", f"{name}.mp4")
+        chosen.film.parent.mkdir(exist_ok=True)
     return chosen
+
+
+def count(text: str) -> int:
+    """Return a whole number, at least 1."""
+    if int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text}, which is less than 1")
+    return int(text)
 
 
 def frames(
@@ -38,7 +46,11 @@ def frames(
         yield from window_frames(simulation)
     else:
         screen = pygame.Surface(SIZE, depth=32)
-        with Encoder(chosen.film, SIZE, FRAME_RATE) as encoder:
+        try:
+            encoder = Encoder(chosen.film, SIZE, FRAME_RATE)
+        except (OSError, ValueError) as error:
+            raise SystemExit(f"--film is {str(chosen.film)!r}: {error}") from None
+        with encoder:
             for frame in range(chosen.frames):
                 screen.fill(WHITE)
                 yield screen, frame >= chosen.frames // 2

@@ -218,6 +218,7 @@ def film_report(simulation: Simulation, film: Film) -> Table:
     facts = state.stats
     every_pair = text.pairs_of(n)
     simulation.world.sleeping = False  # the time of a step in which all are awake
+    saved = simulation.world.snapshot()  # the state at which all methods are timed
     own = _milliseconds(simulation.step)  # without an encoder that uses the processor
     table = Table(title=f"{settings.scene}, {METHODS[settings.method]}", title_style="bold")
     table.show_header = False
@@ -235,16 +236,17 @@ def film_report(simulation: Simulation, film: Film) -> Table:
         table.add_row("asleep", f"{facts.asleep:,}", "awake for the times of this table")
     table.add_section()
     if every_pair:
-        _compare(table, simulation, state)
+        _compare(table, simulation, (state, saved))
     else:
         table.add_row("other methods", "–", "no pairs, so nothing to compare")
     return table
 
 
-def _compare(table: Table, simulation: Simulation, state: Frame) -> None:
+def _compare(table: Table, simulation: Simulation, at: tuple[Frame, bytes]) -> None:
     """Add a row for each method, all at the same state unless it has too many particles."""
-    settings, world, n = simulation.settings, simulation.world, len(simulation)
-    ours, our_pairs = _time_world(world, "quadtree")
+    (state, saved), settings, n = at, simulation.settings, len(simulation)
+    ours, our_pairs = _time_world(jostle.World.restore(saved), "quadtree")
+    world = jostle.World.restore(saved)
     table.add_row("quadtree, per step", _ms(ours), f"{_ms(our_pairs)} of it for the pairs")
     about, remark, scale = "", "", 1.0
     if n > BRUTE_LIMIT:

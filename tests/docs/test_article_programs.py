@@ -34,7 +34,7 @@ def run(program: str, *options: str, folder: Path) -> str:
 def test_without_a_display_a_program_writes_a_film(program: str, tmp_path: Path) -> None:
     said = run(program, "--frames", "6", folder=tmp_path)
     assert f"{program}.mp4: 6 frames" in said
-    pictures = frames_of(tmp_path / f"{program}.mp4")
+    pictures = frames_of(tmp_path / "out" / f"{program}.mp4")
     assert len(pictures) == 6 and pictures[0].shape == (HEIGHT, WIDTH, 3)
     assert (pictures[0] != pictures[-1]).any()
     red = [(picture[:, :, 0] > picture[:, :, 2].astype(int) + 20).mean() for picture in pictures]

@@ -78,21 +78,21 @@ def scenes() -> None:
 def run(
     scene: Annotated[
         str | None,
-        typer.Argument(help=f"A scene, as `jostle scenes` lists them.  [default: {DEFAULT_SCENE}]"),
+        typer.Argument(help=f"A scene, as `jostle scenes` lists them. (default: {DEFAULT_SCENE})"),
     ] = None,
     n: Annotated[
         int | None,
         typer.Option("-n", help="Number of particles; the default of the scene if not given."),
     ] = None,
     method: Annotated[
-        str | None, typer.Option(help=f"One of {', '.join(METHODS)}.  [default: {Settings.method}]")
+        str | None, typer.Option(help=f"One of {', '.join(METHODS)}. (default: {Settings.method})")
     ] = None,
     leaf_capacity: Annotated[
         int | None, typer.Option(help="Maximum number of particles in a leaf of the tree.")
     ] = None,
     max_depth: Annotated[int | None, typer.Option(help="Maximum depth of the tree.")] = None,
     seed: Annotated[
-        int | None, typer.Option(help="The same seed gives the same run.  [default: 0]")
+        int | None, typer.Option(help="The same seed gives the same run. (default: 0)")
     ] = None,
     config_file: Annotated[
         Path | None,
@@ -151,7 +151,7 @@ def tune(
     n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
     out: Annotated[
         Path | None,
-        typer.Option(help="The picture.  [default: out/tune-SCENE.png]", show_default=False),
+        typer.Option(help="The picture. (default: out/tune-SCENE.png)", show_default=False),
     ] = None,
 ) -> None:
     """Draw a map of the time to find all pairs, over the leaf capacity and depth of the tree."""
@@ -191,7 +191,7 @@ def sweep(
     warm_up: Annotated[int, typer.Option(help="Steps before these.")] = 0,
     measure: Annotated[
         list[str] | None,
-        typer.Option(help="What to measure; repeatedly.  [default: energy and pressure]"),
+        typer.Option(help="What to measure; repeatedly. (default: energy and pressure)"),
     ] = None,
     workers: Annotated[
         int | None, typer.Option(help="Processes; one for each core if not given.")
