@@ -696,7 +696,7 @@ def test_a_disc_that_stands_still_has_no_velocity_where_collisions_lose_energy()
     one.step(1.0)
     assert one.stats.unresolved == 1
     assert one.stats.collapsed == 1
-    assert one.velocities.tolist() == [[0, 0]]
+    np.testing.assert_allclose(one.velocities, [[0, 0]], atol=1e-9)  # it began with 1e7
 
 
 @pytest.mark.parametrize("gaps", [(1.0, 1.0), (1.0, 1.7)])
