@@ -111,7 +111,7 @@ $(VENV)/run: $(VENV)/created pyproject.toml
 	@touch $@
 
 $(VENV)/dev: $(VENV)/run
-	$(BIN)/python -m pip install --quiet --no-compile --group dev
+	$(BIN)/python -m pip install --quiet --no-compile --group develop
 	@touch $@
 
 $(VENV)/bench: $(VENV)/dev
