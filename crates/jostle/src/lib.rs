@@ -36,6 +36,7 @@ pub mod tolerance;
 pub mod container;
 pub mod walls;
 pub mod forces;
+pub mod halo;
 pub mod decomposition;
 pub mod events;
 pub mod contacts;

@@ -11,8 +11,8 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::contacts::{Colour, Contacts};
 use crate::container::Container;
-use crate::decomposition::Halo;
 use crate::error::Result;
+use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Vectors};
 use crate::parallel::{self, Member, locked};
 use crate::particles::Particles;
@@ -112,7 +112,7 @@ impl Correction {
         motions: &Motions,
         particles: &Particles,
         (container, walls): (&Container, Around<'_>),
-        (colours, halo): (usize, Option<Halo<'_>>),
+        (colours, halo): (usize, &dyn Halo),
         threads: Option<usize>,
     ) -> Result<()> {
         let enclosure = Enclosure { motions, particles, container, walls };
@@ -122,11 +122,11 @@ impl Correction {
         }
         self.measure(contacts, motions, &particles.radii, threads);
         self.free_squares.resize(particles.len() + 1);
-        let near = halo.map(|halo| halo.any_of_each(&self.near_colours(contacts))).transpose()?;
-        if near.as_ref().is_some_and(|near| near.iter().all(|&is_near| is_near == 0)) {
+        let near = halo.any_bits(self.near_colours(contacts))?;
+        if near.iter().all(|&is_near| is_near == 0) {
             return Ok(());
         }
-        if !self.separate_all(contacts, &enclosure, (colours, halo, near), threads)? {
+        if !self.separate_all(contacts, &enclosure, (colours, halo, &near), threads)? {
             return Ok(());
         }
         let displacements = &self.displacements;
@@ -182,7 +182,7 @@ impl Correction {
         &mut self,
         contacts: &Contacts,
         enclosure: &Enclosure<'_>,
-        (colours, halo, near): (usize, Option<Halo<'_>>, Option<Vec<u8>>),
+        (colours, halo, near): (usize, &dyn Halo, &[u8]),
         threads: Option<usize>,
     ) -> Result<bool> {
         let len = enclosure.particles.len();
@@ -191,7 +191,6 @@ impl Correction {
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
         let Self { displacements, free_squares, blocks, moved_many, .. } = &*self;
         let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
-        let near = near.as_deref();
         let stages =
             Stages { contacts, blocks, displacements, inside: &inside, colours, halo, near };
         let failed = Mutex::new(Ok(()));
@@ -207,15 +206,14 @@ impl Correction {
                     knows_free = true;
                 }
                 stages.separate(knows_free.then_some(free_squares), count, member)?;
-                let any = count_of(iteration) > 0;
-                if !halo.map_or(Ok(any), |halo| halo.any(any))? {
+                if !halo.any(count_of(iteration) > 0)? {
                     break;
                 }
             }
             Ok(())
         };
-        // Other ranks are waited for after each colour, by one thread.
-        let threads = if halo.is_some() { Some(1) } else { threads };
+        // Other processes are waited for after each colour, by one thread.
+        let threads = if halo.is_alone() { threads } else { Some(1) };
         let lengths = contacts.blocks.colours.iter().map(|colour| colour.all().len());
         let most = lengths.max().unwrap_or(0).div_ceil(BLOCKS);
         parallel::together(threads, most.max(1), |member| {
@@ -225,7 +223,7 @@ impl Correction {
         });
         failed.into_inner().unwrap_or_else(PoisonError::into_inner)?;
         self.moved_many = count_of(0) >= many;
-        Ok(count_of(0) > 0 || halo.is_some())
+        Ok(count_of(0) > 0 || !halo.is_alone())
     }
 }
 
@@ -237,9 +235,9 @@ struct Stages<'a, I> {
     /// The displacement of a particle that the walls allow.
     inside: &'a I,
     colours: usize,
-    halo: Option<Halo<'a>>,
-    /// Whether any ranks have pairs of each colour that are near.
-    near: Option<&'a [u8]>,
+    halo: &'a dyn Halo,
+    /// Whether any process has pairs of each colour that are near.
+    near: &'a [u8],
 }
 
 impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
@@ -253,10 +251,10 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
     ) -> Result<()> {
         let Self { contacts, displacements, inside, .. } = *self;
         for number in 0..self.colours {
-            if self.near.is_some_and(|near| near[number] == 0) {
+            if self.near.get(number) == Some(&0) {
                 continue;
             }
-            // Another rank may have more colours.
+            // Another process may have more colours.
             if let Some(colour) = contacts.blocks.colours.get(number) {
                 let blocks = &self.blocks[colour.all()];
                 let parts = member.share(blocks.len().div_ceil(BLOCKS));
@@ -270,10 +268,8 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
                 count.fetch_add(moved, Ordering::Relaxed);
             }
             member.wait();
-            // Ghosts get the displacements that their own ranks have computed.
-            if let Some(halo) = self.halo {
-                halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))?;
-            }
+            // Ghosts get the displacements that their own processes have computed.
+            self.halo.refresh(|at| displacements.get(at), |at, by| displacements.set(at, by))?;
         }
         Ok(())
     }

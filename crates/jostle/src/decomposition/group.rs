@@ -67,9 +67,15 @@ impl Group {
 
     /// Gathers numbers from all ranks, fifteen at most. Returns an error if a rank has failed.
     pub fn gather<const N: usize>(&mut self, own: [u64; N]) -> Result<Vec<[u64; N]>> {
-        const { assert!(N < WORDS) };
+        let all = self.gather_some(own)?;
+        Ok(all.iter().map(|of| std::array::from_fn(|k| of[k])).collect())
+    }
+
+    fn gather_some(&mut self, own: impl IntoIterator<Item = u64>) -> Result<Vec<[u64; WORDS - 1]>> {
         let mut block = [0; WORDS];
-        block[1..=N].copy_from_slice(&own);
+        for (count, number) in (1..).zip(own) {
+            block[count] = number;
+        }
         let all = self.gather_blocks(&block)?;
         match all.iter().position(|block| block[0] > 0) {
             Some(rank) => Err(Error::OtherRank { rank }),
@@ -96,17 +102,22 @@ impl Group {
         _ = self.gather_blocks(&block);
     }
 
-    /// The largest of each number of all ranks.
-    pub fn largest<const N: usize>(&mut self, own: [f64; N]) -> Result<[f64; N]> {
-        let all = self.gather(own.map(f64::to_bits))?;
-        let largest = |k: usize| all.iter().map(|of| f64::from_bits(of[k])).fold(own[k], f64::max);
-        Ok(std::array::from_fn(largest))
+    /// Replaces numbers, fifteen at most, by the largest of all ranks.
+    pub fn largest(&mut self, numbers: &mut [f64]) -> Result<()> {
+        let all = self.gather_some(numbers.iter().map(|number| number.to_bits()))?;
+        for (k, number) in numbers.iter_mut().enumerate() {
+            *number = all.iter().map(|of| f64::from_bits(of[k])).fold(*number, f64::max);
+        }
+        Ok(())
     }
 
-    /// The sum of each number of all ranks.
-    pub fn sum<const N: usize>(&mut self, own: [u64; N]) -> Result<[u64; N]> {
-        let all = self.gather(own)?;
-        Ok(std::array::from_fn(|k| all.iter().map(|of| of[k]).sum()))
+    /// Replaces numbers, fifteen at most, by their sums over all ranks.
+    pub fn sum(&mut self, numbers: &mut [u64]) -> Result<()> {
+        let all = self.gather_some(numbers.iter().copied())?;
+        for (k, number) in numbers.iter_mut().enumerate() {
+            *number = all.iter().map(|of| of[k]).sum();
+        }
+        Ok(())
     }
 
     /// Gathers bytes from each rank, in the order of ranks.

@@ -7,13 +7,14 @@
 //! next round. The rounds of all contacts follow from that, and all ranks compute the same ones.
 
 use std::collections::HashMap;
+use std::sync::Mutex;
 
 use crate::bytes::Plain;
 use crate::error::Result;
 use crate::parallel::locked;
 use crate::space::Id;
 
-use super::Halo;
+use super::Group;
 
 /// A contact in the sequence of a rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,19 +53,16 @@ impl Link {
     }
 }
 
-impl Halo<'_> {
-    /// The round of each contact in the sequence of this rank, and the number of rounds of all
-    /// ranks.
-    pub fn rounds(&self, own: &[Link]) -> Result<(Vec<u32>, usize)> {
-        let mut bytes = Vec::with_capacity(own.len() * SIZE);
-        own.iter().for_each(|link| link.put(&mut bytes));
-        let all = locked(self.group).share(&bytes)?;
-        let links = |bytes: &Vec<u8>| bytes.chunks_exact(SIZE).map(Link::get).collect();
-        let all: Vec<Vec<Link>> = all.iter().map(links).collect();
-        let rounds = rounds_of(&all);
-        let count = rounds.values().max().map_or(0, |&last| last as usize + 1);
-        Ok((own.iter().map(|link| rounds[link]).collect(), count))
-    }
+/// The round of each contact in the sequence of this rank, and the number of rounds of all ranks.
+pub fn rounds(group: &Mutex<Group>, own: &[Link]) -> Result<(Vec<u32>, usize)> {
+    let mut bytes = Vec::with_capacity(own.len() * SIZE);
+    own.iter().for_each(|link| link.put(&mut bytes));
+    let all = locked(group).share(&bytes)?;
+    let links = |bytes: &Vec<u8>| bytes.chunks_exact(SIZE).map(Link::get).collect();
+    let all: Vec<Vec<Link>> = all.iter().map(links).collect();
+    let rounds = rounds_of(&all);
+    let count = rounds.values().max().map_or(0, |&last| last as usize + 1);
+    Ok((own.iter().map(|link| rounds[link]).collect(), count))
 }
 
 /// The round of each contact in the sequences of all ranks. Of each particle that moves the

@@ -4,9 +4,9 @@ use super::history::{Carried, Course};
 use super::neighbors::PairList;
 use super::queue::Event;
 use crate::container::Container;
-use crate::decomposition::Halo;
 use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
+use crate::halo::Halo;
 use crate::motion::{Motion, Motions, Spins, exact};
 use crate::parallel;
 use crate::particles::Particles;
@@ -106,8 +106,8 @@ pub struct Flight<'a> {
     pub limits: &'a [f32],
     /// The smallest radius above 0, or less.
     pub smallest_radius: f32,
-    /// What is shared with other ranks, if the world is distributed.
-    pub halo: Option<Halo<'a>>,
+    /// What is shared with other processes.
+    pub halo: &'a dyn Halo,
     /// Whether it is known that all discs without events stay in their bounds.
     pub bounded: bool,
     /// Threads to use.

@@ -170,7 +170,7 @@ impl Events {
             }
         }
         // Of a distributed world [`World::step`](crate::World::step) refuses it, on all ranks.
-        if flight.halo.is_none() && *self.has_too_many.get_mut() {
+        if flight.halo.is_alone() && *self.has_too_many.get_mut() {
             return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
         }
         for (index, velocity) in kept {
@@ -396,8 +396,7 @@ impl Events {
         let halo = window.flight.halo;
         let count = |counts: &mut u32, course: &Course| {
             *counts += course.count;
-            let is_own = || halo.is_none_or(|halo| halo.is_own[course.index as usize]);
-            if *counts > MAX_COLLISIONS && is_own() {
+            if *counts > MAX_COLLISIONS && halo.owns(course.index) {
                 self.has_too_many.store(true, Ordering::Relaxed);
             }
         };

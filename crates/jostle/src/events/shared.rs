@@ -1,25 +1,20 @@
-//! Discs that are shared with other ranks: hashes of their trajectories, by which ranks find out whether
-//! they have computed the same, and windows of the same length on all ranks.
+//! Discs that are shared with other processes: hashes of their trajectories, by which these find out
+//! whether they have computed the same, and windows of the same length in all of them.
 
 use super::Events;
 use super::flight::Window;
 use super::window::most_impacts;
-use crate::decomposition::{Halo, digest, digest_all};
+use crate::decomposition::{digest, digest_all};
 use crate::error::Result;
-use crate::parallel::locked;
 
 /// Lengths of a window, each half as long as the one before.
 const LENGTHS: usize = 11;
 
 impl Events {
-    /// As [`Events::end_of_window`], from the impacts of all ranks. The impact of two discs is counted
-    /// by the rank of the first.
-    pub(super) fn end_of_window_of_all(
-        &self,
-        window: &Window<'_>,
-        shortest: f64,
-        halo: &Halo<'_>,
-    ) -> Result<f64> {
+    /// As [`Events::end_of_window`], from the impacts of all processes. The impact of two discs is
+    /// counted by the process of the first.
+    pub(super) fn end_of_window_of_all(&self, window: &Window<'_>, shortest: f64) -> Result<f64> {
+        let halo = window.flight.halo;
         let mut ends = [window.end; LENGTHS];
         let mut early = [0; LENGTHS];
         let length = window.end - window.begin;
@@ -27,15 +22,13 @@ impl Events {
             *end = window.begin + length * 0.5f64.powi(number as i32);
         }
         let all = self.blocks.iter().flat_map(|block| block.first.iter().chain(&block.crossing));
-        for event in
-            all.filter(|event| event.time > window.begin && halo.is_own[event.pair[0] as usize])
-        {
+        for event in all.filter(|event| event.time > window.begin && halo.owns(event.pair[0])) {
             for (count, end) in early.iter_mut().zip(&ends) {
                 *count += u64::from(event.time <= *end);
             }
         }
-        let early = locked(halo.group).sum(early)?;
-        let most = most_impacts(halo.total) as u64;
+        let early = halo.sum(early)?;
+        let most = most_impacts(halo.count(window.starts.len())) as u64;
         let mut number = 0;
         let is_long = |number: usize| length * 0.5f64.powi(number as i32 + 1) >= shortest;
         while number + 1 < LENGTHS && is_long(number) && early[number] > most {
@@ -45,21 +38,23 @@ impl Events {
     }
 
     /// Adds the trajectories in the window to the hashes, and finds which ghosts may meet discs of
-    /// this rank.
+    /// this process.
     pub(super) fn digest_shared(&mut self, window: &Window<'_>) {
-        let Some(halo) = window.flight.halo else { return };
-        self.digests.resize(halo.shared.len(), 0);
-        self.may_meet.resize(halo.shared.len(), false);
-        for (at, &index) in halo.shared.iter().enumerate() {
+        let halo = window.flight.halo;
+        if halo.is_alone() {
+            return;
+        }
+        self.digests.resize(halo.shared().len(), 0);
+        self.may_meet.resize(halo.shared().len(), false);
+        for (at, &index) in halo.shared().iter().enumerate() {
             let hash = self.digest_of(window, index, self.digests[at]);
             self.digests[at] = hash;
-            if halo.is_own[index as usize] || self.may_meet[at] {
+            if halo.owns(index) || self.may_meet[at] {
                 continue;
             }
             let mut meets = false;
             self.neighbors.of(index, |other| {
-                let other = other.index as usize;
-                meets |= halo.is_own[other] && window.starts[other].is_movable;
+                meets |= halo.owns(other.index) && window.starts[other.index as usize].is_movable;
             });
             self.may_meet[at] = meets;
         }

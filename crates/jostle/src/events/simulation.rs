@@ -120,7 +120,7 @@ impl Simulation<'_> {
             // The step will be refused.
             let has_too_many = || {
                 let count = self.find(event.pair[0]).map_or(0, |own| own.count);
-                count > MAX_COLLISIONS && window.flight.halo.is_none()
+                count > MAX_COLLISIONS && window.flight.halo.is_alone()
             };
             if work >= POLL_EVERY && (self.stop.is_set() || has_too_many()) {
                 break;
@@ -484,7 +484,7 @@ impl Simulation<'_> {
     /// depend on all of them.
     fn note_group(&mut self) {
         let Scratch { group, velocities, .. } = &*self.scratch;
-        if group.len() < 3 {
+        if group.len() < 3 || self.window.flight.halo.is_alone() {
             return;
         }
         let member = |(own, new): (&InGroup, &Vector)| {

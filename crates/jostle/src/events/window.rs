@@ -4,7 +4,6 @@ use super::Events;
 use super::flight::{Flight, Start, Window};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
-use crate::parallel::locked;
 
 /// Discs for each first impact in a window, at least.
 const DISCS_PER_IMPACT: usize = 3;
@@ -24,8 +23,8 @@ impl Events {
         if !window.flight.pairs {
             return Ok(window.end);
         }
-        if let Some(halo) = window.flight.halo {
-            return self.end_of_window_of_all(window, shortest, &halo);
+        if !window.flight.halo.is_alone() {
+            return self.end_of_window_of_all(window, shortest);
         }
         let most = most_impacts(window.starts.len());
         Ok(window.shortened(window.end, shortest, |end| {
@@ -56,14 +55,10 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
         return Ok(window.end);
     }
     let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
-    let fastest = match window.flight.halo {
-        None => window.now.iter().map(speed).fold(0.0, f32::max),
-        Some(halo) => {
-            let own = window.now.iter().zip(halo.is_own).filter(|(_, is_own)| **is_own);
-            let fastest = own.map(|(start, _)| speed(start)).fold(0.0, f32::max);
-            locked(halo.group).largest([f64::from(fastest)])?[0] as f32
-        }
-    };
+    let halo = window.flight.halo;
+    let own = (0..).zip(window.now).filter(|(index, _)| halo.owns(*index));
+    let fastest = own.map(|(_, start)| speed(start)).fold(0.0, f32::max);
+    let fastest = halo.largest([f64::from(fastest)])?[0] as f32;
     let tours = |seconds: f64| container.tours(fastest * seconds as f32);
     let left = window.end - window.begin;
     if tours(left) > 2.0 * MAX_TOURS {
@@ -73,8 +68,7 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
     Ok(window.shortened(window.end, shortest, |end| tours(end - window.begin) > 1.0))
 }
 
-/// The shortest time for which ranks have made bounds.
+/// The shortest time for which processes have made bounds.
 pub(super) fn shortest_of_all(flight: &Flight<'_>, seconds: f64) -> Result<f64> {
-    let Some(halo) = flight.halo else { return Ok(seconds) };
-    Ok(-locked(halo.group).largest([-seconds])?[0])
+    Ok(-flight.halo.largest([-seconds])?[0])
 }

@@ -23,10 +23,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{ContactShape, Contacts};
 use crate::container::{Container, MAX_WALLS};
-use crate::decomposition::Halo;
 use crate::error::Result;
 use crate::flow::{Flow, Kick};
 use crate::forces::springs::{Place, SpringSolver};
+use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::parallel;
 use crate::particles::Particles;
@@ -79,9 +79,9 @@ pub struct Support<'a> {
     pub pushes: &'a [WallPush],
     /// Coefficient of restitution of the world.
     pub restitution: f32,
-    /// What is shared with other ranks, if the world is distributed.
-    pub halo: Option<Halo<'a>>,
-    /// The number of colours, and whether any masses are uneven, on all ranks.
+    /// What is shared with other processes.
+    pub halo: &'a dyn Halo,
+    /// The number of colours, and whether any masses are uneven, on all processes.
     pub shape: ContactShape,
     /// Threads to use.
     pub threads: Option<usize>,
@@ -493,8 +493,8 @@ impl Resting {
         walls.clear();
         parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
         let mut list = |uneven| {
-            // Those of ghosts are solved by their own ranks.
-            let is_own = |index: usize| scene.halo.is_none_or(|halo| halo.is_own[index]);
+            // Those of ghosts are solved by their own processes.
+            let is_own = |index: usize| scene.halo.owns(index as u32);
             let may_rest = |index: usize| scene.lossy.get(index).is_none_or(|&lossy| lossy);
             let is_listed = |&index: &usize| {
                 scene.particles.movable[index]

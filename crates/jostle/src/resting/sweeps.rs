@@ -69,15 +69,12 @@ impl Sweeps<'_> {
     pub fn run(self) -> Result<()> {
         let Support { threads, halo, .. } = *self.all.scene;
         let has_fast = self.has_fast || self.walls.iter().any(Walls::is_fast);
-        match halo {
-            Some(halo) => {
-                let of_all = halo.any_of_each(&self.work_of_colours(has_fast))?;
-                let (&has_fast, colours) = of_all.split_first().unwrap_or((&0, &[]));
-                self.run_alone(has_fast > 0, Some(colours))
-            }
-            None if parallel::is_parallel(threads) => self.run_together(has_fast),
-            None => self.run_alone(has_fast, None),
+        if halo.is_alone() && parallel::is_parallel(threads) {
+            return self.run_together(has_fast);
         }
+        let of_all = halo.any_bits(self.work_of_colours(has_fast))?;
+        let (&has_fast, colours) = of_all.split_first().unwrap_or((&0, &[]));
+        self.run_on_one(has_fast > 0, colours)
     }
 
     /// Whether there are fast contacts, and for each colour a bit if any contacts rest, and one if
@@ -126,27 +123,27 @@ impl Sweeps<'_> {
         iterate(Pass::Exact, All)
     }
 
-    /// Solves all contacts on this thread, in a distributed world together with other ranks, of
-    /// which any have `work` in each colour.
-    fn run_alone(self, has_fast: bool, work: Option<&[u8]>) -> Result<()> {
+    /// Solves all contacts on this thread, together with other processes, of which any have `work` in
+    /// each colour.
+    fn run_on_one(self, has_fast: bool, work: &[u8]) -> Result<()> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, mut springs, .. } = self;
         let State { scene, .. } = all;
         let has_springs = springs.is_some();
         let (stop, shape) = (Stop::current(), scene.shape);
-        // Whether the velocities of ghosts are those of their own ranks. They are refreshed only before a colour
+        // Whether the velocities of ghosts are those of their own processes. They are refreshed only before a colour
         // or `Accelerate` reads them. A contact with a wall reads no other particle.
         let mut is_current = true;
         let mut act = |task| {
-            // Other ranks would wait for a rank that is interrupted here.
-            if scene.halo.is_none() {
+            // Other processes would wait for one that is interrupted here.
+            if scene.halo.is_alone() {
                 stop.check()?;
             }
             match task {
                 Task::Contacts(pass, which) => {
                     let bit = if which == Which::All { 1 } else { 2 };
-                    // Another rank may have more colours.
+                    // Another process may have more colours.
                     for number in 0..shape.stages() {
-                        if work.is_some_and(|work| work[number] & bit == 0) {
+                        if work.get(number).is_none_or(|work| work & bit == 0) {
                             continue;
                         }
                         if !std::mem::replace(&mut is_current, false) {
@@ -376,11 +373,10 @@ impl State<'_> {
         Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
     }
 
-    /// Gives ghosts the velocities that their own ranks have computed.
+    /// Gives ghosts the velocities that their own processes have computed.
     fn refresh(&self) -> Result<()> {
         let Self { velocities, surface_speeds, .. } = *self;
-        let Some(halo) = self.scene.halo else { return Ok(()) };
-        halo.refresh(
+        self.scene.halo.refresh(
             |index| {
                 let [u, v] = velocities.get(index);
                 [u, v, surface_speeds.get(index)]

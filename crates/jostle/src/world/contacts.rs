@@ -4,6 +4,7 @@
 use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
+use super::domain::halo_of;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
@@ -85,7 +86,7 @@ impl World {
             return false;
         }
         scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
-        if domain.is_none() && scratch.lossy.iter().all(|&lossy| lossy) {
+        if halo_of(domain).is_alone() && scratch.lossy.iter().all(|&lossy| lossy) {
             scratch.lossy.clear();
             return false;
         }
@@ -104,15 +105,13 @@ impl World {
             lossy[a] |= own(b);
             lossy[b] |= own(a);
         }
-        if let Some(domain) = domain {
-            // Only its own rank has all that a particle may touch.
-            let lossy = Cell::from_mut(&mut lossy[..]).as_slice_of_cells();
-            domain.halo().any(false)?;
-            domain.halo().refresh(
-                |index| [f32::from(u8::from(lossy[index as usize].get()))],
-                |index, [is_lossy]| lossy[index as usize].set(is_lossy > 0.0),
-            )?;
-        }
+        // Only its own process has all that a particle may touch.
+        let (cells, halo) = (Cell::from_mut(&mut lossy[..]).as_slice_of_cells(), halo_of(domain));
+        halo.wait()?;
+        halo.refresh(
+            |index| [f32::from(u8::from(cells[index as usize].get()))],
+            |index, [is_lossy]| cells[index as usize].set(is_lossy > 0.0),
+        )?;
         for (image, pairs) in overlaps.iter_mut() {
             let is_any = |pair: [u32; 2]| pair.iter().any(|&index| lossy[index as usize]);
             pairs.retain(|&pair| is_any(pair) || overlap(particles, pair, *image));

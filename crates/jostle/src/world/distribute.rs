@@ -37,9 +37,12 @@ impl World {
         self.check_distributable()?;
         self.wake_all();
         let mut group = Group::new(communicator);
-        let total = group.sum([ids.len() as u64])?[0] as usize;
+        let mut total = [ids.len() as u64];
+        group.sum(&mut total)?;
+        let (ranks, [total]) = (group.size(), total.map(|total| total as usize));
         self.domain = Some(Box::new(Domain {
             group: Mutex::new(group),
+            ranks,
             own: ids.len(),
             ids,
             next: total as Id,

@@ -15,8 +15,9 @@ use super::islands::SleepingContact;
 use super::search::Lists;
 use super::{StepScratch, WorldSettings};
 use crate::contacts::{ContactShape, Contacts, Sequential};
-use crate::decomposition::{Group, Halo, Link, Scale, digest};
+use crate::decomposition::{Group, Link, Scale, digest, rounds};
 use crate::error::Result;
+use crate::halo::{Alone, Halo};
 use crate::parallel::locked;
 use crate::particles::Particles;
 use crate::space::Id;
@@ -65,6 +66,8 @@ pub(super) struct PairDigest {
 #[derive(Debug)]
 pub(super) struct Domain {
     pub(super) group: Mutex<Group>,
+    /// The number of ranks.
+    pub(super) ranks: usize,
     /// The id of each row among the particles of all ranks.
     pub(super) ids: Vec<Id>,
     /// The number of own particles.
@@ -149,12 +152,6 @@ pub(super) struct Domain {
 }
 
 impl Domain {
-    /// What the events of a sub-step share with other ranks.
-    pub(super) fn halo(&self) -> Halo<'_> {
-        let Self { group, awake, is_own, shared, sent_indices, ghost_indices, .. } = self;
-        Halo { group, total: *awake, is_own, shared, sent: sent_indices, ghosts: ghost_indices }
-    }
-
     /// Whether domains are chosen in this step; the same on all ranks.
     pub(super) fn is_due(&self) -> bool {
         self.is_stale || self.rebalance_every.is_some_and(|every| self.steps.is_multiple_of(every))
@@ -343,7 +340,7 @@ impl Domain {
     ) -> Result<(ContactShape, usize)> {
         let ContactShape { colours, rounds, has_uneven } = own;
         let numbers = [colours, rounds, usize::from(has_uneven), refinement];
-        let largest = locked(&self.group).largest(numbers.map(|number| number as f64))?;
+        let largest = (self as &dyn Halo).largest(numbers.map(|number| number as f64))?;
         let [colours, rounds, has_uneven, refinement] = largest.map(|number| number as usize);
         Ok((ContactShape { colours, rounds, has_uneven: has_uneven > 0 }, refinement))
     }
@@ -366,7 +363,7 @@ impl Domain {
             ranks: of.indices.map(rank),
         };
         let links: Vec<Link> = contacts.iter().map(link).collect();
-        let (rounds, count) = self.halo().rounds(&links)?;
+        let (rounds, count) = rounds(&self.group, &links)?;
         contacts.iter_mut().zip(rounds).for_each(|(of, round)| of.round = round);
         Ok(count)
     }
@@ -414,6 +411,67 @@ impl Domain {
             let free = || free.within(particles, index, max_displacement);
             limits.push(if has_sleepers { left.min(free()) } else { left });
         }
+    }
+}
+
+impl Halo for Domain {
+    fn is_alone(&self) -> bool {
+        self.ranks < 2
+    }
+
+    fn own(&self) -> &[bool] {
+        &self.is_own
+    }
+
+    fn shared(&self) -> &[u32] {
+        &self.shared
+    }
+
+    fn count(&self, _: usize) -> usize {
+        self.awake
+    }
+
+    fn add_up(&self, numbers: &mut [u64]) -> Result<()> {
+        locked(&self.group).sum(numbers)
+    }
+
+    fn take_largest(&self, numbers: &mut [f64]) -> Result<()> {
+        locked(&self.group).largest(numbers)
+    }
+
+    fn any_bits(&self, own: Vec<u8>) -> Result<Vec<u8>> {
+        let mut any = Vec::new();
+        for bytes in locked(&self.group).share(&own)? {
+            any.resize(any.len().max(bytes.len()), 0);
+            any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
+        }
+        Ok(any)
+    }
+
+    fn exchange(
+        &self,
+        size: usize,
+        put: &dyn Fn(u32, &mut Vec<u8>),
+        take: &mut dyn FnMut(u32, &[u8]),
+    ) -> Result<()> {
+        let bytes_of = |lists: &[Vec<u32>]| -> Vec<usize> {
+            lists.iter().map(|indices| indices.len() * size).collect()
+        };
+        let (sent, received) = (bytes_of(&self.sent_indices), bytes_of(&self.ghost_indices));
+        let mut to = Vec::with_capacity(sent.iter().sum());
+        self.sent_indices.iter().flatten().for_each(|&index| put(index, &mut to));
+        let all = locked(&self.group).exchange_known(&to, &sent, &received)?;
+        let ghosts = self.ghost_indices.iter().flatten();
+        ghosts.zip(all.chunks_exact(size)).for_each(|(&index, bytes)| take(index, bytes));
+        Ok(())
+    }
+}
+
+/// The processes that share a world.
+pub(super) fn halo_of(domain: &Option<Box<Domain>>) -> &dyn Halo {
+    match domain {
+        Some(domain) => &**domain,
+        None => &Alone,
     }
 }
 

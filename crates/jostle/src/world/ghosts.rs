@@ -8,6 +8,7 @@ use super::waking_of_ranks::islands_of_circles;
 use crate::decomposition::{CircleBlocks, Grid, Near, RECORD, put_record};
 use crate::error::Result;
 use crate::forces;
+use crate::halo::Halo;
 use crate::parallel::locked;
 
 /// Width of the margin around each particle, in mean radii.
@@ -92,7 +93,7 @@ impl World {
         let Some(domain) = &self.domain else { return Ok(()) };
         let (rows, exhausted) = (&self.rows, &mut self.scratch.exhausted);
         let is_one = |index: u32| exhausted.binary_search(&rows[index as usize]).is_ok();
-        let all = domain.halo().labels(|index| u64::from(is_one(index)))?;
+        let all = (&**domain as &dyn Halo).labels(|index| u64::from(is_one(index)))?;
         let ghosts = all.into_iter().filter(|&(_, is_one)| is_one > 0);
         exhausted.extend(ghosts.map(|(index, _)| rows[index as usize]));
         exhausted.sort_unstable();

@@ -13,6 +13,7 @@ use crate::bytes::Plain;
 use crate::contacts::Contact;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
+use crate::halo::Halo;
 use crate::parallel::locked;
 use crate::space::Id;
 
@@ -220,7 +221,7 @@ fn groups_with_ghosts(
 ) -> Result<BTreeMap<u32, Group>> {
     let label = |index: u32| names[first[index as usize] as usize];
     let mut groups = BTreeMap::new();
-    let ghosts = domain.halo().labels(|index| label(index) as u64)?;
+    let ghosts = (domain as &dyn Halo).labels(|index| label(index) as u64)?;
     for (index, other) in ghosts {
         if label(index) == NO_NAME {
             continue;

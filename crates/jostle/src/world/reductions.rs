@@ -2,6 +2,7 @@
 
 use super::World;
 use super::contacts::loses_energy;
+use super::domain::halo_of;
 use crate::error::Result;
 use crate::parallel::locked;
 use crate::quadtree::extent_of;
@@ -13,33 +14,27 @@ const WHOLE_BITS: u64 = WHOLE.to_bits();
 impl World {
     /// The number of particles of all ranks that are awake.
     pub(super) fn count_of_all(&self) -> usize {
-        self.domain.as_ref().map_or(self.rows.len(), |domain| domain.awake)
+        halo_of(&self.domain).count(self.rows.len())
     }
 
     /// Whether something is so on any rank.
     pub(super) fn any_of_all(&self, own: bool) -> Result<bool> {
-        if self.domain.is_none() { Ok(own) } else { Ok(self.sum_of_all([u64::from(own)])? != [0]) }
+        halo_of(&self.domain).any(own)
     }
 
     /// Waits for all ranks. Returns an error if one has failed.
     pub(super) fn wait_for_all(&self) -> Result<()> {
-        self.sum_of_all([]).map(|[]: [u64; 0]| ())
+        halo_of(&self.domain).wait()
     }
 
     /// The largest of each number of all ranks.
     pub(super) fn largest_of_all<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N]> {
-        match &self.domain {
-            None => Ok(own),
-            Some(domain) => locked(&domain.group).largest(own),
-        }
+        halo_of(&self.domain).largest(own)
     }
 
     /// The sum of each number of all ranks.
     pub(super) fn sum_of_all<const N: usize>(&self, own: [u64; N]) -> Result<[u64; N]> {
-        match &self.domain {
-            None => Ok(own),
-            Some(domain) => locked(&domain.group).sum(own),
-        }
+        halo_of(&self.domain).sum(own)
     }
 
     /// The AABB of the centres of all ranks; None if the world is not distributed.

@@ -18,11 +18,13 @@
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
+use super::domain::halo_of;
 use super::step::MAX_ATTEMPTS;
 use super::{Stats, Watch, World};
 use crate::decomposition::{digest, digest_all};
 use crate::error::{Error, Result};
 use crate::forces;
+use crate::halo::Halo;
 use crate::motion::{Motion, exact};
 use crate::parallel::locked;
 
@@ -212,13 +214,13 @@ impl World {
     /// Gives ghosts the state that their own ranks have computed, at the beginning of all sub-steps but the
     /// first.
     pub(super) fn refresh_ghosts(&self, substep: usize) -> Result<()> {
-        let Some(domain) = &self.domain else { return Ok(()) };
         if substep == 0 {
             return Ok(());
         }
-        domain.halo().any(false)?;
+        let halo = halo_of(&self.domain);
+        halo.wait()?;
         let motions = &self.scratch.motions;
-        domain.halo().refresh(
+        halo.refresh(
             |index| {
                 let of = motions.get(index);
                 let ([x, y], [a, b], [u, v]) = (of.position, of.residual, of.velocity);
@@ -231,10 +233,10 @@ impl World {
             },
         )?;
         let spins = &self.scratch.spins;
-        if !domain.has_friction() {
+        if !self.has_friction() {
             return Ok(());
         }
-        domain.halo().refresh(
+        halo.refresh(
             |index| [spins.velocity(index)],
             |index, [velocity]| spins.set_velocity(index, velocity),
         )
@@ -250,10 +252,11 @@ impl World {
             return Ok(());
         }
         domain.list_indices(rows);
+        let halo: &dyn Halo = &**domain;
         let force = &mut scratch.forces;
         let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
-        domain.halo().any(false)?;
-        domain.halo().refresh(
+        halo.wait()?;
+        halo.refresh(
             |index| accelerations[index as usize].get(),
             |index, acceleration| accelerations[index as usize].set(acceleration),
         )?;
@@ -287,15 +290,14 @@ impl World {
     /// has too many collisions.
     pub(super) fn compare_with_other_ranks(&mut self) -> Result<Agreement> {
         let Some(domain) = &self.domain else { return Ok(Agreement::Same) };
-        let mut group = locked(&domain.group);
-        if group.size() < 2 {
+        let halo: &dyn Halo = &**domain;
+        if halo.is_alone() {
             return match self.scratch.events.has_too_many() {
                 true if !self.scratch.meets_sleepers => Err(self.too_many_collisions()),
                 _ => Ok(Agreement::Same),
             };
         }
-        let far = group.sum([domain.far.len() as u64])?;
-        if far != [0] {
+        if halo.any(!domain.far.is_empty())? {
             return Ok(Agreement::Further);
         }
         let hash = |row: u32, rank: u32| {
@@ -307,7 +309,7 @@ impl World {
         let to: Vec<u8> = hashes.flat_map(u64::to_le_bytes).collect();
         let sent: Vec<usize> = domain.sent.iter().map(|rows| rows.len() * 8).collect();
         let received: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
-        let all = group.exchange_known(&to, &sent, &received)?;
+        let all = locked(&domain.group).exchange_known(&to, &sent, &received)?;
         let (all, _) = all.as_chunks::<8>();
         let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
             let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
@@ -315,7 +317,7 @@ impl World {
         });
         // A step that ended early, or that differs, is repeated.
         let is_refused = !self.scratch.meets_sleepers && self.scratch.events.has_too_many();
-        let [different, refused] = group.sum([differ.count() as u64, u64::from(is_refused)])?;
+        let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;
         if different > 0 {
             return Ok(Agreement::Different);
         }
@@ -324,7 +326,7 @@ impl World {
         }
         if refused > 0 {
             // The ranks that refuse it report this now.
-            group.gather([])?;
+            halo.wait()?;
         }
         Ok(Agreement::Same)
     }

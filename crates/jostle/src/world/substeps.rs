@@ -3,6 +3,7 @@
 
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::discs::WarmStart;
+use super::domain::halo_of;
 use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
@@ -70,6 +71,12 @@ impl World {
             && !self.particles.has_friction()
     }
 
+    /// Whether any particle has friction.
+    pub(super) fn has_friction(&self) -> bool {
+        let of_all = self.domain.as_ref().map(|domain| domain.has_friction());
+        of_all.unwrap_or_else(|| self.particles.has_friction())
+    }
+
     /// Whether forces give kicks before and after the flights of a step.
     pub(super) fn is_pulled(&self) -> bool {
         self.has_accelerations() || springs(&self.forces).next().is_some()
@@ -123,11 +130,8 @@ impl World {
         let (threads, may_rest, is_lossless) =
             (self.threads(), self.may_rest(), self.is_lossless());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
+        let has_friction = self.has_friction();
         let Self { particles, persistent, contacts, scratch, settings, domain, rows, .. } = self;
-        let has_friction = match &domain {
-            None => particles.has_friction(),
-            Some(domain) => domain.has_friction(),
-        };
         scratch.limits.clear();
         if !self.asleep.is_empty() {
             let free = FreeDisplacements::new(settings, &scratch.forces, dt);
@@ -235,7 +239,7 @@ impl World {
             rows: &self.rows,
             pushes: wall_pushes,
             restitution: settings.restitution,
-            halo: domain.as_ref().map(|domain| domain.halo()),
+            halo: halo_of(domain),
             shape: scratch.contact_shape,
             threads: of.threads,
         };
@@ -266,7 +270,7 @@ impl World {
             flow: of.flow,
             kicks: &scratch.kicks,
             begins_step: substep == 0,
-            halo: domain.as_ref().map(|domain| domain.halo()),
+            halo: halo_of(domain),
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
@@ -292,7 +296,7 @@ impl World {
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let boundaries = (&settings.container, walls);
-        let halo = domain.as_ref().map(|domain| domain.halo());
+        let halo = halo_of(domain);
         let shared = (scratch.contact_shape.stages(), halo);
         correction.run(&self.contacts, motions, particles, boundaries, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
