@@ -7,6 +7,7 @@
 use std::fmt::Debug;
 
 use crate::error::Result;
+use crate::forces::chance::mixed;
 
 /// The processes that share a world, and what a sub-step exchanges with them. The defaults are those
 /// of one process.
@@ -122,4 +123,14 @@ impl dyn Halo + '_ {
         })?;
         Ok(all)
     }
+}
+
+/// A hash of a hash and a number.
+pub fn digest(hash: u64, number: u64) -> u64 {
+    mixed(hash.rotate_left(23) ^ number)
+}
+
+/// A hash of a hash and some numbers.
+pub fn digest_all(hash: u64, numbers: impl IntoIterator<Item = f64>) -> u64 {
+    numbers.into_iter().fold(hash, |hash, number| digest(hash, number.to_bits()))
 }

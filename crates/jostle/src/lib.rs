@@ -37,23 +37,23 @@ pub mod container;
 pub mod walls;
 pub mod forces;
 pub mod halo;
-pub mod decomposition;
 pub mod events;
 pub mod contacts;
 pub mod resting;
 pub mod correction;
 pub mod world;
+pub mod ranks;
 pub mod scenes;
 
 pub use columns::Columns;
 pub use container::Container;
-pub use decomposition::{Communicator, Traffic};
 pub use error::{Error, Result};
 pub use forces::Force;
 pub use geometry::{Bounds, Scalar, Shape};
 pub use particles::{Changes, Particles, Spin};
 pub use period::Period;
 pub use quadtree::{Node, Quadtree};
+pub use ranks::{Communicator, OwnParticles, Traffic};
 pub use separate::{Separated, Separation, separate};
 pub use settings::{Method, Settings};
 pub use shapes::{Each, Filter, Shapes};
@@ -61,6 +61,6 @@ pub use slide::SlideRules;
 pub use space::{Id, Slides, Space};
 pub use walls::Wall;
 pub use world::{
-    Collisions, Defaults, OnTouch, OwnParticles, Stage, StateHash, Stats, Touch, TouchEvents,
-    WallTouch, World, WorldSettings,
+    Collisions, Defaults, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch, World,
+    WorldSettings,
 };

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use jostle::decomposition::read_records;
+use jostle::ranks::read_records;
 use jostle::{
     Communicator, Container, Error, Id, OnTouch, Particles, Result, Stage, World, WorldSettings,
 };

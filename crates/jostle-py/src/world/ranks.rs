@@ -1,7 +1,7 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
 use jostle::StateHash;
-use jostle::decomposition::{Traffic, read_records};
+use jostle::ranks::{Traffic, read_records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -235,5 +235,5 @@ pub fn record_fields() -> Vec<(&'static str, String)> {
         };
         (name, if count == 1 { number.to_string() } else { format!("({count},){number}") })
     };
-    jostle::decomposition::record_fields().into_iter().map(format).collect()
+    jostle::ranks::record_fields().into_iter().map(format).collect()
 }

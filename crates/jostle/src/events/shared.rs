@@ -4,8 +4,8 @@
 use super::Events;
 use super::flight::Window;
 use super::window::most_impacts;
-use crate::decomposition::{digest, digest_all};
 use crate::error::Result;
+use crate::halo::{digest, digest_all};
 
 /// Lengths of a window, each half as long as the one before.
 const LENGTHS: usize = 11;

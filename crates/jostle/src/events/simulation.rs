@@ -14,7 +14,7 @@ use super::impulses::{self, Touch};
 use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use super::{MAX_COLLISIONS, Outside};
-use crate::decomposition::{digest, digest_all};
+use crate::halo::{digest, digest_all};
 use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::Contact;

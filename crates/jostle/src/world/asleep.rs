@@ -24,25 +24,25 @@ use crate::table::Table;
 
 /// Where the parts of an island are in the columns.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Island {
-    pub(super) particles: Range<u32>,
-    pub(super) contacts: Range<u32>,
-    pub(super) wall_impulses: Range<u32>,
+pub(crate) struct Island {
+    pub(crate) particles: Range<u32>,
+    pub(crate) contacts: Range<u32>,
+    pub(crate) wall_impulses: Range<u32>,
     /// In a distributed world the smallest id of all its particles, some of which may be on other
     /// ranks; otherwise 0.
-    pub(super) name: Id,
+    pub(crate) name: Id,
 }
 
 /// Islands with all that they need to continue when they wake.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sleepers {
-    pub(super) discs: Discs,
+pub(crate) struct Sleepers {
+    pub(crate) discs: Discs,
     /// Those of the last step in which they were awake. Their indices are rows: the other
     /// particle may be immovable, and is awake then.
-    pub(super) contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<Contact>,
     /// Those of that step.
-    pub(super) wall_impulses: Vec<WallImpulse>,
-    pub(super) islands: Vec<Island>,
+    pub(crate) wall_impulses: Vec<WallImpulse>,
+    pub(crate) islands: Vec<Island>,
 }
 
 impl Sleepers {
@@ -52,7 +52,7 @@ impl Sleepers {
     }
 
     /// Replaces the contacts by those of each island, which are sorted by islands.
-    pub(super) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) {
+    pub(crate) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) {
         let mut end = 0;
         for (number, island) in (0..).zip(&mut self.islands) {
             island.contacts = run(&of_islands, end, number);
@@ -100,7 +100,7 @@ impl Sleepers {
 }
 
 /// The range of the values of one island, from `start` on, in a list sorted by islands.
-pub(super) fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
+pub(crate) fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
     let values = all[start as usize..].iter().take_while(|of| of.0 == island);
     start..start + values.count() as u32
 }
@@ -115,7 +115,7 @@ struct Layer {
 
 /// All sleeping islands.
 #[derive(Debug, Default)]
-pub(super) struct Asleep {
+pub(crate) struct Asleep {
     /// With islands that are awake, but not removed yet.
     sleepers: Sleepers,
     /// The island of each particle.
@@ -131,55 +131,55 @@ pub(super) struct Asleep {
 
 impl Asleep {
     /// Number of sleeping particles.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.sleepers.len() - self.awake
     }
 
     /// Whether no particle sleeps.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The columns, also of islands that are awake.
-    pub(super) fn sleepers(&self) -> &Sleepers {
+    pub(crate) fn sleepers(&self) -> &Sleepers {
         &self.sleepers
     }
 
     /// The numbers of the sleeping islands.
-    pub(super) fn islands(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn islands(&self) -> impl Iterator<Item = u32> + '_ {
         (0..).zip(&self.is_awake).filter(|(_, is_awake)| !**is_awake).map(|(island, _)| island)
     }
 
     /// The indices of the sleeping particles in the columns.
-    pub(super) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
         let range = |island: u32| self.sleepers.islands[island as usize].particles.clone();
         self.islands().flat_map(range).map(|at| at as usize)
     }
 
     /// The rows of the sleeping particles.
-    pub(super) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
         self.indices().map(|at| self.sleepers.discs.rows[at])
     }
 
     /// The contacts of the sleeping particles; their indices are rows.
-    pub(super) fn contacts(&self) -> impl Iterator<Item = &Contact> {
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = &Contact> {
         let range = |island: u32| self.sleepers.islands[island as usize].contacts.clone();
         self.islands().flat_map(range).map(|at| &self.sleepers.contacts[at as usize])
     }
 
     /// The impulses that walls gave to the sleeping particles.
-    pub(super) fn wall_impulses(&self) -> impl Iterator<Item = &WallImpulse> {
+    pub(crate) fn wall_impulses(&self) -> impl Iterator<Item = &WallImpulse> {
         let range = |island: u32| self.sleepers.islands[island as usize].wall_impulses.clone();
         self.islands().flat_map(range).map(|at| &self.sleepers.wall_impulses[at as usize])
     }
 
     /// A copy of the sleeping islands.
-    pub(super) fn copy(&self) -> Sleepers {
+    pub(crate) fn copy(&self) -> Sleepers {
         self.sleepers.select(self.islands())
     }
 
     /// Appends islands that fall asleep. If there is an error, nothing changes.
-    pub(super) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
+    pub(crate) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
         let end = self.sleepers.len() + new.len();
         let mut first = self.sleepers.len();
         let mut kept = self.layers.len();
@@ -214,7 +214,7 @@ impl Asleep {
     /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
     /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it
     /// returns any. All islands, if there are too many pairs to list.
-    pub(super) fn touched(
+    pub(crate) fn touched(
         &self,
         circles: &Quadtree<f32>,
         radius: impl Fn(u32) -> Option<f32>,
@@ -266,7 +266,7 @@ impl Asleep {
     }
 
     /// The islands that touch one of some rows, which are sorted; ascending.
-    pub(super) fn islands_touching(&self, rows: &[u32]) -> Vec<u32> {
+    pub(crate) fn islands_touching(&self, rows: &[u32]) -> Vec<u32> {
         let touches = |&island: &u32| {
             let Range { start, end } = self.sleepers.islands[island as usize].contacts.clone();
             let contacts = &self.sleepers.contacts[start as usize..end as usize];
@@ -279,18 +279,18 @@ impl Asleep {
     }
 
     /// The names of some islands.
-    pub(super) fn names(&self, islands: &[u32]) -> impl Iterator<Item = Id> {
+    pub(crate) fn names(&self, islands: &[u32]) -> impl Iterator<Item = Id> {
         islands.iter().map(|&island| self.sleepers.islands[island as usize].name)
     }
 
     /// The sleeping islands with some names, which are sorted; ascending.
-    pub(super) fn named(&self, names: &[Id]) -> Vec<u32> {
+    pub(crate) fn named(&self, names: &[Id]) -> Vec<u32> {
         let name = |island: u32| self.sleepers.islands[island as usize].name;
         self.islands().filter(|&island| names.binary_search(&name(island)).is_ok()).collect()
     }
 
     /// The islands of the particles with some indices, ascending.
-    pub(super) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
+    pub(crate) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
         let mut islands: Vec<u32> = indices.map(|at| self.island_of[at]).collect();
         islands.sort_unstable();
         islands.dedup();
@@ -298,14 +298,14 @@ impl Asleep {
     }
 
     /// Wakes islands and returns a copy of them.
-    pub(super) fn wake(&mut self, islands: &[u32]) -> Sleepers {
+    pub(crate) fn wake(&mut self, islands: &[u32]) -> Sleepers {
         self.mark(islands, true);
         self.woken.extend_from_slice(islands);
         self.sleepers.select(islands.iter().copied())
     }
 
     /// The rows of the islands that have been woken, sorted.
-    pub(super) fn woken_rows(&self) -> Vec<u32> {
+    pub(crate) fn woken_rows(&self) -> Vec<u32> {
         let islands = self.woken.iter().map(|&island| &self.sleepers.islands[island as usize]);
         let indices = islands.flat_map(|island| island.particles.clone());
         let mut rows: Vec<u32> = indices.map(|at| self.sleepers.discs.rows[at as usize]).collect();
@@ -314,13 +314,13 @@ impl Asleep {
     }
 
     /// Removes the last islands again, of which there are so many, because the step is undone.
-    pub(super) fn withdraw(&mut self, count: usize) {
+    pub(crate) fn withdraw(&mut self, count: usize) {
         let end = self.is_awake.len() as u32;
         self.mark(&(end - count as u32..end).collect::<Vec<u32>>(), true);
     }
 
     /// Puts the islands that have been woken to sleep again.
-    pub(super) fn cancel_waking(&mut self) {
+    pub(crate) fn cancel_waking(&mut self) {
         let woken = std::mem::take(&mut self.woken);
         self.mark(&woken, false);
     }
@@ -334,7 +334,7 @@ impl Asleep {
     }
 
     /// Makes waking final. Removes the islands that are awake if they are more than half.
-    pub(super) fn forget_woken(&mut self) {
+    pub(crate) fn forget_woken(&mut self) {
         self.woken.clear();
         if 2 * self.awake <= self.sleepers.len() {
             return;
@@ -348,7 +348,7 @@ impl Asleep {
     }
 
     /// Renumbers the rows.
-    pub(super) fn renumber(&mut self, new: &[u32]) {
+    pub(crate) fn renumber(&mut self, new: &[u32]) {
         let Sleepers { discs: Discs { rows, .. }, contacts, wall_impulses, .. } =
             &mut self.sleepers;
         // Of islands that are awake, rows may be gone. Nothing reads them.

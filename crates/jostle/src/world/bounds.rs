@@ -46,7 +46,7 @@ const GROWTH: f64 = 1.25;
 impl World {
     /// Computes the bounds of a step of `dt` seconds. If a particle moves farther,
     /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
-    pub(super) fn find_bounds(&mut self, dt: f32) {
+    pub(crate) fn find_bounds(&mut self, dt: f32) {
         let threads = self.threads();
         let may_rest = self.may_rest();
         let super::StepScratch { max_displacements, forces, usual_speed, shapes, horizon, .. } =
@@ -122,7 +122,7 @@ impl World {
 }
 
 /// How far particles get in a step by their velocities and by forces, if nothing hits them.
-pub(super) struct FreeDisplacements<'a> {
+pub(crate) struct FreeDisplacements<'a> {
     accelerations: &'a [[f32; 2]],
     fall: f32,
     longest: f32,
@@ -131,14 +131,14 @@ pub(super) struct FreeDisplacements<'a> {
 
 impl<'a> FreeDisplacements<'a> {
     /// Those of a step of `dt` seconds.
-    pub(super) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
+    pub(crate) fn new(settings: &WorldSettings, forces: &'a ForceScratch, dt: f32) -> Self {
         let fall = distance_of_fall(settings.gravity, dt);
         let longest = settings.container.max_displacement();
         Self { accelerations: &forces.accelerations, fall, longest, dt }
     }
 
     /// That of a particle.
-    pub(super) fn of(&self, particles: &Particles, index: usize) -> f32 {
+    pub(crate) fn of(&self, particles: &Particles, index: usize) -> f32 {
         let pulled = || force_displacement(self.accelerations.get(index), None, self.dt);
         let is_movable = particles.movable[index];
         let by_forces = if is_movable { self.fall + pulled().unwrap_or(0.0) } else { 0.0 };
@@ -147,7 +147,7 @@ impl<'a> FreeDisplacements<'a> {
 
     /// The same, but at most how far bounds let it get. Unlike bounds it depends on no other
     /// particle.
-    pub(super) fn within(&self, particles: &Particles, index: usize, bounds: f32) -> f32 {
+    pub(crate) fn within(&self, particles: &Particles, index: usize, bounds: f32) -> f32 {
         self.of(particles, index).min(bounds)
     }
 }
@@ -169,25 +169,25 @@ fn contain_contacts<'a>(
 
 /// Upper bound of the distance that a particle travels at a velocity in `dt` seconds.
 #[inline(always)]
-pub(super) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
+pub(crate) fn distance_at([u, v]: [f32; 2], dt: f32) -> f32 {
     (u * u + v * v).sqrt() * dt * 1.000_01
 }
 
 /// The distance that a particle at rest falls in `dt` seconds.
-pub(super) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
+pub(crate) fn distance_of_fall([x, y]: [f32; 2], dt: f32) -> f32 {
     0.5 * dt * dt * (x * x + y * y).sqrt()
 }
 
 /// How far from its surface at the beginning of a step a particle may rest on another: its free
 /// displacement, but at most its radius, and a share of its radius for surfaces that nearly touch.
 #[inline(always)]
-pub(super) fn reach(free: f32, radius: f32) -> f32 {
+pub(crate) fn reach(free: f32, radius: f32) -> f32 {
     free.min(radius) + SLACK * radius
 }
 
 /// Upper bound of the residual of a position, which on a torus may be that of the far side, and of
 /// the error of a distance of about the radius in float32.
-pub(super) fn rounding(position: [f32; 2], radius: f32, container: &Container) -> f32 {
+pub(crate) fn rounding(position: [f32; 2], radius: f32, container: &Container) -> f32 {
     rounding_of(position, radius, torus_sides(container))
 }
 
@@ -223,7 +223,7 @@ impl Circle {
 
 /// The circles that were added during the step.
 #[derive(Debug, Default)]
-pub(super) struct Grown {
+pub(crate) struct Grown {
     circles: Vec<Circle>,
     /// The segments that have chains.
     chained: HashSet<[u64; 6]>,
@@ -234,23 +234,23 @@ pub(super) struct Grown {
 
 impl Grown {
     /// Begins a step.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.circles.clear();
     }
 }
 
 /// What the bounds of a step are made of.
-pub(super) struct BoundsScratch<'a> {
+pub(crate) struct BoundsScratch<'a> {
     /// The tree of those with which it began.
-    pub(super) tree: &'a Quadtree<f32>,
-    pub(super) max_displacements: &'a mut [f32],
-    pub(super) grown: &'a mut Grown,
-    pub(super) renewed: &'a mut Renewed,
-    pub(super) crowding: Crowding,
+    pub(crate) tree: &'a Quadtree<f32>,
+    pub(crate) max_displacements: &'a mut [f32],
+    pub(crate) grown: &'a mut Grown,
+    pub(crate) renewed: &'a mut Renewed,
+    pub(crate) crowding: Crowding,
 }
 
 /// The bounds of a step, and the tree of those that it began with.
-pub(super) struct StepBounds<'a> {
+pub(crate) struct StepBounds<'a> {
     tree: &'a Quadtree<f32>,
     particles: &'a Particles,
     max_displacements: &'a mut [f32],
@@ -268,7 +268,7 @@ pub(super) struct StepBounds<'a> {
 impl<'a> StepBounds<'a> {
     /// The bounds of a step, for a sub-step of `duration` seconds of flight. Those with which the
     /// step began last for a `share` of the first sub-step, if they are to be renewed in the step.
-    pub(super) fn new(
+    pub(crate) fn new(
         particles: &'a Particles,
         settings: &'a WorldSettings,
         scratch: BoundsScratch<'a>,

@@ -15,7 +15,7 @@ impl World {
     }
 
     /// A copy of the particles in some rows, in this order.
-    pub(super) fn particles_in(&self, rows: &[u32]) -> Particles {
+    pub(crate) fn particles_in(&self, rows: &[u32]) -> Particles {
         self.particles_at(&self.indices_of(rows))
     }
 
@@ -130,7 +130,7 @@ impl World {
     }
 
     /// The columns of the particle at an index, and its row in them.
-    pub(super) fn disc_at(&self, index: usize) -> (&Particles, usize) {
+    pub(crate) fn disc_at(&self, index: usize) -> (&Particles, usize) {
         match index.checked_sub(self.rows.len()) {
             None => (&self.particles, index),
             Some(at) => (&self.asleep.sleepers().discs.particles, at),
@@ -138,21 +138,21 @@ impl World {
     }
 
     /// The indices of some rows.
-    pub(super) fn indices_of(&self, rows: &[u32]) -> Vec<u32> {
+    pub(crate) fn indices_of(&self, rows: &[u32]) -> Vec<u32> {
         let indices = if rows.is_empty() { &[] } else { self.indices() };
         rows.iter().map(|&row| indices[row as usize]).collect()
     }
 
     /// The index of each row; those of sleeping particles come after those of all others. They are
     /// computed when they are first needed, and kept until [`World::forget_indices`].
-    pub(super) fn indices(&self) -> &[u32] {
+    pub(crate) fn indices(&self) -> &[u32] {
         let indices = self.indices.get_or_init(|| self.find_indices());
         debug_assert!(self.are_indices(indices));
         indices
     }
 
     /// Must be called when the order of the particles or their number changes.
-    pub(super) fn forget_indices(&mut self) {
+    pub(crate) fn forget_indices(&mut self) {
         self.indices.take();
     }
 

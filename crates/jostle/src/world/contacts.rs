@@ -4,10 +4,10 @@
 use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
-use super::domain::halo_of;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::error::Result;
+use crate::halo::Halo;
 use crate::interrupt;
 use crate::motion::exact;
 use crate::parallel;
@@ -30,7 +30,7 @@ impl World {
     /// the pairs that may come near each other by themselves, and else those that overlap. Which
     /// pairs these are depends on the state of the two alone, not on the candidates, which are
     /// more.
-    pub(super) fn make_contacts(&mut self, dt: f32) -> Result<()> {
+    pub(crate) fn make_contacts(&mut self, dt: f32) -> Result<()> {
         let (threads, may_rest, is_lossless) =
             (self.threads(), self.may_rest(), self.is_lossless());
         self.take_pairs_that_pass();
@@ -58,17 +58,10 @@ impl World {
         let Self { particles, scratch, contacts, .. } = self;
         contacts.colour(&scratch.overlaps, particles, threads);
         interrupt::check()?;
-        let (mut shape, mut refinement) = (self.contacts.shape(), self.own_refinement());
-        let Self { particles, settings, scratch, contacts, domain, rows, .. } = self;
+        let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
+        let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
+        let Self { particles, settings, scratch, contacts, .. } = self;
         let lists = &scratch.overlaps;
-        if let Some(domain) = domain {
-            let of_pairs = domain.digest_colours(contacts, lists, particles, rows);
-            (shape, refinement) = domain.shape_of_all(shape, refinement)?;
-            domain.add_pair_digests(of_pairs);
-            if shape.rounds > 0 {
-                shape.rounds = domain.divide(contacts.sequential(), &particles.movable, rows)?;
-            }
-        }
         let before = scratch.tree.rows();
         contacts.collect(lists, particles, settings.restitution, before, shape.rounds, threads);
         (scratch.contact_shape, scratch.refinement) = (shape, refinement);
@@ -78,7 +71,7 @@ impl World {
     /// Finds the particles that lose energy, if some do and others do not; returns whether this is
     /// so.
     fn find_lossy(&mut self, is_lossless: bool) -> bool {
-        let Self { particles, scratch, settings, walls, domain, .. } = self;
+        let Self { particles, scratch, settings, walls, halo, .. } = self;
         scratch.lossy.clear();
         // Contacts of stiff springs are solved as resting ones, also where nothing loses energy.
         let all = settings.restitution < 1.0 || !walls.are_elastic();
@@ -86,7 +79,7 @@ impl World {
             return false;
         }
         scratch.lossy.extend((0..particles.len()).map(|index| loses_energy(particles, index)));
-        if halo_of(domain).is_alone() && scratch.lossy.iter().all(|&lossy| lossy) {
+        if halo.is_alone() && scratch.lossy.iter().all(|&lossy| lossy) {
             scratch.lossy.clear();
             return false;
         }
@@ -97,7 +90,7 @@ impl World {
     /// one that does, and leaves out the pairs of others, unless they overlap. They cannot come to
     /// rest, and are those of a world in which nothing loses energy.
     fn leave_out_elastic(&mut self) -> Result<()> {
-        let Self { particles, scratch, domain, .. } = self;
+        let Self { particles, scratch, halo, .. } = self;
         let StepScratch { lossy, overlaps, .. } = scratch;
         let own = |index: usize| loses_energy(particles, index);
         for pair in overlaps.iter().flat_map(|(_, pairs)| pairs) {
@@ -106,7 +99,8 @@ impl World {
             lossy[b] |= own(a);
         }
         // Only its own process has all that a particle may touch.
-        let (cells, halo) = (Cell::from_mut(&mut lossy[..]).as_slice_of_cells(), halo_of(domain));
+        let halo: &dyn Halo = &**halo;
+        let cells = Cell::from_mut(&mut lossy[..]).as_slice_of_cells();
         halo.wait()?;
         halo.refresh(
             |index| [f32::from(u8::from(cells[index as usize].get()))],
@@ -138,7 +132,7 @@ impl World {
 }
 
 /// Whether the collisions of a particle lose energy by its own coefficients.
-pub(super) fn loses_energy(particles: &Particles, index: usize) -> bool {
+pub(crate) fn loses_energy(particles: &Particles, index: usize) -> bool {
     particles.restitutions[index] < 1.0 || particles.spin(index).friction > 0.0
 }
 

@@ -8,11 +8,11 @@ use crate::table;
 table! {
     /// All columns by indices: those that a step reorders, and that sleeping particles keep.
     #[derive(Clone, Debug, Default)]
-    pub(super) struct Discs {
-        pub(super) particles: nested Particles,
+    pub(crate) struct Discs {
+        pub(crate) particles: nested Particles,
         /// The row of each particle in the order of adding.
-        pub(super) rows: dense u32,
-        pub(super) persistent: nested Persistent,
+        pub(crate) rows: dense u32,
+        pub(crate) persistent: nested Persistent,
     }
 }
 
@@ -20,11 +20,11 @@ table! {
     /// What is kept of each particle from step to step, beside its own state. Default values stand for
     /// no contact and an unknown motion.
     #[derive(Clone, Debug, Default)]
-    pub(super) struct Persistent {
-        pub(super) warm_start: nested WarmStart,
+    pub(crate) struct Persistent {
+        pub(crate) warm_start: nested WarmStart,
         /// Sleeping: how each particle moved in the last quarters of a second; empty if nothing may fall
         /// asleep.
-        pub(super) drifts: sparse Drift,
+        pub(crate) drifts: sparse Drift,
     }
 }
 
@@ -32,23 +32,23 @@ table! {
     /// Warm starting: impulses over mass that each side of the container gave in the last sub-step, at rest.
     /// Those of other walls are in `World::wall_impulses`, those between particles in `World::contacts`.
     #[derive(Clone, Debug, Default)]
-    pub(super) struct WarmStart {
+    pub(crate) struct WarmStart {
         /// Along the normals; empty if nothing can rest.
-        pub(super) normal: sparse [f32; MAX_WALLS],
+        pub(crate) normal: sparse [f32; MAX_WALLS],
         /// Of friction; empty if no particle has friction.
-        pub(super) friction: sparse [f32; MAX_WALLS],
+        pub(crate) friction: sparse [f32; MAX_WALLS],
     }
 }
 
 impl WarmStart {
     /// Removes all impulses.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.normal.clear();
         self.friction.clear();
     }
 
     /// Removes those of one index.
-    pub(super) fn clear_one(&mut self, index: usize) {
+    pub(crate) fn clear_one(&mut self, index: usize) {
         for column in [&mut self.normal, &mut self.friction] {
             column.get_mut(index).into_iter().for_each(|own| *own = Default::default());
         }

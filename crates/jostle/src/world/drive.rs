@@ -7,7 +7,7 @@ use crate::motion::exact;
 use crate::space::Id;
 
 /// The velocities of what motors drive, before a step.
-pub(super) struct Driven {
+pub(crate) struct Driven {
     /// Index, velocity and angular velocity.
     particles: Vec<(usize, [f32; 2], f32)>,
     /// Index and velocity.
@@ -17,7 +17,7 @@ pub(super) struct Driven {
 impl World {
     /// Gives the particles and walls of motors their velocities in a step of `dt` seconds; returns
     /// those before.
-    pub(super) fn drive(&mut self, dt: f64) -> Driven {
+    pub(crate) fn drive(&mut self, dt: f64) -> Driven {
         let mut before = Driven { particles: Vec::new(), walls: Vec::new() };
         for motor in forces::motors(&self.forces) {
             let drive = motor.drive(self.time, dt);
@@ -46,7 +46,7 @@ impl World {
 
     /// Takes back what [`World::drive`] did before a step that failed, in reverse order: several
     /// motors may drive the same particle.
-    pub(super) fn restore_driven(&mut self, before: Driven) {
+    pub(crate) fn restore_driven(&mut self, before: Driven) {
         for (index, velocity, angular_velocity) in before.particles.into_iter().rev() {
             self.particles.velocities[index] = velocity;
             self.particles.set_angular_velocity(index, angular_velocity);
@@ -58,7 +58,7 @@ impl World {
     }
 
     /// Refuses motors of movable particles, and forces of walls that do not exist.
-    pub(super) fn check_motors(&self, forces: &[Force]) -> Result<()> {
+    pub(crate) fn check_motors(&self, forces: &[Force]) -> Result<()> {
         check_walls(forces, self.walls.all().len())?;
         let indices = self.indices();
         for (index, motor) in motors(forces) {
@@ -78,7 +78,7 @@ impl World {
 }
 
 /// Refuses forces of walls that are not among the first `walls`.
-pub(super) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
+pub(crate) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
     for (index, force) in forces.iter().enumerate() {
         if let Some(wall) = force.walls().iter().find(|&&wall| wall as usize >= walls) {
             let kind = if matches!(force, Force::Motor(_)) { "a motor" } else { "ThermalWalls" };

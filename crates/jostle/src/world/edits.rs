@@ -55,7 +55,7 @@ impl World {
     }
 
     /// Removes rows, so that the others move up; returns how many remain before each.
-    pub(super) fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
+    pub(crate) fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
         let mut shifted = Vec::with_capacity(self.len());
         let mut left = 0;
         for &gone in gone {
@@ -75,7 +75,7 @@ impl World {
     }
 
     /// Keeps some indices of all columns, and the contacts between them.
-    pub(super) fn keep(&mut self, keep: &[bool]) {
+    pub(crate) fn keep(&mut self, keep: &[bool]) {
         self.particles.keep(keep);
         self.particles.simplify();
         self.persistent.keep(keep);
@@ -162,7 +162,7 @@ impl World {
 
     /// Whether changes may wake particles, or concern those whose motion is observed.
     fn may_wake(&self) -> bool {
-        !self.asleep.is_empty() || !self.persistent.drifts.is_empty() || self.domain.is_some()
+        !self.asleep.is_empty() || !self.persistent.drifts.is_empty() || !self.halo.is_alone()
     }
 
     /// Wakes what changes concern, and forgets how the changed particles moved.
@@ -183,17 +183,12 @@ impl World {
                 *drift = Drift::UNKNOWN;
             }
         }
-        if self.domain.is_some() {
-            return self.wake_edited_of_ranks(&driven, &changed);
-        }
-        self.wake_driven(&mut driven);
-        self.wake_changed(&changed);
-        Ok(())
+        self.halo.protocol().wake_edited(self, &mut driven, &changed)
     }
 }
 
 /// Removes what belongs to removed rows, and gives the rest the rows that they have then.
-pub(super) fn renumber<V>(
+pub(crate) fn renumber<V>(
     all: &mut Vec<V>,
     row: impl Fn(&mut V) -> &mut u32,
     (gone, shifted): (&[bool], &[u32]),
@@ -207,7 +202,7 @@ pub(super) fn renumber<V>(
 }
 
 /// Removes some values of a column.
-pub(super) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
+pub(crate) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
     let mut gone = gone.iter();
     column.retain(|_| gone.next().is_some_and(|&gone| !gone));
 }

@@ -14,31 +14,31 @@ use crate::particles::{self, Particles};
 
 /// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]
-pub(super) struct ForceScratch {
-    pub(super) all: forces::Scratch,
+pub(crate) struct ForceScratch {
+    pub(crate) all: forces::Scratch,
     /// The index of each row, where forces name particles.
-    pub(super) indices: Vec<u32>,
+    pub(crate) indices: Vec<u32>,
     /// Positions of the particles in the middle of the sub-step.
-    pub(super) halfway: Vec<[f32; 2]>,
+    pub(crate) halfway: Vec<[f32; 2]>,
     /// Their velocities at its beginning.
-    pub(super) velocities: Vec<[f32; 2]>,
+    pub(crate) velocities: Vec<[f32; 2]>,
     /// Accelerations there; empty if no force has any.
-    pub(super) accelerations: Vec<[f32; 2]>,
-    pub(super) old_accelerations: Vec<[f32; 2]>,
+    pub(crate) accelerations: Vec<[f32; 2]>,
+    pub(crate) old_accelerations: Vec<[f32; 2]>,
     /// Estimated displacements by springs; empty if there are none.
-    pub(super) max_displacements: Vec<f32>,
+    pub(crate) max_displacements: Vec<f32>,
     /// Islands of particles connected by springs.
-    pub(super) groups: DisjointSets,
-    pub(super) sprung: SpringSolver,
+    pub(crate) groups: DisjointSets,
+    pub(crate) sprung: SpringSolver,
     /// Whether any springs are so stiff that they may be solved together with contacts.
-    pub(super) are_springs_stiff: bool,
+    pub(crate) are_springs_stiff: bool,
     /// Scratch: sums over the springs of each particle.
     sums: Vec<[f64; 2]>,
 }
 
 impl ForceScratch {
     /// Writes the kicks of the accelerations in a sub-step.
-    pub(super) fn kick(&self, kicks: &mut [Kick], flow: &Flow) {
+    pub(crate) fn kick(&self, kicks: &mut [Kick], flow: &Flow) {
         for (kick, acceleration) in kicks.iter_mut().zip(&self.accelerations) {
             let by = acceleration.map(f64::from);
             kick.before = by.map(|a| a * flow.kicks[0]);
@@ -47,7 +47,7 @@ impl ForceScratch {
     }
 
     /// Writes the positions in the middle of a sub-step of `h` seconds.
-    pub(super) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
+    pub(crate) fn find_halfway(&mut self, motions: &Motions, container: &Container, h: f32) {
         let columns = self.halfway.iter_mut().zip(&mut self.velocities);
         for ((middle, before), index) in columns.zip(0..) {
             let (position, velocity) = (motions.position(index), motions.velocity(index));
@@ -60,7 +60,7 @@ impl ForceScratch {
 impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
-    pub(super) fn apply_forces(&mut self, dt: f32) -> Result<()> {
+    pub(crate) fn apply_forces(&mut self, dt: f32) -> Result<()> {
         let (substeps, has_accelerations) = (self.scratch.substeps, self.has_accelerations());
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
@@ -115,7 +115,7 @@ impl World {
     }
 
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
-    pub(super) fn accelerate(&mut self, h: f32) -> Result<()> {
+    pub(crate) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.extent_of_halfway()?;
         let Self { particles, rows, given, settings, scratch, .. } = self;
         let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
@@ -125,11 +125,11 @@ impl World {
         forces::accelerate(&self.forces, &bodies, scratch, accelerations);
         add_given(accelerations, rows, given.as_deref());
         interrupt::check()?;
-        self.share_accelerations()
+        self.halo.protocol().share_accelerations(self)
     }
 
     /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
-    pub(super) fn apply_bath(&mut self, dt: f32) {
+    pub(crate) fn apply_bath(&mut self, dt: f32) {
         let Some(bath) = forces::bath(&self.forces) else { return };
         let (threads, time) = (self.threads(), self.time);
         let Particles { positions, residuals, velocities, masses, movable, .. } =
@@ -149,7 +149,7 @@ impl World {
     }
 
     /// Removes springs that are stretched too far.
-    pub(super) fn break_springs(&mut self) {
+    pub(crate) fn break_springs(&mut self) {
         let (particles, settings) = (&self.particles, &self.settings);
         for force in &mut self.forces {
             if let Force::Springs(springs) = force {
@@ -163,7 +163,7 @@ impl World {
 }
 
 /// The springs among the forces.
-pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
+pub(crate) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
     forces.iter().filter_map(|force| match force {
         Force::Springs(springs) => Some(springs),
         _ => None,
@@ -171,7 +171,7 @@ pub(super) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs
 }
 
 /// The springs of particles that are awake.
-pub(super) fn awake_springs<'a>(
+pub(crate) fn awake_springs<'a>(
     forces: &'a [Force],
     indices: &'a [u32],
 ) -> impl Iterator<Item = &'a forces::Spring> + Clone {
@@ -181,7 +181,7 @@ pub(super) fn awake_springs<'a>(
 }
 
 /// Writes the index of each row, if any force names particles, of which some are asleep.
-pub(super) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {
+pub(crate) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {
     indices.clear();
     if forces::name_any(forces) {
         indices.resize(rows.len() + asleep, ASLEEP);
@@ -193,7 +193,7 @@ pub(super) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indice
 
 /// The particles at some positions, as arguments of the forces, with the row of each index and the
 /// index of each row.
-pub(super) fn bodies<'a>(
+pub(crate) fn bodies<'a>(
     particles: &'a Particles,
     positions: &'a [[f32; 2]],
     (rows, indices): (&'a [u32], &'a [u32]),
@@ -222,7 +222,7 @@ fn halfway(position: [f32; 2], velocity: [f32; 2], h: f32) -> [f32; 2] {
 }
 
 /// Estimated displacement by forces in `dt` seconds, beside that of the velocity.
-pub(super) fn force_displacement(
+pub(crate) fn force_displacement(
     acceleration: Option<&[f32; 2]>,
     max_displacement: Option<&f32>,
     dt: f32,

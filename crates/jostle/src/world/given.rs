@@ -4,7 +4,6 @@
 use super::World;
 use crate::error::{Error, Result};
 use crate::forces;
-use crate::parallel::locked;
 use crate::particles::check_vectors;
 use crate::space::Id;
 
@@ -61,9 +60,9 @@ impl World {
             let rule = format!("the acceleration of particle {id} would be too large");
             let value = format!("({x}, {y})");
             // In a distributed world `newtons` is not the argument of the caller.
-            return Err(match self.domain {
-                None => Error::at("forces", index, value, &rule),
-                Some(_) => Error::of("forces", value, &rule),
+            return Err(match self.halo.is_whole() {
+                true => Error::at("forces", index, value, &rule),
+                false => Error::of("forces", value, &rule),
             });
         }
         Ok(sums)
@@ -71,10 +70,8 @@ impl World {
 
     /// Tells the other ranks of an error, so that their next call returns one, too.
     fn tell_error<V>(&self, checked: Result<V>) -> Result<V> {
-        if checked.is_err()
-            && let Some(domain) = &self.domain
-        {
-            locked(&domain.group).fail();
+        if checked.is_err() {
+            self.halo.fail();
         }
         checked
     }
@@ -87,17 +84,15 @@ impl World {
         let acts = (0..).zip(&accelerations).filter(|(_, given)| **given != [0.0; 2]);
         let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
         let acts = self.any_of_all(!rows.is_empty())?;
-        if acts && self.domain.is_some() {
-            self.wake_edited_of_ranks(&[], &rows)?;
-        } else {
-            self.wake_changed(&rows);
+        if acts {
+            self.halo.protocol().wake_edited(self, &mut [], &rows)?;
         }
         self.given = acts.then_some(accelerations);
         Ok(())
     }
 
     /// Removes the given accelerations if they are 0 for all particles of all ranks.
-    pub(super) fn end_given_of_none(&mut self) -> Result<()> {
+    pub(crate) fn end_given_of_none(&mut self) -> Result<()> {
         let acts = self.given_accelerations().iter().any(|given| *given != [0.0; 2]);
         if self.given.is_some() && !self.any_of_all(acts)? {
             self.given = None;
@@ -106,13 +101,13 @@ impl World {
     }
 
     /// Whether anything accelerates particles, apart from gravity and springs.
-    pub(super) fn has_accelerations(&self) -> bool {
+    pub(crate) fn has_accelerations(&self) -> bool {
         self.given.is_some() || forces::pull(&self.forces)
     }
 }
 
 /// Adds the given acceleration of each particle. `accelerations` and `rows` are by index, `given` by row.
-pub(super) fn add_given(accelerations: &mut [[f32; 2]], rows: &[u32], given: Option<&[[f32; 2]]>) {
+pub(crate) fn add_given(accelerations: &mut [[f32; 2]], rows: &[u32], given: Option<&[[f32; 2]]>) {
     let Some(given) = given else { return };
     for (sum, &row) in accelerations.iter_mut().zip(rows) {
         let own = given[row as usize];

@@ -15,7 +15,7 @@ const MAX_RENUMBERED: usize = 1 << 27;
 
 /// The ids of all rows, ascending.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Ids {
+pub(crate) struct Ids {
     /// The id of each row; None while each id is its row.
     listed: Option<Vec<Id>>,
     /// The id of the particle that is added next.
@@ -24,12 +24,12 @@ pub(super) struct Ids {
 
 impl Ids {
     /// Each id is its row.
-    pub(super) fn of_rows(len: usize) -> Self {
+    pub(crate) fn of_rows(len: usize) -> Self {
         Self { listed: None, next: len as Id }
     }
 
     /// Those that were saved; refuses ids that no world can have.
-    pub(super) fn read(listed: Option<Vec<Id>>, len: usize, next: Id) -> Result<Self> {
+    pub(crate) fn read(listed: Option<Vec<Id>>, len: usize, next: Id) -> Result<Self> {
         let is_right = match &listed {
             None => next == len as Id,
             Some(all) => {
@@ -47,17 +47,17 @@ impl Ids {
     }
 
     /// The id of each row, None while each id is its row, and the id that is given next.
-    pub(super) fn parts(&self) -> (Option<&[Id]>, Id) {
+    pub(crate) fn parts(&self) -> (Option<&[Id]>, Id) {
         (self.listed.as_deref(), self.next)
     }
 
     /// The id of a row.
-    pub(super) fn of(&self, row: u32) -> Id {
+    pub(crate) fn of(&self, row: u32) -> Id {
         self.listed.as_ref().map_or(Id::from(row), |all| all[row as usize])
     }
 
     /// The row of an id; None if no particle has it.
-    pub(super) fn row(&self, id: Id) -> Option<u32> {
+    pub(crate) fn row(&self, id: Id) -> Option<u32> {
         match &self.listed {
             None => (0..self.next).contains(&id).then_some(id as u32),
             Some(all) => all.binary_search(&id).ok().map(|row| row as u32),
@@ -65,7 +65,7 @@ impl Ids {
     }
 
     /// Gives ids to so many new rows.
-    pub(super) fn add(&mut self, count: usize) -> Result<Range<Id>> {
+    pub(crate) fn add(&mut self, count: usize) -> Result<Range<Id>> {
         let first = self.next;
         let Some(end) = first.checked_add(count as Id) else {
             return Err(Error::of("positions", count, "there are no ids left for new particles"));
@@ -78,7 +78,7 @@ impl Ids {
     }
 
     /// Removes rows.
-    pub(super) fn remove(&mut self, gone: &[bool]) {
+    pub(crate) fn remove(&mut self, gone: &[bool]) {
         let next = self.next;
         let all = self.listed.get_or_insert_with(|| (0..next).collect());
         super::edits::retain_unless(all, gone);
@@ -105,8 +105,8 @@ impl World {
     }
 
     /// The id of a row; in a distributed world that among the particles of all ranks.
-    pub(super) fn id_among_all(&self, row: u32) -> Id {
-        self.domain.as_ref().map_or_else(|| self.ids.of(row), |domain| domain.id(row))
+    pub(crate) fn id_among_all(&self, row: u32) -> Id {
+        self.halo.ids().get(row as usize).copied().unwrap_or_else(|| self.ids.of(row))
     }
 
     /// Whether a particle has this id.
@@ -158,7 +158,7 @@ impl World {
     }
 
     /// Records that particles merged: the old id and the new one of each, by old ids.
-    pub(super) fn record_renumbering(&mut self, merged: Vec<[Id; 2]>) {
+    pub(crate) fn record_renumbering(&mut self, merged: Vec<[Id; 2]>) {
         let mut all = self.renumbered.take().unwrap_or_default();
         for [_, heir] in &mut all {
             if let Ok(at) = merged.binary_search_by_key(heir, |&[old, _]| old) {
@@ -170,7 +170,7 @@ impl World {
     }
 
     /// Removes what merged particles became from the record, where that is removed.
-    pub(super) fn shorten_renumbering(&mut self) {
+    pub(crate) fn shorten_renumbering(&mut self) {
         let ids = &self.ids;
         if let Some(all) = &mut self.renumbered {
             all.retain(|&[_, heir]| ids.row(heir).is_some());

@@ -19,11 +19,11 @@ use crate::space::Id;
 use crate::table::Table;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
-pub(super) const ROUNDS: usize = 16;
+pub(crate) const ROUNDS: usize = 16;
 
 /// A candidate pair of particles that may merge.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CandidateMerge {
+pub(crate) struct CandidateMerge {
     indices: [u32; 2],
     /// Offset that is added to the second (torus).
     image: [f32; 2],
@@ -33,7 +33,7 @@ pub(super) struct CandidateMerge {
 }
 
 /// Lists the pairs to test.
-pub(super) fn list_candidates(
+pub(crate) fn list_candidates(
     lists: &[([f32; 2], Vec<[u32; 2]>)],
     all: &Particles,
     candidates: &mut Vec<CandidateMerge>,
@@ -56,7 +56,7 @@ pub(super) fn list_candidates(
 }
 
 /// Marks the pairs that touched during the sub-step that has just ended.
-pub(super) fn mark_touching(
+pub(crate) fn mark_touching(
     candidates: &mut [CandidateMerge],
     motions: &Motions,
     threads: Option<usize>,
@@ -88,17 +88,19 @@ fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
 
 impl World {
     /// Merges the particles that touched, and those that merged particles then overlap.
-    pub(super) fn merge(&mut self) -> Result<()> {
+    pub(crate) fn merge(&mut self) -> Result<()> {
         if self.settings.on_touch != OnTouch::Merge {
             return Ok(());
         }
         let candidates = std::mem::take(&mut self.scratch.candidate_merges);
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
-        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
+        let touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
         self.scratch.candidate_merges = candidates;
-        if self.domain.is_some() {
-            return self.merge_with_other_ranks(touching);
-        }
+        self.halo.protocol().merge(self, touching)
+    }
+
+    /// The same of particles that all belong to this process.
+    pub(crate) fn merge_own(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
         for _ in 0..ROUNDS {
             self.record_pairs(&touching);
             if touching.is_empty() || !self.merge_touching(&touching)? {
@@ -112,7 +114,7 @@ impl World {
     }
 
     /// The pairs of indices that overlap and may merge.
-    pub(super) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
+    pub(crate) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
         let (overlaps, tests) = self.overlapping()?;
         self.stats.tests += tests;
         let is_sensor = |index: u32| self.particles.is_sensor(index as usize);
@@ -216,7 +218,7 @@ impl World {
 }
 
 /// The sum of the given forces on merging particles over their mass, from masses and accelerations.
-pub(super) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
+pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
     let (mut mass, mut sum) = (0.0, [0.0; 2]);
     for (own, given) in all {
         let own = f64::from(own);
@@ -227,14 +229,14 @@ pub(super) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> 
 }
 
 /// The kind of the heaviest of merging particles, from masses and kinds; the smallest of several.
-pub(super) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
+pub(crate) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
     let order = |a: &(f32, u8), b: &(f32, u8)| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(&a.1));
     all.max_by(order).map(|(_, kind)| kind)
 }
 
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
 /// would not be valid or not fit into the container.
-pub(super) fn union(
+pub(crate) fn union(
     all: &Particles,
     indices: &[usize],
     container: &Container,

@@ -7,45 +7,36 @@
 //! the state. `rows` gives the order of adding, which is the only one that callers see; they name
 //! particles by `ids`.
 
-mod asleep;
-mod bounds;
-mod carried;
+pub(crate) mod asleep;
+pub(crate) mod bounds;
 mod columns;
-mod contacts;
+pub(crate) mod contacts;
 mod defaults;
-mod discs;
-mod distribute;
-mod domain;
+pub(crate) mod discs;
+pub(crate) mod distribution;
 mod drive;
-mod edits;
-mod edits_of_ranks;
+pub(crate) mod edits;
 mod force_step;
-mod ghosts;
 mod given;
-mod ids;
-mod islands;
-mod merge;
-mod merge_of_ranks;
-mod migration;
+pub(crate) mod ids;
+pub(crate) mod merge;
 mod record;
 mod reductions;
 mod refinement;
 mod renewal;
 mod reorder;
-mod search;
-mod settings;
-mod shared;
-mod sleeping;
+pub(crate) mod search;
+pub(crate) mod settings;
+pub(crate) mod sleeping;
 mod snapshot;
 mod step;
 mod store;
 mod substeps;
 mod sums;
-mod touches;
+pub(crate) mod touches;
 mod touching;
-mod undo;
+pub(crate) mod undo;
 mod waking;
-mod waking_of_ranks;
 
 use std::sync::OnceLock;
 
@@ -65,8 +56,7 @@ use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::{Discs, Persistent};
-pub use distribute::OwnParticles;
-use domain::Domain;
+use distribution::{Agreement, Distribution};
 use force_step::ForceScratch;
 use ids::Ids;
 use record::Record;
@@ -153,113 +143,113 @@ pub struct Stats {
 /// ```
 #[derive(Debug, Default)]
 pub struct World {
-    settings: WorldSettings,
+    pub(crate) settings: WorldSettings,
     /// They name particles by rows.
-    forces: Vec<Force>,
-    walls: Walls,
+    pub(crate) forces: Vec<Force>,
+    pub(crate) walls: Walls,
     /// The accelerations of the rows by forces of the caller, if there are any on any rank.
-    given: Option<Vec<[f32; 2]>>,
+    pub(crate) given: Option<Vec<[f32; 2]>>,
     /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
-    particles: Particles,
+    pub(crate) particles: Particles,
     /// The row, in the order of adding, of the particle at each index.
-    rows: Vec<u32>,
-    persistent: Persistent,
+    pub(crate) rows: Vec<u32>,
+    pub(crate) persistent: Persistent,
     /// The index of each row, once it was needed.
-    indices: OnceLock<Vec<u32>>,
+    pub(crate) indices: OnceLock<Vec<u32>>,
     /// The id of each row.
-    ids: Ids,
-    defaults: Defaults,
-    contacts: Contacts,
+    pub(crate) ids: Ids,
+    pub(crate) defaults: Defaults,
+    pub(crate) contacts: Contacts,
     /// The impulses that walls gave in the last step, sorted by row.
-    wall_impulses: Vec<WallImpulse>,
+    pub(crate) wall_impulses: Vec<WallImpulse>,
     /// The other particles.
-    asleep: Asleep,
-    time: f64,
-    stats: Stats,
+    pub(crate) asleep: Asleep,
+    pub(crate) time: f64,
+    pub(crate) stats: Stats,
     /// The old and the new id of each particle that became part of another.
-    renumbered: Option<Vec<[Id; 2]>>,
+    pub(crate) renumbered: Option<Vec<[Id; 2]>>,
     /// What happened since the last call of [`World::begin_record`].
-    record: Record,
-    /// The distribution over ranks, if the world is distributed.
-    domain: Option<Box<Domain>>,
-    scratch: StepScratch,
+    pub(crate) record: Record,
+    /// The part of the world that this process has.
+    pub(crate) halo: Box<dyn Distribution>,
+    pub(crate) scratch: StepScratch,
 }
 
 /// Scratch of a step.
 #[derive(Debug, Default)]
-struct StepScratch {
+pub(crate) struct StepScratch {
     /// A multiple of the mean speed, for the bounds.
-    usual_speed: f32,
+    pub(crate) usual_speed: f32,
     /// Whether all particles stay in their bounds if they have no events.
-    bounded: bool,
+    pub(crate) bounded: bool,
     /// Sub-steps of a part of a step.
-    substeps: usize,
+    pub(crate) substeps: usize,
     /// Largest displacements that stay in the bounds.
-    max_displacements: Vec<f32>,
-    old_max_displacements: Vec<f32>,
+    pub(crate) max_displacements: Vec<f32>,
+    pub(crate) old_max_displacements: Vec<f32>,
     /// Those with which a part of the step begins; empty if no particle sleeps.
-    limits: Vec<f32>,
+    pub(crate) limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
-    touched: Vec<u32>,
+    pub(crate) touched: Vec<u32>,
     /// Whether there are any, on any rank.
-    meets_sleepers: bool,
-    sleeping: sleeping::Scratch,
-    waking: waking::Scratch,
-    grown: bounds::Grown,
+    pub(crate) meets_sleepers: bool,
+    pub(crate) sleeping: sleeping::Scratch,
+    pub(crate) waking: waking::Scratch,
+    pub(crate) grown: bounds::Grown,
     /// Rows that were exhausted in the step.
-    exhausted: Vec<u32>,
+    pub(crate) exhausted: Vec<u32>,
     /// Those of the step.
-    collisions: Collisions,
-    touching: touching::Scratch,
-    events: Events,
+    pub(crate) collisions: Collisions,
+    pub(crate) touching: touching::Scratch,
+    pub(crate) events: Events,
     /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
-    wall_impulses: Vec<(u32, u32, [f32; 2])>,
+    pub(crate) wall_impulses: Vec<(u32, u32, [f32; 2])>,
     /// The pushes of walls in the last sub-step, sorted by row and wall.
-    wall_pushes: Vec<WallPush>,
+    pub(crate) wall_pushes: Vec<WallPush>,
     /// Those of the sub-step that is computed.
-    new_wall_pushes: Vec<WallPush>,
+    pub(crate) new_wall_pushes: Vec<WallPush>,
     /// The walls near each particle.
-    near_walls: walls::Near,
-    shapes: Shapes<f32>,
-    tree: Quadtree<f32>,
-    motions: Motions,
-    spins: Spins,
-    resting: Resting,
-    correction: Correction,
-    listing: search::ListScratch,
-    contact_shape: ContactShape,
+    pub(crate) near_walls: walls::Near,
+    pub(crate) shapes: Shapes<f32>,
+    pub(crate) tree: Quadtree<f32>,
+    pub(crate) motions: Motions,
+    pub(crate) spins: Spins,
+    pub(crate) resting: Resting,
+    pub(crate) correction: Correction,
+    pub(crate) listing: search::ListScratch,
+    pub(crate) contact_shape: ContactShape,
     /// How many times the usual number of sub-steps the contacts need, on all ranks.
-    refinement: usize,
+    pub(crate) refinement: usize,
     /// The candidate pairs.
-    pairs: search::Lists,
+    pub(crate) pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.
-    sensed: search::Lists,
+    pub(crate) sensed: search::Lists,
     /// Those of which contacts are made.
-    overlaps: search::Lists,
-    overlap_parts: Vec<Vec<[u32; 2]>>,
+    pub(crate) overlaps: search::Lists,
+    pub(crate) overlap_parts: Vec<Vec<[u32; 2]>>,
     /// How far from its surface each particle may rest in the step.
-    reaches: Vec<f32>,
+    pub(crate) reaches: Vec<f32>,
     /// Which particles lose energy, or may touch one that does, of a world in which some do and
     /// others do not; else empty.
-    lossy: Vec<bool>,
+    pub(crate) lossy: Vec<bool>,
     /// Seconds for which the bounds of the step are made.
-    horizon: f32,
-    crowding: renewal::Crowding,
-    renewed: renewal::Renewed,
+    pub(crate) horizon: f32,
+    pub(crate) crowding: renewal::Crowding,
+    pub(crate) renewed: renewal::Renewed,
     /// The candidate pairs of a world whose particles merge.
-    candidate_merges: Vec<merge::CandidateMerge>,
+    pub(crate) candidate_merges: Vec<merge::CandidateMerge>,
     /// Of a distributed one: the particles at the beginning of a part of the step, by indices.
-    starts: Particles,
-    /// Of a distributed one: whether the ranks agree on a part of the step.
-    agreement: Option<shared::Agreement>,
-    kicks: Vec<Kick>,
-    hot_walls: HotWalls,
-    forces: ForceScratch,
-    before: Before,
+    pub(crate) starts: Particles,
+    /// Whether the processes agree on a part of the step, if that is known.
+    pub(crate) agreement: Option<Agreement>,
+    pub(crate) kicks: Vec<Kick>,
+    pub(crate) hot_walls: HotWalls,
+    pub(crate) forces: ForceScratch,
+    pub(crate) before: Before,
     /// The record before, until a step of the present one is complete.
-    record_before: Option<(Record, Option<Vec<[Id; 2]>>)>,
+    pub(crate) record_before: Option<(Record, Option<Vec<[Id; 2]>>)>,
     /// Columns to reorder into, for all parts of a step but the first.
-    spare: Discs,
+    pub(crate) spare: Discs,
 }
 
 impl World {
@@ -308,7 +298,7 @@ impl World {
             self.walls = walls;
             self.persistent.warm_start.clear();
             self.wall_impulses.clear();
-            self.forget_domains();
+            self.halo.forget_domains();
         }
         if track_events != self.settings.track_events {
             self.record.forget_pairs();

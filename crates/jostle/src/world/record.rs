@@ -32,22 +32,22 @@ pub struct TouchEvents {
 
 /// The record of a world. All lists are of pairs of ids, the smaller first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Record {
-    pub(super) collisions: Collisions,
+pub(crate) struct Record {
+    pub(crate) collisions: Collisions,
     /// The pairs that touched at the end of the record before, sorted.
-    pub(super) before: Vec<[Id; 2]>,
+    pub(crate) before: Vec<[Id; 2]>,
     /// The pairs that touched in a step of this record; some may be listed twice.
-    pub(super) during: Vec<[Id; 2]>,
+    pub(crate) during: Vec<[Id; 2]>,
     /// Those that touched at the end of this record, sorted.
-    pub(super) at_end: Vec<[Id; 2]>,
+    pub(crate) at_end: Vec<[Id; 2]>,
     /// In a distributed world, those of them of which a particle was removed since.
-    pub(super) gone: Vec<[Id; 2]>,
+    pub(crate) gone: Vec<[Id; 2]>,
     /// The length of `during` when doubles were removed.
-    pub(super) distinct: usize,
+    pub(crate) distinct: usize,
     /// Whether there was a step after the end of the record.
-    pub(super) is_open: bool,
+    pub(crate) is_open: bool,
     /// Whether no particle has fallen asleep since `at_end` was computed.
-    pub(super) knows_sleepers: bool,
+    pub(crate) knows_sleepers: bool,
 }
 
 impl Record {
@@ -65,7 +65,7 @@ impl Record {
     }
 
     /// Forgets all pairs.
-    pub(super) fn forget_pairs(&mut self) {
+    pub(crate) fn forget_pairs(&mut self) {
         *self = Self { collisions: self.collisions, ..Self::default() };
     }
 
@@ -88,7 +88,7 @@ impl World {
     pub fn begin_record(&mut self) {
         let old = std::mem::take(&mut self.record);
         // In a distributed world, pairs of removed particles are apart.
-        let is_whole = self.domain.is_none();
+        let is_whole = self.halo.is_whole();
         let is_there = |pair: &[Id; 2]| !is_whole || pair.iter().all(|&id| self.contains(id));
         self.record = Record {
             before: union(&old.at_end, &old.gone),
@@ -130,7 +130,7 @@ impl World {
     }
 
     /// Adds the pairs that touched in a step that is complete, apart from `fall_asleep`.
-    pub(super) fn record_touching(&mut self) {
+    pub(crate) fn record_touching(&mut self) {
         if !self.settings.track_events {
             return;
         }
@@ -140,7 +140,7 @@ impl World {
     }
 
     /// Adds pairs of indices that touched in the step, if events are tracked.
-    pub(super) fn record_pairs(&mut self, indices: &[[u32; 2]]) {
+    pub(crate) fn record_pairs(&mut self, indices: &[[u32; 2]]) {
         if !self.settings.track_events {
             return;
         }
@@ -151,17 +151,14 @@ impl World {
     }
 
     /// The ids of two rows, the smaller first; none of two ghosts, whose own ranks know them.
-    pub(super) fn known_pair(&self, rows: [u32; 2]) -> Option<[Id; 2]> {
-        let is_known = match &self.domain {
-            None => true,
-            Some(domain) => rows.iter().any(|&row| domain.owns(row)),
-        };
+    pub(crate) fn known_pair(&self, rows: [u32; 2]) -> Option<[Id; 2]> {
+        let is_known = rows.iter().any(|&row| row < self.halo.own_rows());
         let [a, b] = rows.map(|row| self.id_among_all(row));
         is_known.then_some([a.min(b), a.max(b)])
     }
 
     /// Makes what a step has recorded final.
-    pub(super) fn close_step(&mut self) {
+    pub(crate) fn close_step(&mut self) {
         let Collisions { pairs, walls } = self.scratch.collisions;
         let all = &mut self.record.collisions;
         all.pairs = all.pairs.saturating_add(pairs);

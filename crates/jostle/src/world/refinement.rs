@@ -6,7 +6,6 @@
 //! sub-steps grows with that ratio.
 
 use super::World;
-use super::domain::owns;
 use crate::resting::are_touching;
 use crate::tolerance::{gap, size_of};
 
@@ -24,7 +23,7 @@ impl World {
     /// How many times the usual number of sub-steps the contacts of this step need. It follows from
     /// the particles that touch as the part begins. Two ghosts do not count: their states may be
     /// wrong in later parts of a step, and the rank of one of them has the pair too.
-    pub(super) fn own_refinement(&self) -> usize {
+    pub(crate) fn own_refinement(&self) -> usize {
         let is_free = self.settings.substeps.is_none() && self.may_rest();
         if !is_free || !self.contacts.has_uneven() {
             return 1;
@@ -40,7 +39,8 @@ impl World {
     /// The mass of the heavier particle over that of the lighter, if they touch and the heavier
     /// presses on the lighter: gravity and forces accelerate it towards the lighter.
     fn ratio_under_load(&self, pair: [u32; 2], image: [f32; 2]) -> Option<f32> {
-        if !pair.iter().any(|&index| owns(&self.domain, self.rows[index as usize])) {
+        let own = self.halo.own_rows();
+        if !pair.iter().any(|&index| self.rows[index as usize] < own) {
             return None;
         }
         let particles = &self.particles;

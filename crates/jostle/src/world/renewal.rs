@@ -49,7 +49,7 @@ impl World {
 
     /// Finds out how crowded the particles are, and for how many of the `dt` seconds of a step its
     /// first bounds are made.
-    pub(super) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
+    pub(crate) fn choose_horizon(&mut self, dt: f32) -> Result<()> {
         self.scratch.usual_speed = self.usual_speed()?;
         self.scratch.horizon = dt;
         if self.settings.on_touch != OnTouch::Bounce {
@@ -82,20 +82,15 @@ impl World {
         }
         let Particles { velocities, radii, .. } = &self.particles;
         let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowding.collisions(v, radius));
-        let most = match &self.domain {
-            None => all.fold(0.0, f64::max),
-            Some(domain) => {
-                let most = domain.own_or(0.0, all, &self.rows).fold(0.0, f64::max);
-                self.largest_of_all([most])?[0]
-            }
-        };
+        let most = self.own_or(0.0, all).fold(0.0, f64::max);
+        let [most] = self.largest_of_all([most])?;
         Ok(Crowding::parts_of_the_fastest(most * dt))
     }
 }
 
 /// How crowded the particles of a step are, from which horizons follow.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Crowding {
+pub(crate) struct Crowding {
     /// Particles in a unit of area.
     density: f64,
     /// Their mean radius.
@@ -137,7 +132,7 @@ impl Crowding {
 
     /// For how many of the `left` seconds bounds of these particles are made, and the speed that
     /// they allow for.
-    pub(super) fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
+    pub(crate) fn horizon(&self, now: &[Start], left: f64) -> (f64, f32) {
         let speed = |of: &Start| dot(of.velocity.map(f64::from), of.velocity.map(f64::from)).sqrt();
         let mean = now.iter().map(speed).sum::<f64>() / now.len() as f64;
         let usual = f64::from(USUAL) * mean;
@@ -152,7 +147,7 @@ impl Crowding {
 
 /// The bounds that replace those with which a step began, after the particles have moved far.
 #[derive(Debug, Default)]
-pub(super) struct Renewed {
+pub(crate) struct Renewed {
     /// Whether they do, in this step.
     is_used: bool,
     /// Centres, on the torus, and the copies of the torus in which they are.
@@ -168,30 +163,30 @@ pub(super) struct Renewed {
 
 impl Renewed {
     /// Begins a step.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.is_used = false;
     }
 
     /// Their tree, if they are used.
-    pub(super) fn tree(&self) -> Option<&Quadtree<f32>> {
+    pub(crate) fn tree(&self) -> Option<&Quadtree<f32>> {
         self.is_used.then_some(&self.tree)
     }
 
     /// The particle at an index of that tree, and the copy of the torus in which it is.
-    pub(super) fn at(&self, index: usize) -> (u32, [i32; 2]) {
+    pub(crate) fn at(&self, index: usize) -> (u32, [i32; 2]) {
         let particle = self.tree.rows()[index];
         (particle, self.tiles[particle as usize])
     }
 
     /// The centre of the bounds of a particle, and the copy of the torus in which it is, if they
     /// are used.
-    pub(super) fn center(&self, particle: usize) -> Option<([f32; 2], [i32; 2])> {
+    pub(crate) fn center(&self, particle: usize) -> Option<([f32; 2], [i32; 2])> {
         self.is_used.then(|| (self.centers[particle], self.tiles[particle]))
     }
 
     /// Makes bounds for some seconds around where all particles are `now`, which allow for a usual
     /// speed, and writes how far particles get in them.
-    pub(super) fn rebuild(
+    pub(crate) fn rebuild(
         &mut self,
         now: &[Start],
         (seconds, usual_speed): (f32, f32),
@@ -227,7 +222,7 @@ impl Renewed {
     }
 
     /// Lists the candidate pairs of the new bounds.
-    pub(super) fn list(
+    pub(crate) fn list(
         &mut self,
         particles: &Particles,
         settings: &WorldSettings,

@@ -9,7 +9,7 @@ use crate::table::Table;
 impl World {
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
     /// order for [`World::undo`].
-    pub(super) fn reorder(&mut self) {
+    pub(crate) fn reorder(&mut self) {
         let threads = self.threads();
         let scratch = &mut self.scratch;
         let order = scratch.tree.rows();

@@ -13,18 +13,18 @@ use crate::shapes::{Each, Shapes, fill_filters};
 
 /// Pairs of indices, a list for each offset: first those in the plane, with offset 0, then those
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.
-pub(super) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
+pub(crate) type Lists = Vec<([f32; 2], Vec<[u32; 2]>)>;
 
 /// Scratch of [`list`].
 #[derive(Debug, Default)]
-pub(super) struct ListScratch {
+pub(crate) struct ListScratch {
     join: JoinScratch,
     sorting: SortScratch,
 }
 
 /// Lists the pairs of shapes that overlap, sorted if that is wanted, in the memory of earlier lists;
 /// returns how many were tested.
-pub(super) fn list(
+pub(crate) fn list(
     tree: &Quadtree<f32>,
     settings: &WorldSettings,
     is_sorted: bool,
@@ -72,8 +72,8 @@ pub(super) fn list(
 
 /// Two particles that overlap and may touch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Overlap {
-    pub(super) indices: [u32; 2],
+pub(crate) struct Overlap {
+    pub(crate) indices: [u32; 2],
     /// From the first to the second.
     offset: [f32; 2],
     /// Sum of the radii.
@@ -83,7 +83,7 @@ pub(super) struct Overlap {
 impl World {
     /// The pairs that overlap where they are now, in the order of a tree, and how many
     /// were tested.
-    pub(super) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
+    pub(crate) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
         let (all, settings) = (&self.particles, &self.settings);
         let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());
@@ -110,7 +110,7 @@ impl World {
     }
 
     /// The overlapping pairs by id, as callers see them.
-    pub(super) fn overlaps(&self) -> Result<Vec<Touch>> {
+    pub(crate) fn overlaps(&self) -> Result<Vec<Touch>> {
         let touch = |Overlap { indices, offset, radius_sum }: Overlap| {
             let [i, j] = indices.map(|index| self.rows[index as usize]);
             let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();

@@ -72,7 +72,7 @@ impl Default for WorldSettings {
 }
 
 impl WorldSettings {
-    pub(super) fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         particles::check_vectors("gravity", &[self.gravity]).map_err(|_| {
             let value = format!("({}, {})", self.gravity[0], self.gravity[1]);
             Error::of("gravity", value, "both components must be finite and at most 1e18")
@@ -94,7 +94,7 @@ impl WorldSettings {
     }
 
     /// The coefficients of restitution of the sides that there are; 1 for others.
-    pub(super) fn side_restitutions(&self) -> [f32; MAX_WALLS] {
+    pub(crate) fn side_restitutions(&self) -> [f32; MAX_WALLS] {
         if self.container.has_walls() { self.container_restitution } else { [1.0; MAX_WALLS] }
     }
 

@@ -12,8 +12,7 @@
 
 use super::asleep::{Island, Sleepers, run};
 use super::force_step::awake_springs;
-use super::islands::SleepingContact;
-use super::{OnTouch, World, domain};
+use super::{OnTouch, World};
 use crate::bytes::Plain;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
@@ -49,17 +48,17 @@ const SHORTER: f64 = 0.001_234_5;
 
 /// How a particle moved in the previous quarter of a second and in this one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Drift {
+pub(crate) struct Drift {
     /// Displacement of the particle and of its surface in the previous quarter; infinite if it was
     /// too fast.
-    pub(super) before: [f32; 3],
+    pub(crate) before: [f32; 3],
     /// The same in this quarter so far.
-    pub(super) now: [f32; 3],
+    pub(crate) now: [f32; 3],
 }
 
 impl Drift {
     /// Of a particle that has not been observed for a whole quarter.
-    pub(super) const UNKNOWN: Self = Self { before: [f32::INFINITY; 3], now: [f32::INFINITY; 3] };
+    pub(crate) const UNKNOWN: Self = Self { before: [f32::INFINITY; 3], now: [f32::INFINITY; 3] };
 }
 
 impl Default for Drift {
@@ -80,7 +79,7 @@ impl Plain for Drift {
 }
 
 /// Stands for no island.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// What a particle rests on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -96,24 +95,24 @@ enum Rest {
 /// What decides whether an island falls asleep. The order in which its members are added changes
 /// nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct IslandMotion {
+pub(crate) struct IslandMotion {
     /// The largest squares of the mean speeds of its members over their limits: in the previous
     /// quarter and in this one.
-    pub(super) squares: [f32; 2],
+    pub(crate) squares: [f32; 2],
     /// Whether a member rests on a wall or on a static particle.
-    pub(super) is_supported: bool,
+    pub(crate) is_supported: bool,
     /// Whether each member rests on something.
-    pub(super) all_rest: bool,
+    pub(crate) all_rest: bool,
     /// Sum over its members of the change of the mean velocity over its limit, in units of
     /// [`UNIT`].
-    pub(super) change: [i64; 3],
+    pub(crate) change: [i64; 3],
     /// The number of its members.
-    pub(super) count: u32,
+    pub(crate) count: u32,
 }
 
 impl IslandMotion {
     /// Adds other members.
-    pub(super) fn join(&mut self, other: &Self) {
+    pub(crate) fn join(&mut self, other: &Self) {
         self.squares = [0, 1].map(|k| self.squares[k].max(other.squares[k]));
         self.is_supported |= other.is_supported;
         self.all_rest &= other.all_rest;
@@ -122,7 +121,7 @@ impl IslandMotion {
     }
 
     /// Whether the island may fall asleep.
-    pub(super) fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         let [before, now] = self.squares;
         let is_slow = before <= 1.0 && now <= 1.0 && now <= before.max(ROUNDING);
         let most = STEADY * f64::from(self.count) / UNIT;
@@ -139,7 +138,7 @@ impl Default for IslandMotion {
 
 /// Scratch.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     groups: DisjointSets,
     /// The squares of the mean speeds of each particle over their limits: in the previous quarter
     /// and in this one.
@@ -147,22 +146,22 @@ pub(super) struct Scratch {
     /// The change of the mean velocity of each particle over its limit, in units of [`UNIT`].
     changes: Vec<[i64; 3]>,
     /// The first member of the island of each particle.
-    pub(super) first: Vec<u32>,
+    pub(crate) first: Vec<u32>,
     /// The motion of each island at the index of its first member.
-    pub(super) of_islands: Vec<IslandMotion>,
+    pub(crate) of_islands: Vec<IslandMotion>,
     /// In a distributed world, the name of each island at that index.
-    pub(super) names: Vec<Id>,
+    pub(crate) names: Vec<Id>,
     /// What each particle rests on.
     rests: Vec<Rest>,
     /// The number of the sleeping island of the particle at each index.
-    pub(super) island_of: Vec<u32>,
+    pub(crate) island_of: Vec<u32>,
     /// For each particle that falls asleep, the first member of its island and its own index.
-    pub(super) members: Vec<[u32; 2]>,
+    pub(crate) members: Vec<[u32; 2]>,
 }
 
 impl World {
     /// Whether anything may fall asleep with the present settings and forces.
-    pub(super) fn may_sleep(&self) -> bool {
+    pub(crate) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
         let pulls_none = |force: &Force| {
             matches!(force, Force::Thermostat(_) | Force::Motor(_) | Force::Springs(_))
@@ -176,7 +175,7 @@ impl World {
 
     /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an
     /// error, the step can be undone.
-    pub(super) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
+    pub(crate) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
         if !self.may_sleep() || self.is_lossless() {
             self.persistent.drifts.clear();
             return Ok(());
@@ -197,18 +196,18 @@ impl World {
     }
 
     /// Moves islands to the sleeping ones. If there is an error on any rank, nothing changes.
-    pub(super) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
+    pub(crate) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
         let count = sleepers.islands.len();
         let done =
             if count > 0 { self.asleep.append(&sleepers, self.settings.tree) } else { Ok(()) };
         let is_appended = done.is_ok();
-        let done = done.and_then(|()| self.keep_pairs_of_sleepers());
+        let done = done.and_then(|()| self.halo.protocol().keep_pairs(self));
         let done = done.and_then(|()| self.wait_for_all());
         if done.is_err() {
             if is_appended {
                 self.asleep.withdraw(count);
             }
-            self.drop_contacts_of_woken();
+            self.halo.protocol().drop_contacts(self);
             return done;
         }
         self.record.knows_sleepers = false;
@@ -217,7 +216,7 @@ impl World {
     }
 
     /// Removes particles that sleep now from those that are awake.
-    pub(super) fn remove_sleepers(&mut self, sleepers: Sleepers) {
+    pub(crate) fn remove_sleepers(&mut self, sleepers: Sleepers) {
         let island_of = &self.scratch.sleeping.island_of;
         let keep: Vec<bool> = island_of.iter().map(|&island| island == NONE).collect();
         self.drop_wall_impulses(sleepers.discs.rows);
@@ -291,38 +290,37 @@ impl World {
     /// on any rank.
     fn list_sleepers(&mut self) -> Result<bool> {
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
-        let Self { particles, domain, rows, scratch, .. } = self;
+        let Self { particles, halo, rows, scratch, .. } = self;
+        let own = halo.own_rows();
         let sleeping = &mut scratch.sleeping;
         sleeping.members.clear();
         let mut all = sleeping.squares.iter().enumerate();
         let may_sleep = all.any(|(index, &squares)| {
-            is_slow(squares) && particles.movable[index] && domain::owns(domain, rows[index])
+            is_slow(squares) && particles.movable[index] && rows[index] < own
         });
-        if self.sum_of_all([u64::from(may_sleep)])? == [0] {
+        if !self.any_of_all(may_sleep)? {
             return Ok(false);
         }
         self.find_islands();
         self.sum_islands();
-        self.join_islands_of_ranks()?;
-        let Self { particles, domain, rows, scratch, .. } = self;
+        self.halo.protocol().join_islands(self)?;
+        let Self { particles, rows, scratch, .. } = self;
         let Scratch { first, of_islands, members, .. } = &mut scratch.sleeping;
         for (index, &first) in (0..).zip(&*first) {
             let is_at_rest = of_islands[first as usize].is_at_rest();
-            if is_at_rest
-                && is_member(particles, index)
-                && domain::owns(domain, rows[index as usize])
-            {
+            if is_at_rest && is_member(particles, index) && rows[index as usize] < own {
                 members.push([first, index]);
             }
         }
         members.sort_unstable();
-        Ok(self.domain.is_some() || !self.scratch.sleeping.members.is_empty())
+        Ok(!self.halo.is_alone() || !self.scratch.sleeping.members.is_empty())
     }
 
     /// Sums up how the members of each island have moved. Ghosts count on their own ranks; but
     /// kinematic ones keep the island awake on each rank.
     fn sum_islands(&mut self) {
-        let Self { particles, domain, rows, scratch, .. } = self;
+        let Self { particles, halo, rows, scratch, .. } = self;
+        let own = halo.own_rows();
         let Scratch { groups, squares, changes, rests, of_islands, first, .. } =
             &mut scratch.sleeping;
         of_islands.clear();
@@ -334,7 +332,7 @@ impl World {
                 continue;
             }
             let island = &mut of_islands[first as usize];
-            if domain::owns(domain, rows[index]) {
+            if rows[index] < own {
                 island.join(&IslandMotion {
                     squares: squares[index],
                     is_supported: rests[index] == Rest::Supported,
@@ -360,13 +358,13 @@ impl World {
             wall_impulses,
             rows,
             scratch,
-            domain,
+            halo,
             forces,
             ..
         } = self;
         let super::StepScratch { overlaps, events, sleeping, forces: scratch, .. } = scratch;
         let Scratch { groups, rests, .. } = sleeping;
-        let movable = &particles.movable;
+        let (movable, own) = (&particles.movable, halo.own_rows());
         let indices = &scratch.indices;
         let tied = awake_springs(forces, indices)
             .map(|spring| spring.pair.map(|row| indices[row as usize]));
@@ -375,7 +373,7 @@ impl World {
         let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
         for pair in near.copied().chain(touching).chain(tied.clone()) {
             // Pairs of two ghosts are known to their own ranks.
-            let is_known = pair.iter().any(|&index| domain::owns(domain, rows[index as usize]));
+            let is_known = pair.iter().any(|&index| rows[index as usize] < own);
             if is_known && pair.iter().all(|&index| is_member(particles, index)) {
                 groups.join(pair[0], pair[1]);
             }
@@ -406,7 +404,7 @@ impl World {
 
     /// The islands that fall asleep, at rest, without their contacts. They are still among the others,
     /// too.
-    pub(super) fn take_sleepers(&mut self) -> Sleepers {
+    pub(crate) fn take_sleepers(&mut self) -> Sleepers {
         let Self { particles, rows, persistent, scratch, .. } = &mut *self;
         let Scratch { members, island_of, names, .. } = &mut scratch.sleeping;
         let mut new = Sleepers::default();
@@ -434,7 +432,7 @@ impl World {
 
     /// Adds the contacts of islands that fall asleep. Those of a distributed world are kept with ids.
     fn take_contacts(&mut self, new: &mut Sleepers) {
-        let Self { contacts, rows, scratch, .. } = self;
+        let Self { contacts, rows, scratch, halo, .. } = self;
         let island_of = &scratch.sleeping.island_of;
         let lasting = contacts.lasting().filter_map(|contact| {
             // An immovable particle has no island.
@@ -444,13 +442,7 @@ impl World {
         });
         let mut of_islands: Vec<_> = lasting.collect();
         of_islands.sort_by_key(|&(island, _)| island);
-        if let Some(domain) = &mut self.domain {
-            let kept = of_islands.iter().map(|(island, contact)| {
-                let ids = contact.indices.map(|index| domain.ids[rows[index as usize] as usize]);
-                SleepingContact::new(new.islands[*island as usize].name, ids, contact)
-            });
-            let kept: Vec<SleepingContact> = kept.collect();
-            domain.sleeping.extend(kept);
+        if halo.keep_contacts(new, &of_islands, rows) {
             return;
         }
         for (_, contact) in &mut of_islands {
@@ -460,7 +452,7 @@ impl World {
     }
 
     /// Adds the impulses of walls on islands that fall asleep.
-    pub(super) fn take_wall_impulses(&self, new: &mut Sleepers) {
+    pub(crate) fn take_wall_impulses(&self, new: &mut Sleepers) {
         let mut of_rows: Vec<[u32; 2]> = Vec::with_capacity(new.discs.rows.len());
         for (island, of) in (0..).zip(&new.islands) {
             let range = of.particles.start as usize..of.particles.end as usize;

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use super::reductions::largest;
-use super::{OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
+use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::events::MAX_COLLISIONS;
@@ -15,14 +15,14 @@ use crate::space::Id;
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.
-pub(super) const MAX_CANDIDATES: usize = 1 << 25;
+pub(crate) const MAX_CANDIDATES: usize = 1 << 25;
 
 /// Share of the usual displacement by which the bounds in which walls are searched are larger than
 /// those for particles.
 const SPARE: f32 = 0.3;
 
 /// Repetitions of a step that wake only islands that would be touched. One more wakes all.
-pub(super) const MAX_ATTEMPTS: usize = 4;
+pub(crate) const MAX_ATTEMPTS: usize = 4;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
 const WORTH_SHARING: usize = 5000;
@@ -63,7 +63,7 @@ impl World {
     }
 
     /// The threads to use: one if there is little work. For much work they are woken.
-    pub(super) fn threads(&self) -> Option<usize> {
+    pub(crate) fn threads(&self) -> Option<usize> {
         let work = self.rows.len() * self.scratch.substeps.max(1);
         let waking = self.worth_waking();
         parallel::threads_for(self.settings.tree.threads, work, WORTH_SHARING, waking)
@@ -76,7 +76,7 @@ impl World {
 
     /// Makes a step, if it changes anything.
     fn step_awake(&mut self, single: f32, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
-        if self.domain.is_some() || !self.is_still() {
+        if !self.halo.is_whole() || !self.is_still() {
             return self.step_driven(single, dt, watch);
         }
         interrupt::check()?;
@@ -99,45 +99,87 @@ impl World {
         done
     }
 
-    /// Makes a step. If particles would meet sleeping ones, wakes these and makes it anew.
+    /// Makes a step. If it fails on any process, it fails on all, and changes nothing.
     fn step_until_complete(&mut self, single: f32, dt: f64, watch: &mut Watch<'_>) -> Result<()> {
-        if self.domain.is_some() {
-            return self.step_with_other_ranks(single, dt, watch);
-        }
-        self.check_displacements(single)?;
-        self.walls.check_displacements(f64::from(single))?;
-        for attempt in 0.. {
+        let protocol = self.halo.protocol();
+        protocol.guard(self, &mut |world| {
+            protocol.begin_step(world);
+            world.check_displacements(single)?;
+            world.walls.check_displacements(f64::from(single))?;
+            if !protocol.migrate(world)? {
+                return Ok(());
+            }
+            let done = world.attempt_until_complete(single, dt, watch);
+            if done.is_err() {
+                protocol.give_up(world);
+                world.cancel_waking();
+            }
+            done
+        })
+    }
+
+    /// Makes a step again and again: with sleeping islands awake that it would touch, or with more
+    /// ghosts where processes did not agree.
+    fn attempt_until_complete(
+        &mut self,
+        single: f32,
+        dt: f64,
+        watch: &mut Watch<'_>,
+    ) -> Result<()> {
+        let protocol = self.halo.protocol();
+        let mut attempt = 0;
+        loop {
+            protocol.gather(self, single)?;
             self.begin();
-            let mut done = self.step_in_parts(single, watch);
+            let mut done = self.step_in_parts(single, watch).and_then(|()| self.agreement());
             let mut touched = std::mem::take(&mut self.scratch.touched);
-            if done.is_ok() && touched.is_empty() {
-                self.apply_bath(single);
-                self.keep_wall_pushes();
-                touches::add_up(&mut self.wall_impulses);
-                self.record_touching();
-                done = self.fall_asleep(dt);
-                if done.is_ok() {
-                    self.forget_woken();
-                    self.close_step();
-                    return Ok(());
+            if matches!(done, Ok(Agreement::Same)) && !self.scratch.meets_sleepers {
+                match self.complete(single, dt) {
+                    Ok(()) => return Ok(()),
+                    Err(error) => done = Err(error),
                 }
             }
             self.undo();
-            if done.is_err() {
-                self.cancel_waking();
-                return done;
+            protocol.undo(self);
+            match done? {
+                Agreement::Same => {
+                    protocol.wake_touched(self, &touched, attempt == MAX_ATTEMPTS)?;
+                    attempt += 1;
+                }
+                other => protocol.widen(self, other, dt)?,
             }
-            if attempt == MAX_ATTEMPTS {
-                touched = self.asleep.islands().collect();
-            }
-            self.wake(&touched);
             touched.clear();
             self.scratch.touched = touched;
         }
+    }
+
+    /// Whether the processes agree on the step.
+    fn agreement(&mut self) -> Result<Agreement> {
+        match self.scratch.agreement.take() {
+            Some(known) => Ok(known),
+            None => self.halo.protocol().compare(self),
+        }
+    }
+
+    /// Whether it is known that they do not.
+    fn is_disagreed(&self) -> bool {
+        self.scratch.agreement.is_some_and(|agreement| agreement != Agreement::Same)
+    }
+
+    /// Makes a step final. If there is an error, it can be undone.
+    fn complete(&mut self, single: f32, dt: f64) -> Result<()> {
+        self.apply_bath(single);
+        self.keep_wall_pushes();
+        touches::add_up(&mut self.wall_impulses);
+        self.record_touching();
+        self.fall_asleep(dt)?;
+        self.forget_woken();
+        self.close_step();
+        self.halo.protocol().end_step(self);
         Ok(())
     }
 
-    pub(super) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
+    pub(crate) fn step_in_parts(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         self.scratch.exhausted.clear();
         self.scratch.meets_sleepers = false;
         self.scratch.agreement = None;
@@ -146,13 +188,13 @@ impl World {
         let parts = self.parts(dt)?;
         let (substeps, part) = (self.substeps().div_ceil(parts), dt / parts as f32);
         for _ in 0..parts {
-            self.renew_ghosts(part)?;
+            self.halo.protocol().renew(self, part)?;
             let done = self.step_once(part, substeps, watch);
             done.map_err(|error| match error {
                 Error::TooManyCollisions { .. } => self.too_many_collisions(),
                 other => other,
             })?;
-            if self.scratch.meets_sleepers || self.must_repeat() {
+            if self.scratch.meets_sleepers || self.is_disagreed() {
                 break;
             }
         }
@@ -160,7 +202,7 @@ impl World {
     }
 
     /// The smallest id of a particle with this `number`, for an error.
-    pub(super) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
+    pub(crate) fn id_of(&self, number: f32, of: impl Fn(usize) -> f32) -> Id {
         let indices = (0..self.rows.len()).filter(|&index| of(index) == number);
         indices.map(|index| self.id_among_all(self.rows[index])).min().unwrap_or(0)
     }
@@ -179,7 +221,7 @@ impl World {
     }
 
     /// Refuses a step in which a particle would move too far.
-    pub(super) fn check_displacements(&self, dt: f32) -> Result<()> {
+    pub(crate) fn check_displacements(&self, dt: f32) -> Result<()> {
         let longest = self.longest_displacement(dt);
         let tours = self.settings.container.tours(longest);
         if longest <= FARTHEST && tours <= MAX_TOURS {
@@ -197,10 +239,9 @@ impl World {
 
     /// The error of a step in which particles of this rank have too many collisions, with the id of
     /// the one that has most.
-    pub(super) fn too_many_collisions(&self) -> Error {
-        let domain = self.domain.as_ref();
+    pub(crate) fn too_many_collisions(&self) -> Error {
         let all = self.rows.iter().zip(&self.scratch.events.counts);
-        let own = all.filter(|of| domain.is_none_or(|domain| domain.owns(*of.0)));
+        let own = all.filter(|of| *of.0 < self.halo.own_rows());
         let most = own.map(|(&row, &count)| (Reverse(count), self.id_among_all(row))).min();
         Error::TooManyCollisions { id: most.map_or(0, |(_, id)| id), limit: MAX_COLLISIONS }
     }
@@ -218,7 +259,7 @@ impl World {
 
     /// The order of a step: forces → bounds → tree → candidate pairs → order of particles → contacts →
     /// sub-steps → store. It ends early if particles meet sleeping ones, and lists these.
-    pub(super) fn step_once(
+    pub(crate) fn step_once(
         &mut self,
         dt: f32,
         substeps: usize,
@@ -243,20 +284,18 @@ impl World {
         watch(Stage::Pairs);
         interrupt::check()?;
         self.reorder();
-        self.keep_starts();
-        self.find_shared();
+        self.halo.protocol().begin_part(self);
         self.make_contacts(dt)?;
         self.scratch.substeps *= self.scratch.refinement;
         self.find_near_walls(dt)?;
         watch(Stage::Contacts);
         self.load_motions();
         self.run_substeps(dt, watch)?;
-        self.digest_shared();
+        self.halo.protocol().end_part(self);
         if self.has_left_bounds_to_sleepers()? {
             return Ok(());
         }
-        self.compare_before_merging()?;
-        if self.must_repeat() {
+        if self.settings.on_touch == OnTouch::Merge && self.halo.protocol().must_repeat(self)? {
             return Ok(());
         }
         self.walls.end_step(f64::from(dt));
@@ -280,15 +319,13 @@ impl World {
     /// Builds the tree of the bounds.
     fn build_tree(&mut self) -> Result<()> {
         let extent = self.extent_of_all()?;
-        let Self { particles, forces, rows, scratch, .. } = self;
-        let domain = self.domain.as_deref();
+        let Self { particles, forces, rows, scratch, halo, .. } = self;
+        let ids = halo.ids();
         let tie = |a: usize, b: usize| {
             let order = particles.compare(a, b);
-            let order = order.then_with(|| forces::compare_kinds(forces, rows[a], rows[b]));
-            match domain {
-                None => order,
-                Some(domain) => order.then_with(|| domain.compare(rows[a], rows[b])),
-            }
+            let (a, b) = (rows[a], rows[b]);
+            let order = order.then_with(|| forces::compare_kinds(forces, a, b));
+            order.then_with(|| ids.get(a as usize).cmp(&ids.get(b as usize)))
         };
         scratch.tree.set_extent(extent);
         scratch.tree.set_nested();

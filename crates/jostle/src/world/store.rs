@@ -16,7 +16,7 @@ const STORED: usize = 1 << 14;
 impl World {
     /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
     /// the columns and writes all motions, so nothing is to be loaded.
-    pub(super) fn load_motions(&mut self) {
+    pub(crate) fn load_motions(&mut self) {
         let threads = self.threads();
         let are_read = self.may_rest() || self.is_pulled() || !self.particles.spins.is_empty();
         let Self { particles, scratch, .. } = self;
@@ -31,7 +31,7 @@ impl World {
     }
 
     /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
-    pub(super) fn store_motions(&mut self) -> Result<()> {
+    pub(crate) fn store_motions(&mut self) -> Result<()> {
         let (threads, settings, scratch) = (self.threads(), &self.settings, &self.scratch);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
             let index = contact.indices[0] as usize;
@@ -105,7 +105,7 @@ impl World {
         let row = self.rows[at];
         let id = self.id_among_all(row);
         // Ids of a distributed world have no gaps.
-        let index = if self.domain.is_some() { id as usize } else { row as usize };
+        let index = if self.halo.is_whole() { row as usize } else { id as usize };
         Error::NotFinite { argument, index, id, value: value.to_string() }
     }
 }

@@ -3,7 +3,6 @@
 
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::discs::WarmStart;
-use super::domain::halo_of;
 use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
@@ -13,14 +12,16 @@ use crate::events::Flight;
 use crate::flow::{Flow, Kick};
 use crate::forces;
 use crate::forces::springs::Surroundings;
+use crate::halo::Halo;
 use crate::interrupt;
+use crate::motion::Motion;
 use crate::particles::Particles;
 use crate::resting::{Support, WallPushes};
 use crate::walls::{Around, Clock, Near, Walls};
 
 /// What the sub-steps of a step have in common.
 #[derive(Clone, Copy)]
-pub(super) struct Substeps {
+pub(crate) struct Substeps {
     /// Their number.
     count: usize,
     /// Seconds of each.
@@ -55,12 +56,12 @@ impl Substeps {
 impl World {
     /// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
     /// friction.
-    pub(super) fn is_lossless(&self) -> bool {
-        self.domain.as_ref().map_or_else(|| self.are_own_lossless(), |domain| domain.is_lossless())
+    pub(crate) fn is_lossless(&self) -> bool {
+        self.halo.agreed().map_or_else(|| self.are_own_lossless(), |agreed| agreed.is_lossless)
     }
 
     /// The same of the particles of this rank.
-    pub(super) fn are_own_lossless(&self) -> bool {
+    pub(crate) fn are_own_lossless(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
         // Stiff springs whose ends touch anything are solved with contacts that rest.
@@ -72,19 +73,19 @@ impl World {
     }
 
     /// Whether any particle has friction.
-    pub(super) fn has_friction(&self) -> bool {
-        let of_all = self.domain.as_ref().map(|domain| domain.has_friction());
-        of_all.unwrap_or_else(|| self.particles.has_friction())
+    pub(crate) fn has_friction(&self) -> bool {
+        let own = || self.particles.has_friction();
+        self.halo.agreed().map_or_else(own, |agreed| agreed.has_friction)
     }
 
     /// Whether forces give kicks before and after the flights of a step.
-    pub(super) fn is_pulled(&self) -> bool {
+    pub(crate) fn is_pulled(&self) -> bool {
         self.has_accelerations() || springs(&self.forces).next().is_some()
     }
 
     /// Whether gravity or forces may press particles against each other or against walls, where collisions
     /// lose energy.
-    pub(super) fn may_rest(&self) -> bool {
+    pub(crate) fn may_rest(&self) -> bool {
         // Coefficients of restitution are read last, because there is one for each particle.
         (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_lossless()
     }
@@ -102,11 +103,13 @@ impl World {
 
     /// The order of a sub-step: kicks of forces → resting contacts → collisions in the order of time →
     /// position correction.
-    pub(super) fn run_substeps(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
+    pub(crate) fn run_substeps(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
         let of = self.begin_substeps(dt);
         for substep in 0..of.count {
             interrupt::check()?;
-            self.refresh_ghosts(substep)?;
+            if substep > 0 {
+                self.refresh_ghosts()?;
+            }
             self.apply_forces_in_substep(&of, substep, watch)?;
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
@@ -131,16 +134,16 @@ impl World {
             (self.threads(), self.may_rest(), self.is_lossless());
         let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
         let has_friction = self.has_friction();
-        let Self { particles, persistent, contacts, scratch, settings, domain, rows, .. } = self;
+        let any_sleeps = self.any_sleeps();
+        let Self { particles, scratch, settings, .. } = self;
         scratch.limits.clear();
-        if !self.asleep.is_empty() {
+        if any_sleeps {
             let free = FreeDisplacements::new(settings, &scratch.forces, dt);
             let all = scratch.max_displacements.iter().enumerate();
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
-        if let Some(domain) = domain {
-            domain.fill_limits(particles, rows, settings, dt, scratch);
-        }
+        self.halo.protocol().limit(self, dt);
+        let Self { particles, persistent, contacts, scratch, settings, .. } = self;
         scratch.grown.clear();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
@@ -172,6 +175,32 @@ impl World {
             is_refined: scratch.refinement > 1,
             threads,
         }
+    }
+
+    /// Gives ghosts the state that their own processes have computed.
+    fn refresh_ghosts(&self) -> Result<()> {
+        let StepScratch { motions, spins, .. } = &self.scratch;
+        let halo: &dyn Halo = &*self.halo;
+        halo.wait()?;
+        halo.refresh(
+            |index| {
+                let of = motions.get(index);
+                let ([x, y], [a, b], [u, v]) = (of.position, of.residual, of.velocity);
+                [x, y, a, b, u, v]
+            },
+            |index, [x, y, a, b, u, v]| {
+                let displacement = motions.displacement(index);
+                let (position, residual, velocity) = ([x, y], [a, b], [u, v]);
+                motions.set(index, Motion { position, residual, velocity, displacement });
+            },
+        )?;
+        if !self.has_friction() {
+            return Ok(());
+        }
+        halo.refresh(
+            |index| [spins.velocity(index)],
+            |index, [velocity]| spins.set_velocity(index, velocity),
+        )
     }
 
     /// Computes the kicks of accelerations and springs. [`World::apply_forces`] has computed the
@@ -223,7 +252,7 @@ impl World {
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
     fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, domain, .. } = self;
+        let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
         let springs = &mut scratch.forces.sprung;
         let clock = of.clock(substep);
@@ -239,7 +268,7 @@ impl World {
             rows: &self.rows,
             pushes: wall_pushes,
             restitution: settings.restitution,
-            halo: halo_of(domain),
+            halo: &**halo,
             shape: scratch.contact_shape,
             threads: of.threads,
         };
@@ -254,7 +283,7 @@ impl World {
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
     fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, domain, .. } = self;
+        let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
         let of_bounds =
             BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
@@ -270,7 +299,7 @@ impl World {
             flow: of.flow,
             kicks: &scratch.kicks,
             begins_step: substep == 0,
-            halo: halo_of(domain),
+            halo: &**halo,
             bounded: substep == 0 && of.is_bounded,
             container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
@@ -292,12 +321,11 @@ impl World {
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
     fn correct_positions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, domain, .. } = self;
+        let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
         let boundaries = (&settings.container, walls);
-        let halo = halo_of(domain);
-        let shared = (scratch.contact_shape.stages(), halo);
+        let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
         correction.run(&self.contacts, motions, particles, boundaries, shared, of.threads)?;
         merge::mark_touching(candidate_merges, motions, of.threads);
         Ok(())

@@ -5,7 +5,6 @@ use std::ops::Range;
 use super::World;
 use super::force_step::{bodies, find_indices};
 use crate::bytes::Plain;
-use crate::error::Result;
 use crate::forces::{self, Attractor, Bodies, Force, Pole, Springs};
 use crate::particles::Particles;
 use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
@@ -57,17 +56,7 @@ impl World {
         if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
-    /// The part of this rank in the energy of forces between kinds. All ranks call it, in a world without
-    /// ghosts, and it then has ghosts that no step can use.
-    pub fn own_energy_of_pairs(&mut self) -> Result<f64> {
-        // Immovable particles get ghosts, too.
-        self.settings.track_events = true;
-        self.rebalance()?;
-        self.exchange_neighbors()?;
-        Ok(self.energy_in_forces())
-    }
-
-    fn energy_in_forces(&self) -> f64 {
+    pub(crate) fn energy_in_forces(&self) -> f64 {
         let (mut indices, settings) = (Vec::new(), &self.settings);
         find_indices(&self.forces, &self.rows, self.asleep.len(), &mut indices);
         let positions = &self.particles.positions;
@@ -80,7 +69,7 @@ impl World {
             Force::Springs(springs) => self.energy_of_springs(springs),
             _ => 0.0,
         };
-        let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.own_and_all().0);
+        let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.halo.own_rows() as usize);
         self.forces.iter().map(energy).sum::<f64>() + pairs
     }
 

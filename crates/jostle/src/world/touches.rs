@@ -44,17 +44,17 @@ pub struct WallTouch {
 
 /// The impulses that a wall gave to a particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct WallImpulse {
-    pub(super) row: u32,
-    pub(super) wall: u32,
+pub(crate) struct WallImpulse {
+    pub(crate) row: u32,
+    pub(crate) wall: u32,
     /// Along the normal, and of friction.
-    pub(super) impulses: [f32; 2],
+    pub(crate) impulses: [f32; 2],
     /// Those over mass of the last sub-step, at rest; only of walls that are not the container's.
-    pub(super) pushes: [f32; 2],
+    pub(crate) pushes: [f32; 2],
 }
 
 /// Sorts the impulses of a step, and adds up those of the same particle and wall.
-pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
+pub(crate) fn add_up(all: &mut Vec<WallImpulse>) {
     // Sums depend on the order, so equal numbers decide the rest.
     all.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
     all.dedup_by(|next, sum| {
@@ -69,7 +69,7 @@ pub(super) fn add_up(all: &mut Vec<WallImpulse>) {
 }
 
 /// What callers see of the contact of two particles with these ids.
-fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
+pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
     let sign = if i < j { 1.0 } else { -1.0 };
     let normal = contact.normal.map(|v| v * sign);
     // If the two are exchanged, normal and impulse change their signs, and the sums do not.
@@ -86,7 +86,7 @@ fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
 impl World {
     /// Collects what touched in a part of a step, and with which impulses, from the results of the
     /// sub-steps.
-    pub(super) fn collect_touches(&mut self) {
+    pub(crate) fn collect_touches(&mut self) {
         self.list_exhausted();
         let bounced = &mut self.scratch.events.bounced;
         if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
@@ -114,16 +114,16 @@ impl World {
         exhausted.sort_unstable();
         exhausted.dedup();
         self.stats.unresolved = exhausted.len() as u64;
-        let (domain, rows) = (&self.domain, &self.rows);
-        let is_own = |index: u32| domain.as_ref().is_none_or(|of| of.owns(rows[index as usize]));
+        let (own, rows) = (self.halo.own_rows(), &self.rows);
+        let is_own = |index: u32| rows[index as usize] < own;
         let collapsed = self.scratch.events.collapsed.iter().filter(|&&index| is_own(index));
         self.stats.collapsed += collapsed.count() as u64;
     }
 
     fn count_collisions(&mut self) {
-        let (domain, rows) = (&self.domain, &self.rows);
+        let (own, rows) = (self.halo.own_rows(), &self.rows);
         // A pair of particles belongs to the rank of the first.
-        let is_own = |index: u32| domain.as_ref().is_none_or(|of| of.owns(rows[index as usize]));
+        let is_own = |index: u32| rows[index as usize] < own;
         let Collisions { pairs, walls } = &mut self.scratch.collisions;
         let bounced = self.scratch.events.bounced.iter();
         for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
@@ -167,7 +167,7 @@ impl World {
     }
 
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
-    pub(super) fn keep_wall_pushes(&mut self) {
+    pub(crate) fn keep_wall_pushes(&mut self) {
         let pushes = self.scratch.wall_pushes.iter();
         self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| WallImpulse {
             row,
@@ -189,13 +189,6 @@ impl World {
         let awake = self.contacts.touching().map(|of| touch_of(of, of.indices.map(of_index)));
         let asleep = self.asleep.contacts().filter(|contact| contact.touched);
         Ok(awake.chain(asleep.map(|of| touch_of(of, of.indices.map(id)))).collect())
-    }
-
-    /// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
-    /// with the ids among the particles of all ranks. Each is on one rank.
-    pub fn own_touches_asleep(&self) -> Vec<Touch> {
-        let touched = self.own_sleeping_contacts().filter(|of| of.contact.touched);
-        touched.map(|of| touch_of(&of.contact, of.ids)).collect()
     }
 
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as

@@ -4,7 +4,6 @@ use std::cmp::Ordering;
 
 use super::World;
 use super::bounds::rounding;
-use super::islands::SleepingContact;
 use super::search::{self, ListScratch, Lists};
 use crate::error::Result;
 use crate::motion::exact;
@@ -16,7 +15,7 @@ use crate::tolerance::{COARSE, Tolerance, gap, size_of};
 
 /// Scratch.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     listing: ListScratch,
@@ -26,7 +25,7 @@ pub(super) struct Scratch {
 impl World {
     /// The pairs of ids that touch now, sorted: those with a small gap, and those that resting
     /// contacts press together.
-    pub(super) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
+    pub(crate) fn touching(&mut self) -> Result<Vec<[Id; 2]>> {
         let mut scratch = std::mem::take(&mut self.scratch.touching);
         let found = self.find_touching(&mut scratch);
         self.scratch.touching = scratch;
@@ -37,24 +36,26 @@ impl World {
         let asleep = asleep.map(|contact| contact.indices);
         let rows = rows.into_iter().chain(pressed).chain(asleep);
         let mut all: Vec<[Id; 2]> = rows.filter_map(|rows| self.known_pair(rows)).collect();
-        if let Some(domain) = &self.domain {
-            let touch = |of: &&SleepingContact| of.is_near || of.contact.impulse > 0.0;
-            let asleep = domain.sleeping.iter().filter(touch).map(|of| of.ids);
-            all.extend(asleep.map(|[a, b]| [a.min(b), a.max(b)]));
-        } else if self.record.knows_sleepers && !self.asleep.is_empty() {
-            let asleep = self.asleep();
-            let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);
-            let known = self.record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
-            all.extend(known.filter(|pair| pair.iter().all(|&id| self.contains(id))));
-        }
+        all.extend(self.halo.protocol().touching_asleep(self));
         all.sort_unstable();
         all.dedup();
         Ok(all)
     }
 
+    /// The pairs of sleeping particles that touched when they were recorded.
+    pub(crate) fn known_touches_asleep(&self) -> Vec<[Id; 2]> {
+        if !self.record.knows_sleepers || self.asleep.is_empty() {
+            return Vec::new();
+        }
+        let asleep = self.asleep();
+        let sleeps = |&id: &Id| self.ids.row(id).is_some_and(|row| asleep[row as usize]);
+        let known = self.record.at_end.iter().filter(|pair| pair.iter().any(sleeps));
+        known.filter(|pair| pair.iter().all(|&id| self.contains(id))).copied().collect()
+    }
+
     /// The pairs of rows with a small gap. Sleeping ones are left out if their pairs are known.
     fn find_touching(&self, scratch: &mut Scratch) -> Result<Vec<[u32; 2]>> {
-        let is_whole = self.domain.is_none();
+        let is_whole = self.halo.is_whole();
         if self.asleep.is_empty() || self.record.knows_sleepers || !is_whole {
             let pairs = self.find_touching_of(&self.particles, scratch)?;
             return Ok(pairs.map(|pair| pair.map(|index| self.rows[index as usize])).collect());
@@ -62,7 +63,7 @@ impl World {
         Ok(self.find_touching_of(&self.particles(), scratch)?.collect())
     }
 
-    pub(super) fn find_touching_of<'a>(
+    pub(crate) fn find_touching_of<'a>(
         &self,
         all: &'a Particles,
         scratch: &'a mut Scratch,

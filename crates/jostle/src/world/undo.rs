@@ -1,7 +1,6 @@
 //! Rollback: restores the state before a step that is refused or interrupted.
 
 use super::discs::Discs;
-use super::domain::Count;
 use super::ids::Ids;
 use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
@@ -15,11 +14,11 @@ use crate::walls::Wall;
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
 #[derive(Debug, Default)]
-pub(super) struct Before {
+pub(crate) struct Before {
     /// Whether the old columns and contacts are here.
-    pub(super) is_reordered: bool,
-    pub(super) discs: Discs,
-    pub(super) contacts: Contacts,
+    pub(crate) is_reordered: bool,
+    pub(crate) discs: Discs,
+    pub(crate) contacts: Contacts,
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     forces: Vec<Force>,
@@ -31,15 +30,13 @@ pub(super) struct Before {
     /// Pairs that had touched since the record began.
     recorded: usize,
     /// Those before the first merger of the step.
-    pub(super) ids: Option<Ids>,
-    /// The same of a distributed world.
-    pub(super) count: Option<Count>,
+    pub(crate) ids: Option<Ids>,
     renumbered: Option<Vec<[Id; 2]>>,
 }
 
 impl World {
     /// Begins a step.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         let before = &mut self.scratch.before;
         before.is_reordered = false;
         before.forces.clone_from(&self.forces);
@@ -58,7 +55,7 @@ impl World {
         before.stats = self.stats;
         before.recorded = self.record.during.len();
         self.scratch.collisions = Collisions::default();
-        (before.ids, before.count) = (None, None);
+        before.ids = None;
         before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
@@ -73,7 +70,7 @@ impl World {
     }
 
     /// Restores the state at the beginning of the step.
-    pub(super) fn undo(&mut self) {
+    pub(crate) fn undo(&mut self) {
         let before = &mut self.scratch.before;
         if before.is_reordered {
             let Discs { particles, rows, persistent } = &mut before.discs;
@@ -97,9 +94,6 @@ impl World {
         self.record.during.truncate(before.recorded);
         if let Some(ids) = before.ids.take() {
             self.ids = ids;
-        }
-        if let (Some(count), Some(domain)) = (before.count.take(), &mut self.domain) {
-            domain.restore(count);
         }
         self.renumbered = before.renumbered.take();
     }

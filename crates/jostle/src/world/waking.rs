@@ -8,11 +8,10 @@
 
 use std::cmp::Ordering;
 
+use super::World;
 use super::bounds::{FreeDisplacements, rounding};
 use super::discs::Discs;
-use super::domain::{self, Domain};
 use super::force_step::springs;
-use super::{World, WorldSettings};
 use crate::contacts::Contact;
 use crate::error::Result;
 use crate::forces;
@@ -24,7 +23,7 @@ use crate::table::Table;
 
 /// Scratch.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
+pub(crate) struct Scratch {
     join: JoinScratch,
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
@@ -37,28 +36,29 @@ const NONE: u32 = u32::MAX;
 
 impl World {
     /// Whether particles sleep and all others are static, so that a step changes nothing.
-    pub(super) fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         !self.asleep.is_empty()
             && forces::motors(&self.forces).next().is_none()
             && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
     /// Whether any particle sleeps, on any rank.
-    fn any_sleeps(&self) -> bool {
-        !self.asleep.is_empty() || self.domain.as_ref().is_some_and(|domain| domain.asleep > 0)
+    pub(crate) fn any_sleeps(&self) -> bool {
+        !self.asleep.is_empty() || self.halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
     }
 
     /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any rank;
     /// lists the islands of these. The bounds are larger, and depend on other particles.
-    pub(super) fn is_near_sleepers(&mut self, dt: f32) -> Result<bool> {
+    pub(crate) fn is_near_sleepers(&mut self, dt: f32) -> Result<bool> {
         if !self.any_sleeps() {
             return Ok(false);
         }
-        let Self { asleep, domain, particles, rows, scratch, settings, .. } = self;
+        let Self { asleep, halo, particles, rows, scratch, settings, .. } = self;
+        let own = halo.own_rows();
         let free = FreeDisplacements::new(settings, &scratch.forces, dt);
         let radius = |index: u32| {
             let at = index as usize;
-            let moves = !particles.is_static(at) && domain::owns(domain, rows[at]);
+            let moves = !particles.is_static(at) && rows[at] < own;
             let most = scratch.max_displacements[at];
             let rounding =
                 rounding(particles.positions[at], particles.radii[at], &settings.container);
@@ -66,37 +66,38 @@ impl World {
         };
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
         asleep.touched(&scratch.tree, radius, settings, shared)?;
-        let found =
-            islands_of_others(domain, &scratch.tree, radius, settings, &mut scratch.waking)?;
-        self.note_touched(found)
+        let join = &mut scratch.waking.join;
+        let of_others = halo.touch_others(&scratch.tree, &radius, settings, join)?;
+        self.note_touched(of_others)
     }
 
     /// The same at the end of a part of a step, with circles around the particles that have left
     /// their bounds, in the order of time or by position correction.
-    pub(super) fn has_left_bounds_to_sleepers(&mut self) -> Result<bool> {
+    pub(crate) fn has_left_bounds_to_sleepers(&mut self) -> Result<bool> {
         if !self.any_sleeps() {
             return Ok(false);
         }
         if !self.find_circles_outside_limits()? {
-            return self.note_touched(Vec::new());
+            return self.note_touched(false);
         }
-        let Self { asleep, domain, scratch, settings, .. } = self;
+        let Self { asleep, halo, scratch, settings, .. } = self;
         let mut tree = std::mem::take(&mut scratch.waking.tree);
         let shared = (&mut scratch.waking.join, &mut scratch.touched);
-        let done = asleep.touched(&tree, |_| Some(f32::INFINITY), settings, shared);
-        let found = done.and_then(|()| {
-            islands_of_others(domain, &tree, |_| Some(f32::INFINITY), settings, &mut scratch.waking)
-        });
+        let radius = |_| Some(f32::INFINITY);
+        let done = asleep.touched(&tree, radius, settings, shared);
+        let join = &mut scratch.waking.join;
+        let of_others = done.and_then(|()| halo.touch_others(&tree, &radius, settings, join));
         std::mem::swap(&mut scratch.waking.tree, &mut tree);
-        self.note_touched(found?)
+        self.note_touched(of_others?)
     }
 
     /// Builds the tree of circles around the particles of this rank that have left their bounds; returns
     /// whether there are any.
     fn find_circles_outside_limits(&mut self) -> Result<bool> {
-        let Self { particles, scratch, settings, domain, rows, .. } = self;
+        let Self { particles, scratch, settings, halo, rows, .. } = self;
+        let own = halo.own_rows();
         let outside_limits = &mut scratch.events.outside_limits;
-        outside_limits.retain(|&(index, _)| domain::owns(domain, rows[index as usize]));
+        outside_limits.retain(|&(index, _)| rows[index as usize] < own);
         for (index, &limit) in scratch.limits.iter().enumerate() {
             let ([x, y], [u, v]) =
                 (scratch.motions.position(index as u32), particles.positions[index]);
@@ -127,25 +128,20 @@ impl World {
         Ok(true)
     }
 
-    /// Notes the islands that the step would touch: those in `memory.touched`, and `others` by their names.
-    /// Returns whether there are any on any rank.
-    fn note_touched(&mut self, others: Vec<Id>) -> Result<bool> {
-        let mut any = !self.scratch.touched.is_empty();
-        if let Some(domain) = &mut self.domain {
-            domain.touched = others;
-            any |= !domain.touched.is_empty();
-        }
+    /// Notes whether the step would touch any islands of any process: those listed, or some `of_others`.
+    fn note_touched(&mut self, of_others: bool) -> Result<bool> {
+        let any = of_others || !self.scratch.touched.is_empty();
         self.scratch.meets_sleepers = self.any_of_all(any)?;
         Ok(self.scratch.meets_sleepers)
     }
 
     /// Wakes islands.
-    pub(super) fn wake(&mut self, islands: &[u32]) {
+    pub(crate) fn wake(&mut self, islands: &[u32]) {
         if islands.is_empty() {
             return;
         }
         let total = self.len();
-        self.recall_contacts_of_woken(islands);
+        self.halo.protocol().recall_contacts(self, islands);
         let woken = self.asleep.wake(islands);
         let first = self.rows.len();
         let Discs { particles, rows, persistent } = &woken.discs;
@@ -171,14 +167,20 @@ impl World {
     }
 
     /// Wakes all islands.
-    pub(super) fn wake_all(&mut self) {
+    pub(crate) fn wake_all(&mut self) {
+        self.wake_every_island();
+        self.forget_woken();
+    }
+
+    /// The same, in a step that may fail.
+    pub(crate) fn wake_every_island(&mut self) {
         let all: Vec<u32> = self.asleep.islands().collect();
-        self.wake_to_stay(&all);
+        self.wake(&all);
     }
 
     /// Wakes the islands that touch one of some rows or have a spring to it: immovable particles of
     /// which only the velocities have changed.
-    pub(super) fn wake_driven(&mut self, rows: &mut [u32]) {
+    pub(crate) fn wake_driven(&mut self, rows: &mut [u32]) {
         if self.asleep.is_empty() || rows.is_empty() {
             return;
         }
@@ -198,7 +200,7 @@ impl World {
     }
 
     /// Wakes the islands of some rows; all if one of these is immovable.
-    pub(super) fn wake_changed(&mut self, rows: &[u32]) {
+    pub(crate) fn wake_changed(&mut self, rows: &[u32]) {
         if self.asleep.is_empty() {
             return;
         }
@@ -213,26 +215,26 @@ impl World {
     }
 
     /// Wakes islands between two steps.
-    pub(super) fn wake_to_stay(&mut self, islands: &[u32]) {
+    pub(crate) fn wake_to_stay(&mut self, islands: &[u32]) {
         self.wake(islands);
         self.forget_woken();
     }
 
     /// Makes waking final.
-    pub(super) fn forget_woken(&mut self) {
+    pub(crate) fn forget_woken(&mut self) {
         self.asleep.forget_woken();
-        self.drop_contacts_of_woken();
+        self.halo.protocol().drop_contacts(self);
         self.forget_indices();
     }
 
     /// Removes the impulses of walls on some rows.
-    pub(super) fn drop_wall_impulses(&mut self, mut rows: Vec<u32>) {
+    pub(crate) fn drop_wall_impulses(&mut self, mut rows: Vec<u32>) {
         rows.sort_unstable();
         self.wall_impulses.retain(|of| rows.binary_search(&of.row).is_err());
     }
 
     /// Puts the islands to sleep again that were woken for a step that failed.
-    pub(super) fn cancel_waking(&mut self) {
+    pub(crate) fn cancel_waking(&mut self) {
         let woken = self.asleep.woken_rows();
         if woken.is_empty() {
             return;
@@ -244,18 +246,4 @@ impl World {
         self.asleep.cancel_waking();
         self.forget_indices();
     }
-}
-
-/// The names of the islands of other ranks of which a particle overlaps one of the circles in a tree.
-fn islands_of_others(
-    domain: &Option<Box<Domain>>,
-    circles: &Quadtree<f32>,
-    radius: impl Fn(u32) -> Option<f32>,
-    settings: &WorldSettings,
-    scratch: &mut Scratch,
-) -> Result<Vec<Id>> {
-    let Some(domain) = domain else { return Ok(Vec::new()) };
-    let mut touched = Vec::new();
-    domain.foreign.touched(circles, radius, settings, (&mut scratch.join, &mut touched))?;
-    Ok(domain.foreign.names(&touched).collect())
 }

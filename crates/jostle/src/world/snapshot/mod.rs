@@ -6,7 +6,6 @@
 mod defaults;
 mod forces;
 mod ids;
-mod parts;
 mod record;
 mod sleepers;
 
@@ -78,23 +77,17 @@ impl World {
         to.finish(MAGIC, VERSION)
     }
 
-    /// Refuses the first bytes of `size` if no snapshot begins with them, before the others are
-    /// read.
-    pub fn check_head(head: &[u8], size: u64) -> Result<()> {
-        let is_whole = head.len() as u64 == size;
-        if is_whole || parts::are_parts(head) || head.starts_with(&MAGIC) {
-            return Ok(());
+    /// Refuses the first bytes of `size` if no snapshot begins with them.
+    pub(crate) fn check_head_of_whole(head: &[u8], size: u64) -> Result<()> {
+        if head.len() as u64 == size || head.starts_with(&MAGIC) {
+            Ok(())
+        } else {
+            Err(foreign(size))
         }
-        Err(foreign(size))
     }
 
-    /// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
-    /// bytes that are neither, are cut off or damaged.
-    pub fn restore(bytes: &[u8]) -> Result<Self> {
-        if parts::are_parts(bytes) { parts::restore(bytes) } else { Self::restore_whole(bytes) }
-    }
-
-    fn restore_whole(bytes: &[u8]) -> Result<Self> {
+    /// The world of a snapshot. Refuses bytes that are none, are cut off or damaged.
+    pub(crate) fn restore_whole(bytes: &[u8]) -> Result<Self> {
         let (mut from, version) = Reader::open(bytes, MAGIC, 2..=VERSION)?;
         let valid = |error: Error| damaged(&error.to_string());
         let mut world = Self::default();
@@ -434,7 +427,7 @@ fn get_walls(from: &mut Reader<'_>, version: u32) -> Result<Vec<Wall>> {
 
 impl World {
     /// Refuses restored impulses of walls that do not exist.
-    fn check_wall_impulses(&self) -> Result<()> {
+    pub(crate) fn check_wall_impulses(&self) -> Result<()> {
         let count = self.walls.all().len();
         let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
         let is_known = |of: &WallImpulse| (of.wall as usize) < FIRST as usize + count;

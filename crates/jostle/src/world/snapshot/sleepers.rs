@@ -16,7 +16,7 @@ use crate::shapes::MAX_ROWS;
 
 impl World {
     /// Refuses restored drifts and sleeping particles that no world can have.
-    pub(super) fn check_sleeping(&self) -> Result<()> {
+    pub(crate) fn check_sleeping(&self) -> Result<()> {
         if self
             .persistent
             .drifts

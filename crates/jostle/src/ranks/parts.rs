@@ -2,13 +2,13 @@
 //! snapshot without particles, a table of chunks with their checksums, and the chunks, which have the particles
 //! of a range of ids and what the solver keeps of them.
 
-use super::super::World;
+use super::carried::{KEPT, MEMBER, Push, Resting};
+use super::islands::SleepingContact;
+use super::{RECORD, read_records};
 use crate::bytes::{Reader, checksum, damaged};
-use crate::decomposition::{RECORD, read_records};
 use crate::error::{Error, Result};
 use crate::space::Id;
-use crate::world::carried::{KEPT, MEMBER, Push, Resting};
-use crate::world::islands::SleepingContact;
+use crate::world::World;
 
 /// The first bytes.
 const MAGIC: [u8; 16] = *b"jostle ranks\x1a\n\0\0";
@@ -23,13 +23,27 @@ const CHUNK: u64 = 1 << 14;
 /// of sleeping islands, and their contacts.
 const SIZES: [usize; 6] = [RECORD, KEPT, Resting::SIZE, Push::SIZE, MEMBER, SleepingContact::SIZE];
 
+impl World {
+    /// Refuses the first bytes of `size` if neither a snapshot nor such a file begins with them, before
+    /// the others are read.
+    pub fn check_head(head: &[u8], size: u64) -> Result<()> {
+        if are_parts(head) { Ok(()) } else { Self::check_head_of_whole(head, size) }
+    }
+
+    /// The world of a snapshot, or of a file that the ranks of a distributed world have written. Refuses
+    /// bytes that are neither, are cut off or damaged.
+    pub fn restore(bytes: &[u8]) -> Result<Self> {
+        if are_parts(bytes) { restore(bytes) } else { Self::restore_whole(bytes) }
+    }
+}
+
 /// Whether bytes begin like such a file.
-pub(super) fn are_parts(bytes: &[u8]) -> bool {
+fn are_parts(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
 /// The world of such a file.
-pub(super) fn restore(bytes: &[u8]) -> Result<World> {
+fn restore(bytes: &[u8]) -> Result<World> {
     let mut from = Reader::without_head(&bytes[MAGIC.len()..]);
     let version: u64 = from.get()?;
     if version != VERSION {

@@ -4,18 +4,19 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use super::World;
 use super::carried::{NONE, Resting, put_kept, put_push};
-use super::edits::retain_unless;
-use super::ids::Ids;
-use crate::bytes::Plain;
-use crate::decomposition::{
+use super::domain::Domain;
+use super::{
     Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
+use crate::bytes::Plain;
 use crate::error::Result;
 use crate::forces;
 use crate::parallel::locked;
 use crate::table::Table;
+use crate::world::World;
+use crate::world::edits::retain_unless;
+use crate::world::ids::Ids;
 
 /// What leaves this rank for each other one, as bytes.
 #[derive(Debug)]
@@ -34,9 +35,12 @@ impl World {
     /// Removes the ghosts.
     pub fn drop_ghosts(&mut self) {
         self.keep_resting();
-        let Self { domain, particles, rows, persistent, contacts, ids, given, .. } = self;
+        if self.halo.is_whole() {
+            return;
+        }
+        let Self { halo, particles, rows, persistent, contacts, ids, given, .. } = self;
         let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
-        let Some(domain) = domain else { return };
+        let domain = Domain::of_mut(&mut **halo);
         let own = domain.own;
         if domain.has_ghosts() {
             let awake = rows.iter().filter(|&&row| domain.owns(row)).count();
@@ -68,9 +72,9 @@ impl World {
     }
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
-    pub(super) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { domain, particles, rows, persistent, ids, forces, given, .. } = self;
-        let Some(domain) = domain else { return };
+    pub(crate) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
+        let Self { halo, particles, rows, persistent, ids, forces, given, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         let first = domain.ids.len();
         for bytes in bytes {
             let (new, new_ids, new_kinds) = read_records(bytes);
@@ -91,16 +95,15 @@ impl World {
 
     /// Moves particles to the ranks of their domains, if it is time, and finds out what their properties
     /// require. There must be no ghosts.
-    pub(super) fn move_to_domains(&mut self) -> Result<()> {
-        let is_due = self.domain.as_ref().is_some_and(|domain| domain.is_due());
+    pub(crate) fn move_to_domains(&mut self) -> Result<()> {
+        let is_due = self.domain().is_some_and(|domain| domain.is_due());
         if is_due {
             self.rebalance()?;
         }
         self.sum_up_ranks()?;
         // All ranks have done it, or none.
-        if let Some(domain) = &mut self.domain
-            && is_due
-        {
+        if is_due {
+            let domain = self.domain_mut();
             (domain.is_stale, domain.chosen, domain.usual_ghosts) = (false, domain.steps, 0.0);
             domain.rebalances += 1;
         }
@@ -108,9 +111,9 @@ impl World {
     }
 
     /// Cuts the Morton curve anew, and moves particles to the ranks of their domains.
-    pub(super) fn rebalance(&mut self) -> Result<()> {
-        let Self { domain, settings, particles, .. } = self;
-        let Some(domain) = domain else { return Ok(()) };
+    pub(crate) fn rebalance(&mut self) -> Result<()> {
+        let Self { halo, settings, particles, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         if locked(&domain.group).size() < 2 {
             self.renumber();
             return Ok(());
@@ -121,7 +124,7 @@ impl World {
         let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
         let leaving = self.leaving(&keys, &cuts);
-        let Some(domain) = &self.domain else { return Ok(()) };
+        let Some(domain) = self.domain() else { return Ok(()) };
         // After a failed exchange the other ranks make no further one.
         let has_given = self.given.is_some();
         let (records, kept, resting, pushes, given) = {
@@ -139,7 +142,7 @@ impl World {
             let new = given.chunks_exact(8).map(<[f32; 2]>::load);
             all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
         }
-        let Some(domain) = &self.domain else { return Ok(()) };
+        let Some(domain) = self.domain() else { return Ok(()) };
         let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
         let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).collect();
         self.take_kept_of(&rows, [&kept, &pushes], resting)?;
@@ -150,8 +153,8 @@ impl World {
     /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
     /// stored by indices.
     fn renumber(&mut self) {
-        let Self { domain, rows, wall_impulses, forces, given, asleep, .. } = self;
-        let Some(domain) = domain else { return };
+        let Self { halo, rows, wall_impulses, forces, given, asleep, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         let mut new = vec![0; domain.own];
         let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
         (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
@@ -183,7 +186,7 @@ impl World {
             given: none(),
             destinations: HashMap::new(),
         };
-        let Some(domain) = &self.domain else { return leaving };
+        let Some(domain) = self.domain() else { return leaving };
         let rank = locked(&domain.group).rank();
         for (index, key) in keys.iter().enumerate() {
             let destination = cuts.partition_point(|cut| cut <= key);
@@ -222,7 +225,7 @@ impl World {
         let stays: Vec<bool> =
             self.rows.iter().map(|row| !destinations.contains_key(row)).collect();
         let mut left = 0;
-        let own = self.domain.as_ref().map_or(0, |domain| domain.own);
+        let own = self.domain().map_or(0, |domain| domain.own);
         let shifted: Vec<u32> = (0..own as u32)
             .map(|row| {
                 let is_gone = destinations.contains_key(&row);
@@ -240,7 +243,8 @@ impl World {
             of.row = shifted[of.row as usize];
             of.row != NONE
         });
-        if let Some(domain) = &mut self.domain {
+        {
+            let domain = self.domain_mut();
             let ids = domain.ids.iter().zip(&shifted).filter(|(_, row)| **row != NONE);
             domain.ids = ids.map(|(id, _)| *id).collect();
             domain.own = domain.ids.len();

@@ -1,15 +1,15 @@
 //! Halo exchange: each rank gets ghosts, copies of the particles of other ranks near its own ones.
 
-use super::World;
-use super::asleep::Asleep;
-use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::domain::{Announced, Domain};
-use super::waking_of_ranks::islands_of_circles;
-use crate::decomposition::{CircleBlocks, Grid, Near, RECORD, put_record};
+use super::waking::islands_of_circles;
+use super::{CircleBlocks, Grid, Near, RECORD, put_record};
 use crate::error::Result;
 use crate::forces;
 use crate::halo::Halo;
 use crate::parallel::locked;
+use crate::world::World;
+use crate::world::asleep::Asleep;
+use crate::world::bounds::{distance_at, distance_of_fall, rounding};
 
 /// Width of the margin around each particle, in mean radii.
 const MARGIN: f64 = 3.0;
@@ -25,16 +25,15 @@ const NEAR: f32 = 0.01;
 impl World {
     /// Announces where own particles may be in `dt` seconds, and gets the ghosts that may be there. Returns
     /// whether the margin is so wide that each rank has all particles.
-    pub(super) fn exchange_ghosts(&mut self, dt: f32) -> Result<bool> {
-        if let Some(domain) = &mut self.domain {
-            (domain.foreign, domain.is_static) = (Asleep::default(), false);
-        }
+    pub(crate) fn exchange_ghosts(&mut self, dt: f32) -> Result<bool> {
+        let domain = self.domain_mut();
+        (domain.foreign, domain.is_static) = (Asleep::default(), false);
         if self.is_alone() {
             return Ok(true);
         }
         let (margin, extent) = self.margin_and_extent(dt)?;
         let fall = distance_of_fall(self.settings.gravity, dt);
-        let Some(domain) = &self.domain else { return Ok(true) };
+        let Some(domain) = self.domain() else { return Ok(true) };
         let distance = |(index, &row): (usize, &u32)| {
             let own = distance_at(self.particles.velocities[index], dt);
             let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
@@ -51,10 +50,8 @@ impl World {
 
     /// Gets the particles of other ranks that are near the present positions of own ones. Ghosts must have been
     /// dropped before.
-    pub(super) fn exchange_static_ghosts(&mut self) -> Result<()> {
-        if let Some(domain) = &mut self.domain {
-            domain.is_static = true;
-        }
+    pub(crate) fn exchange_static_ghosts(&mut self) -> Result<()> {
+        self.domain_mut().is_static = true;
         if self.is_alone() {
             return Ok(());
         }
@@ -63,7 +60,7 @@ impl World {
     }
 
     /// Gets the neighbours of own particles in forces between kinds. There must be no ghosts.
-    pub(super) fn exchange_neighbors(&mut self) -> Result<()> {
+    pub(crate) fn exchange_neighbors(&mut self) -> Result<()> {
         if self.is_alone() {
             return Ok(());
         }
@@ -72,14 +69,14 @@ impl World {
     }
 
     /// Gets ghosts for the rest of a step, if the present ones are only those near own particles.
-    pub(super) fn renew_ghosts(&mut self, dt: f32) -> Result<()> {
-        if !self.domain.as_ref().is_some_and(|domain| domain.is_static) {
+    pub(crate) fn renew_ghosts(&mut self, dt: f32) -> Result<()> {
+        if !self.domain().is_some_and(|domain| domain.is_static) {
             return Ok(());
         }
         self.drop_ghosts();
-        let Some(domain) = &self.domain else { return Ok(()) };
-        self.scratch.wall_pushes.retain(|of| domain.owns(of.row));
-        self.scratch.exhausted.retain(|&row| domain.owns(row));
+        let own = self.halo.own_rows();
+        self.scratch.wall_pushes.retain(|of| of.row < own);
+        self.scratch.exhausted.retain(|&row| row < own);
         self.exchange_ghosts(dt)?;
         let exhausted = std::mem::take(&mut self.scratch.exhausted);
         let any = self.any_of_all(!exhausted.is_empty())?;
@@ -90,10 +87,10 @@ impl World {
     /// Finds out which ghosts were exhausted in the step.
     fn share_exhausted(&mut self) -> Result<()> {
         self.find_shared();
-        let Some(domain) = &self.domain else { return Ok(()) };
-        let (rows, exhausted) = (&self.rows, &mut self.scratch.exhausted);
+        let Self { halo, rows, scratch, .. } = self;
+        let (halo, exhausted): (&dyn Halo, _) = (&**halo, &mut scratch.exhausted);
         let is_one = |index: u32| exhausted.binary_search(&rows[index as usize]).is_ok();
-        let all = (&**domain as &dyn Halo).labels(|index| u64::from(is_one(index)))?;
+        let all = halo.labels(|index| u64::from(is_one(index)))?;
         let ghosts = all.into_iter().filter(|&(_, is_one)| is_one > 0);
         exhausted.extend(ghosts.map(|(index, _)| rows[index as usize]));
         exhausted.sort_unstable();
@@ -103,11 +100,10 @@ impl World {
     /// Announces circles around own particles, with these distances beyond the radius, by index, and
     /// gets all particles of other ranks whose circles may overlap them.
     fn exchange_within(&mut self, distances: &[f32]) -> Result<()> {
-        let Self { domain, particles, rows, settings, forces, asleep, .. } = self;
-        let Some(domain) = domain else { return Ok(()) };
+        let Self { halo, particles, rows, settings, forces, asleep, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         let (awake, has_sleepers) = (domain.awake, domain.asleep > 0);
-        let Domain { group, ids, own, scales, announced, sent, is_sent, foreign, .. } =
-            &mut **domain;
+        let Domain { group, ids, own, scales, announced, sent, is_sent, foreign, .. } = domain;
         let grid = Grid::new(&settings.container, scales, awake);
         let mut group = locked(group);
         announced.resize(*own, Announced::default());
@@ -152,21 +148,19 @@ impl World {
         drop(group);
         let received = arrived.iter().map(|bytes| bytes.len() / RECORD).collect();
         self.append_records(&arrived, false);
-        if let Some(domain) = &mut self.domain {
-            domain.note_received(received);
-        }
+        self.domain_mut().note_received(received);
         Ok(())
     }
 
     /// Whether there is one rank only, which has no ghosts.
     fn is_alone(&self) -> bool {
-        self.domain.as_ref().is_none_or(|domain| locked(&domain.group).size() < 2)
+        self.halo.is_alone()
     }
 
     /// The margin around each particle, and the longer side of the AABB of all positions.
     fn margin_and_extent(&mut self, dt: f32) -> Result<(f64, f64)> {
-        let Self { domain, particles, settings, scratch, .. } = self;
-        let Some(domain) = domain else { return Ok((0.0, 0.0)) };
+        let Self { halo, particles, settings, scratch, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         // There are no ghosts yet.
         let wrapped = particles.positions.iter().map(|&at| settings.container.wrap(at));
         let own = wrapped.fold([f32::MIN; 4], |most, [x, y]| {

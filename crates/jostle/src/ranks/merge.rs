@@ -7,15 +7,8 @@
 use std::collections::HashMap;
 
 use super::carried::Push;
-use super::domain::owns;
-use super::edits::{renumber, retain_unless};
-use super::ids::Ids;
-use super::merge::{ROUNDS, joint_acceleration, kind_of_heaviest, union};
-use super::shared::Agreement;
-use super::touches::WallImpulse;
-use super::{OnTouch, StepScratch, World};
+use super::{RECORD, put_record, read_records};
 use crate::bytes::Plain;
-use crate::decomposition::{RECORD, put_record, read_records};
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::{self, Kinds};
@@ -25,6 +18,11 @@ use crate::quadtree::Quadtree;
 use crate::shapes::{Each, Shapes};
 use crate::space::Id;
 use crate::table::Table;
+use crate::world::edits::{renumber, retain_unless};
+use crate::world::ids::Ids;
+use crate::world::merge::{ROUNDS, joint_acceleration, kind_of_heaviest, union};
+use crate::world::touches::WallImpulse;
+use crate::world::{StepScratch, World};
 
 /// An own particle of an island that may merge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,33 +93,12 @@ struct Merged {
 }
 
 impl World {
-    /// Keeps the particles as they are at the beginning of a part of a step, for the order in which they
-    /// merge.
-    pub(super) fn keep_starts(&mut self) {
-        if self.domain.is_some() && self.settings.on_touch == OnTouch::Merge {
-            self.scratch.starts.clone_from(&self.particles);
-        }
-    }
-
-    /// Finds out whether each rank had all particles that its own ones may touch, before these merge.
-    pub(super) fn compare_before_merging(&mut self) -> Result<()> {
-        if self.domain.is_some() && self.settings.on_touch == OnTouch::Merge {
-            self.scratch.agreement = Some(self.compare_with_other_ranks()?);
-        }
-        Ok(())
-    }
-
-    /// Whether a rank lacked particles that its own ones may touch. Then the step ends early and is repeated.
-    pub(super) fn must_repeat(&self) -> bool {
-        self.scratch.agreement.is_some_and(|agreement| agreement != Agreement::Same)
-    }
-
     /// Merges the particles of all ranks that touched, and those that merged particles then overlap.
-    pub(super) fn merge_with_other_ranks(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
+    pub(crate) fn merge_with_other_ranks(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
         for _ in 0..ROUNDS {
             // Pairs of two ghosts are found by the ranks that own these particles.
-            let Self { domain, rows, .. } = &*self;
-            let is_own = |&index: &u32| owns(domain, rows[index as usize]);
+            let (own, rows) = (self.halo.own_rows(), &self.rows);
+            let is_own = |&index: &u32| rows[index as usize] < own;
             touching.retain(|pair| pair.iter().any(is_own));
             self.record_pairs(&touching);
             if !self.any_of_all(!touching.is_empty())? {
@@ -139,7 +116,7 @@ impl World {
 
     /// Own particles of islands of touching particles, in the order of indices.
     fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
-        let Some(domain) = &self.domain else { return Ok(Vec::new()) };
+        let Some(domain) = self.domain() else { return Ok(Vec::new()) };
         let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
         let mut groups = DisjointSets::default();
         groups.reset(self.rows.len());
@@ -182,11 +159,11 @@ impl World {
     /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
     fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
         let to = self.put_members(members);
-        let Some(domain) = &self.domain else { return Ok(false) };
+        let Some(domain) = self.domain() else { return Ok(false) };
         let arrived = locked(&domain.group).exchange(&to)?;
         let arrived = self.read_members(&arrived)?;
         let merged = self.unions(&arrived);
-        let Some(domain) = &self.domain else { return Ok(false) };
+        let Some(domain) = self.domain() else { return Ok(false) };
         let mut names = vec![Vec::new(); to.len()];
         let islands: HashMap<Id, ()> = merged.iter().map(|of| (of.island, ())).collect();
         for of in arrived.details.iter().filter(|of| islands.contains_key(&of.island)) {
@@ -205,12 +182,13 @@ impl World {
         }
         let before = &mut self.scratch.before;
         before.ids.get_or_insert_with(|| self.ids.clone());
-        before.count = before.count.take().or_else(|| Some(self.domain.as_ref()?.count()));
+        let domain = self.domain_mut();
+        if domain.before.is_none() {
+            domain.before = Some(domain.count());
+        }
         self.write_merged(&members, &merged, &arrived.states[0]);
         self.remove_members(&members);
-        if let Some(domain) = &mut self.domain {
-            domain.total -= gone as usize;
-        }
+        self.domain_mut().total -= gone as usize;
         self.sum_up_ranks()?;
         self.end_given_of_none()?;
         Ok(true)
@@ -222,7 +200,7 @@ impl World {
 
     /// Members as bytes, for the ranks that merge them.
     fn put_members(&self, members: &[Member]) -> Vec<Vec<u8>> {
-        let Some(domain) = &self.domain else { return Vec::new() };
+        let Some(domain) = self.domain() else { return Vec::new() };
         let mut to = vec![Vec::new(); locked(&domain.group).size()];
         let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
         for of in &self.wall_impulses {
@@ -332,7 +310,7 @@ impl World {
 
     /// Removes the members that are part of others now, and all ghosts.
     fn remove_members(&mut self, members: &[Member]) {
-        let Some(domain) = &self.domain else { return };
+        let Some(domain) = self.domain() else { return };
         let mut gone: Vec<bool> =
             (0..self.rows.len() as u32).map(|row| !domain.owns(row)).collect();
         let mut merged = Vec::new();
@@ -351,10 +329,9 @@ impl World {
         renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
         renumber(exhausted, |row| row, (&gone, &shifted));
         self.ids = Ids::of_rows(self.rows.len());
-        if let Some(domain) = &mut self.domain {
-            retain_unless(&mut domain.ids, &gone);
-            domain.own = domain.ids.len();
-        }
+        let domain = self.domain_mut();
+        retain_unless(&mut domain.ids, &gone);
+        domain.own = domain.ids.len();
         if !merged.is_empty() {
             self.record_renumbering(merged);
         }

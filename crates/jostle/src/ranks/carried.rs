@@ -3,37 +3,37 @@
 
 use std::collections::HashMap;
 
-use super::World;
-use super::asleep::Sleepers;
-use super::discs::Persistent;
 use super::islands::SleepingContact;
-use super::touches::WallImpulse;
 use crate::bytes::{Plain, Reader, damaged};
 use crate::contacts::Contact;
 use crate::error::Result;
 use crate::space::Id;
 use crate::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
+use crate::world::World;
+use crate::world::asleep::Sleepers;
+use crate::world::discs::Persistent;
+use crate::world::touches::{Touch, WallImpulse, touch_of};
 
 /// Stands for no own row.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The impulses of a contact at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Resting {
+pub(crate) struct Resting {
     /// The ids of both. The first is movable; if both are, it is the smaller one.
-    pub(super) ids: [Id; 2],
+    pub(crate) ids: [Id; 2],
     /// Their rows, [`NONE`] if this rank does not know them as own ones.
-    pub(super) rows: [u32; 2],
+    pub(crate) rows: [u32; 2],
     /// Along the normal, and of friction.
-    pub(super) impulses: [f32; 2],
+    pub(crate) impulses: [f32; 2],
 }
 
 impl Resting {
     /// Bytes of a contact.
-    pub(super) const SIZE: usize = 24;
+    pub(crate) const SIZE: usize = 24;
 
     /// Appends the contact without its rows.
-    pub(super) fn put(&self, to: &mut Vec<u8>) {
+    pub(crate) fn put(&self, to: &mut Vec<u8>) {
         let start = to.len();
         to.resize(start + Self::SIZE, 0);
         self.ids.map(|id| id as u64).store(&mut to[start..start + 16]);
@@ -41,17 +41,17 @@ impl Resting {
     }
 
     /// Reads one.
-    pub(super) fn get(from: &[u8]) -> Self {
+    pub(crate) fn get(from: &[u8]) -> Self {
         let ids = <[u64; 2]>::load(&from[..16]).map(|id| id as Id);
         Self { ids, rows: [NONE; 2], impulses: <[f32; 2]>::load(&from[16..]) }
     }
 }
 
 /// Bytes of what is kept of a particle: its id and its row of [`Persistent`].
-pub(super) const KEPT: usize = u64::SIZE + Persistent::ROW_SIZE;
+pub(crate) const KEPT: usize = u64::SIZE + Persistent::ROW_SIZE;
 
 /// Appends what is kept of the particle at an index, if it differs from that of a new particle.
-pub(super) fn put_kept(to: &mut Vec<u8>, id: Id, persistent: &Persistent, index: usize) {
+pub(crate) fn put_kept(to: &mut Vec<u8>, id: Id, persistent: &Persistent, index: usize) {
     let start = to.len();
     to.extend((id as u64).to_le_bytes());
     let mut row = PutRow { to, row: index, is_default: true };
@@ -98,25 +98,25 @@ impl VisitorMut for GetRow<'_, '_> {
 
 /// The impulses of a wall on a particle, with its id.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Push {
-    pub(super) id: Id,
-    pub(super) wall: u32,
+pub(crate) struct Push {
+    pub(crate) id: Id,
+    pub(crate) wall: u32,
     /// As in [`WallImpulse`].
-    pub(super) impulses: [f32; 2],
-    pub(super) pushes: [f32; 2],
+    pub(crate) impulses: [f32; 2],
+    pub(crate) pushes: [f32; 2],
 }
 
 impl Push {
     /// Bytes of a push.
-    pub(super) const SIZE: usize = 28;
+    pub(crate) const SIZE: usize = 28;
 
     /// Those of a wall.
-    pub(super) fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
+    pub(crate) fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
         Self { id, wall, impulses, pushes }
     }
 
     /// Appends the push.
-    pub(super) fn put(&self, to: &mut Vec<u8>) {
+    pub(crate) fn put(&self, to: &mut Vec<u8>) {
         let start = to.len();
         to.resize(start + Self::SIZE, 0);
         (self.id as u64).store(&mut to[start..start + 8]);
@@ -125,41 +125,40 @@ impl Push {
     }
 
     /// Reads one.
-    pub(super) fn get(from: &[u8]) -> Self {
+    pub(crate) fn get(from: &[u8]) -> Self {
         let (id, wall) = (u64::load(&from[..8]) as Id, u32::load(&from[8..12]));
         let [impulses, pushes] = Plain::load(&from[12..]);
         Self { id, wall, impulses, pushes }
     }
 
     /// The same of the particle in a row.
-    pub(super) fn of_row(&self, row: u32) -> WallImpulse {
+    pub(crate) fn of_row(&self, row: u32) -> WallImpulse {
         let Self { wall, impulses, pushes, .. } = *self;
         WallImpulse { row, wall, impulses, pushes }
     }
 }
 
 /// Bytes of the id of a sleeping particle and of the name of its island.
-pub(super) const MEMBER: usize = 16;
+pub(crate) const MEMBER: usize = 16;
 
 /// What is kept of particles, as bytes: [`KEPT`], [`Resting`], [`Push`], members of sleeping islands,
 /// [`SleepingContact`].
-pub(super) type Parts<'a> = [&'a [u8]; 5];
+pub(crate) type Parts<'a> = [&'a [u8]; 5];
 
 impl World {
     /// Keeps the impulses of the contacts at rest of own particles, before ghosts are removed.
-    pub(super) fn keep_resting(&mut self) {
-        if self.domain.as_ref().is_some_and(|domain| domain.has_contacts) {
+    pub(crate) fn keep_resting(&mut self) {
+        if self.domain().is_some_and(|domain| domain.has_contacts) {
             let resting = self.resting_of_own();
-            if let Some(domain) = &mut self.domain {
-                (domain.resting, domain.has_contacts) = (resting, false);
-            }
+            let domain = self.domain_mut();
+            (domain.resting, domain.has_contacts) = (resting, false);
         }
     }
 
     /// The contacts at rest that own particles had after the last step.
     fn resting_of_own(&self) -> Vec<Resting> {
-        let Self { domain, contacts, particles, rows, .. } = self;
-        let Some(domain) = domain else { return Vec::new() };
+        let Self { contacts, particles, rows, .. } = self;
+        let Some(domain) = self.domain() else { return Vec::new() };
         if !domain.has_contacts {
             return domain.resting.clone();
         }
@@ -189,7 +188,7 @@ impl World {
     /// first particle; the pushes of walls; which sleep; and the contacts of these.
     pub fn own_kept(&self) -> [Vec<u8>; 5] {
         let mut bytes = [vec![], vec![], vec![], vec![], vec![]];
-        let Some(domain) = &self.domain else { return bytes };
+        let Some(domain) = self.domain() else { return bytes };
         let [kept, resting, pushes, members, touches] = &mut bytes;
         for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
             put_kept(kept, domain.id(row), &self.persistent, index);
@@ -216,8 +215,8 @@ impl World {
     }
 
     /// The contacts of sleeping particles of which the first is an own one.
-    pub(super) fn own_sleeping_contacts(&self) -> impl Iterator<Item = &SleepingContact> {
-        let domain = self.domain.as_ref();
+    pub(crate) fn own_sleeping_contacts(&self) -> impl Iterator<Item = &SleepingContact> {
+        let domain = self.domain();
         let id = |row: u32| domain.map_or(0, |domain| domain.id(row));
         let mut ids: Vec<Id> = self.asleep.rows().map(id).collect();
         ids.sort_unstable();
@@ -225,10 +224,17 @@ impl World {
         all.iter().filter(move |of| ids.binary_search(&of.ids[0]).is_ok())
     }
 
+    /// Of a distributed world: the pairs of sleeping islands, as in the last step in which these were awake,
+    /// with the ids among the particles of all ranks. Each is on one rank.
+    pub fn own_touches_asleep(&self) -> Vec<Touch> {
+        let touched = self.own_sleeping_contacts().filter(|of| of.contact.touched);
+        touched.map(|of| touch_of(&of.contact, of.ids)).collect()
+    }
+
     /// Takes what [`World::own_kept`] returned for the particles of this world, in any order. Returns an
     /// error if it is of other particles or walls.
     pub fn take_kept(&mut self, bytes: Parts<'_>) -> Result<()> {
-        let ids: Vec<Id> = match &self.domain {
+        let ids: Vec<Id> = match self.domain() {
             Some(domain) => domain.ids[..domain.own].to_vec(),
             None => self.ids(),
         };
@@ -250,7 +256,7 @@ impl World {
 
     /// Adds what is kept of the particles with these ids, in these rows: of each, of walls, and contacts at
     /// rest.
-    pub(super) fn take_kept_of(
+    pub(crate) fn take_kept_of(
         &mut self,
         rows: &HashMap<Id, u32>,
         [kept, pushes]: [&[u8]; 2],
@@ -301,9 +307,10 @@ impl World {
         sleeping.members.sort_unstable();
         let mut new = self.take_sleepers();
         self.take_wall_impulses(&mut new);
-        match &mut self.domain {
-            Some(domain) => domain.sleeping = touches,
-            None => new.set_contacts(contacts_of_rows(&new, &touches, row_of)?),
+        if self.halo.is_whole() {
+            new.set_contacts(contacts_of_rows(&new, &touches, row_of)?);
+        } else {
+            self.domain_mut().sleeping = touches;
         }
         if new.islands.is_empty() {
             return Ok(());
@@ -323,14 +330,15 @@ impl World {
             let rows = [0, 1].map(|k| rows.get(&of.ids[k]).copied().unwrap_or(NONE));
             Resting { rows, ..of }
         };
-        let Some(domain) = &mut self.domain else {
+        if self.halo.is_whole() {
             let all: Vec<Resting> = new.map(known).collect();
             if all.iter().any(|of| of.rows.contains(&NONE)) {
                 return Err(damaged("an impulse is on no particle"));
             }
             self.insert_resting(&all, |_| None);
             return Ok(());
-        };
+        }
+        let domain = self.domain_mut();
         domain.resting.extend(new.map(known));
         let mut unknown: HashMap<Id, u32> = HashMap::new();
         for of in &domain.resting {
@@ -355,8 +363,8 @@ impl World {
     }
 
     /// Gives the contacts at rest their impulses of the step before, when the ghosts are there.
-    pub(super) fn recall_resting(&mut self) {
-        let Some(domain) = &self.domain else { return };
+    pub(crate) fn recall_resting(&mut self) {
+        let Some(domain) = self.domain() else { return };
         if domain.resting.is_empty() {
             return;
         }
@@ -384,7 +392,7 @@ impl World {
 }
 
 /// Appends the pushes of a wall on a particle, if there are any.
-pub(super) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
+pub(crate) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
     if of.pushes[0] > 0.0 {
         Push { impulses: [0.0; 2], ..Push::new(id, of) }.put(to);
     }

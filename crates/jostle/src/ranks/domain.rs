@@ -3,24 +3,28 @@
 //!
 //! Own particles are in the first rows, ghosts in the rows after them, from one step to the next.
 
-use std::cmp::Ordering;
+use std::any::Any;
 use std::collections::HashMap;
 use std::iter::repeat_n;
 use std::sync::Mutex;
 
-use super::asleep::Asleep;
-use super::bounds::FreeDisplacements;
 use super::carried::Resting;
 use super::islands::SleepingContact;
-use super::search::Lists;
-use super::{StepScratch, WorldSettings};
-use crate::contacts::{ContactShape, Contacts, Sequential};
-use crate::decomposition::{Group, Link, Scale, digest, rounds};
+use super::protocol::Ranks;
+use super::{Group, Link, Scale, rounds};
+use crate::contacts::{Contact, ContactShape, Contacts, Sequential};
+use crate::container::Container;
 use crate::error::Result;
-use crate::halo::{Alone, Halo};
+use crate::halo::{Halo, digest};
+use crate::pairs::JoinScratch;
 use crate::parallel::locked;
 use crate::particles::Particles;
+use crate::quadtree::Quadtree;
 use crate::space::Id;
+use crate::world::asleep::{Asleep, Sleepers};
+use crate::world::distribution::{Agreed, Distribution, Protocol};
+use crate::world::search::Lists;
+use crate::world::{StepScratch, World, WorldSettings};
 
 /// Steps between two times at which domains are chosen, at least.
 const FEWEST_STEPS: u64 = 16;
@@ -35,11 +39,11 @@ const FEW_GHOSTS: f64 = 32.0;
 
 /// A circle that an own particle does not leave in a step, as the other ranks know.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Announced {
+pub(crate) struct Announced {
     /// Its position at the beginning of the step.
-    pub(super) position: [f32; 2],
+    pub(crate) position: [f32; 2],
     /// How far it may get from there.
-    pub(super) distance: f32,
+    pub(crate) distance: f32,
 }
 
 /// Particles that get further than announced are announced this much further.
@@ -47,7 +51,7 @@ const FURTHER: f32 = 1.25;
 
 /// What merging particles change, for [`World::undo`](super::World::undo).
 #[derive(Debug)]
-pub(super) struct Count {
+pub(crate) struct Count {
     ids: Vec<Id>,
     own: usize,
     total: usize,
@@ -55,7 +59,7 @@ pub(super) struct Count {
 }
 
 /// A hash of the contact of an own particle with a ghost.
-pub(super) struct PairDigest {
+pub(crate) struct PairDigest {
     /// The rows of both.
     rows: [u32; 2],
     movable: [bool; 2],
@@ -64,102 +68,108 @@ pub(super) struct PairDigest {
 
 /// The distribution of a world over ranks.
 #[derive(Debug)]
-pub(super) struct Domain {
-    pub(super) group: Mutex<Group>,
+pub(crate) struct Domain {
+    pub(crate) group: Mutex<Group>,
     /// The number of ranks.
-    pub(super) ranks: usize,
+    pub(crate) ranks: usize,
     /// The id of each row among the particles of all ranks.
-    pub(super) ids: Vec<Id>,
+    pub(crate) ids: Vec<Id>,
     /// The number of own particles.
-    pub(super) own: usize,
+    pub(crate) own: usize,
     /// The id that is given next.
-    pub(super) next: Id,
+    pub(crate) next: Id,
     /// Particles of all ranks.
-    pub(super) total: usize,
+    pub(crate) total: usize,
     /// Those that are awake, and those that sleep.
-    pub(super) awake: usize,
-    pub(super) asleep: usize,
+    pub(crate) awake: usize,
+    pub(crate) asleep: usize,
     /// Whether some sleep and all others are static.
-    pub(super) is_still: bool,
+    pub(crate) is_still: bool,
     /// The contacts of sleeping islands; those of islands that have been woken in a step that is not
     /// complete, too.
-    pub(super) sleeping: Vec<SleepingContact>,
+    pub(crate) sleeping: Vec<SleepingContact>,
     /// The sleeping particles of other ranks near own ones.
-    pub(super) foreign: Asleep,
+    pub(crate) foreign: Asleep,
     /// The names of those of their islands that the step would touch.
-    pub(super) touched: Vec<Id>,
+    pub(crate) touched: Vec<Id>,
     /// How far the particle at each index may get before it leaves its circle.
-    pub(super) left: Vec<f32>,
-    pub(super) is_lossless: bool,
-    pub(super) has_friction: bool,
+    pub(crate) left: Vec<f32>,
+    pub(crate) is_lossless: bool,
+    pub(crate) has_friction: bool,
     /// Quantiles of the coordinates of all ranks along each axis.
-    pub(super) scales: [Scale; 2],
+    pub(crate) scales: [Scale; 2],
     /// The AABB of the positions of all ranks, until the first part of the step uses it.
-    pub(super) extent: Option<[[f32; 2]; 2]>,
+    pub(crate) extent: Option<[[f32; 2]; 2]>,
     /// The circle of each own row.
-    pub(super) announced: Vec<Announced>,
+    pub(crate) announced: Vec<Announced>,
     /// The rows that are ghosts of each rank.
-    pub(super) sent: Vec<Vec<u32>>,
+    pub(crate) sent: Vec<Vec<u32>>,
     /// The number of ghosts from each rank.
-    pub(super) received: Vec<usize>,
+    pub(crate) received: Vec<usize>,
     /// Whether the contacts of the last step are still to be kept.
-    pub(super) has_contacts: bool,
-    /// Contacts at rest that own particles had after the step before.
-    pub(super) resting: Vec<Resting>,
+    pub(crate) has_contacts: bool,
+    /// Contacts at rest that own particles had after the step before, and their number when the step
+    /// began.
+    pub(crate) resting: Vec<Resting>,
+    pub(crate) kept: usize,
+    /// Whether this rank has all particles as ghosts.
+    pub(crate) has_all: bool,
+    /// What there was before particles merged in an attempt at a step.
+    pub(crate) before: Option<Count>,
     /// The indices of the rows that are sent, and of the ghosts of each rank.
-    pub(super) sent_indices: Vec<Vec<u32>>,
-    pub(super) ghost_indices: Vec<Vec<u32>>,
+    pub(crate) sent_indices: Vec<Vec<u32>>,
+    pub(crate) ghost_indices: Vec<Vec<u32>>,
     /// The rank of each ghost.
-    pub(super) ghost_ranks: Vec<u32>,
+    pub(crate) ghost_ranks: Vec<u32>,
     /// Hashes of the colours of the contacts of each ghost with own particles; by rows.
-    pub(super) ghost_pairs: Vec<u64>,
+    pub(crate) ghost_pairs: Vec<u64>,
     /// The same of each own row with the ghosts of each rank.
-    pub(super) own_pairs: HashMap<(u32, u32), u64>,
+    pub(crate) own_pairs: HashMap<(u32, u32), u64>,
     /// Hashes of what happened to each row in the step.
-    pub(super) digests: Vec<u64>,
+    pub(crate) digests: Vec<u64>,
     /// Whether each ghost may meet own particles; by rows.
-    pub(super) may_meet: Vec<bool>,
+    pub(crate) may_meet: Vec<bool>,
     /// Whether each own row is a ghost of another rank.
-    pub(super) is_sent: Vec<bool>,
+    pub(crate) is_sent: Vec<bool>,
     /// Whether the particle at each index is an own one.
-    pub(super) is_own: Vec<bool>,
+    pub(crate) is_own: Vec<bool>,
     /// Indices of particles that other ranks have too.
-    pub(super) shared: Vec<u32>,
+    pub(crate) shared: Vec<u32>,
     /// Own rows that have got further than announced, and how far.
-    pub(super) far: Vec<(u32, f32)>,
+    pub(crate) far: Vec<(u32, f32)>,
     /// Complete steps until now, on all ranks as many.
-    pub(super) steps: u64,
+    pub(crate) steps: u64,
     /// Steps that were repeated because ghosts were missing.
-    pub(super) repeats: u64,
+    pub(crate) repeats: u64,
     /// Factor of the margin with which the next step begins, the same on all ranks, and that of this step.
-    pub(super) widening: f64,
-    pub(super) widened: f64,
+    pub(crate) widening: f64,
+    pub(crate) widened: f64,
     /// Distances that own particles got further in this step than announced.
-    pub(super) further: HashMap<Id, f32>,
+    pub(crate) further: HashMap<Id, f32>,
     /// Whether the ghosts are only those that are near own particles now.
-    pub(super) is_static: bool,
+    pub(crate) is_static: bool,
     /// Time of this rank for each of its particles, in any unit that all ranks use.
-    pub(super) work: f64,
+    pub(crate) work: f64,
     /// Steps after which domains are chosen anew; None if the imbalance decides.
-    pub(super) rebalance_every: Option<u64>,
+    pub(crate) rebalance_every: Option<u64>,
     /// Whether they are chosen anew in the next step.
-    pub(super) is_stale: bool,
+    pub(crate) is_stale: bool,
     /// The step in which they were chosen, how often they were, and the ghosts of all ranks in the step
     /// after that; 0 if these are not known.
-    pub(super) chosen: u64,
-    pub(super) rebalances: u64,
-    pub(super) usual_ghosts: f64,
+    pub(crate) chosen: u64,
+    pub(crate) rebalances: u64,
+    pub(crate) usual_ghosts: f64,
 }
 
 impl Domain {
     /// Whether domains are chosen in this step; the same on all ranks.
-    pub(super) fn is_due(&self) -> bool {
+    pub(crate) fn is_due(&self) -> bool {
         self.is_stale || self.rebalance_every.is_some_and(|every| self.steps.is_multiple_of(every))
     }
 
     /// Finds out from the work of each rank and the ghosts of all whether to choose domains in the next step.
     /// All ranks have the same numbers.
-    pub(super) fn note_load(&mut self, work: impl Iterator<Item = f64> + Clone, ghosts: f64) {
+    pub(crate) fn note_load(&mut self, work: impl Iterator<Item = f64> + Clone, ghosts: f64) {
         if self.steps == self.chosen || self.rebalance_every.is_some() {
             return;
         }
@@ -174,50 +184,23 @@ impl Domain {
     }
 
     /// Whether there are ghosts. Rows of own particles include those that sleep.
-    pub(super) fn has_ghosts(&self) -> bool {
+    pub(crate) fn has_ghosts(&self) -> bool {
         self.ids.len() > self.own
     }
 
     /// Whether a row has an own particle.
     #[inline(always)]
-    pub(super) fn owns(&self, row: u32) -> bool {
+    pub(crate) fn owns(&self, row: u32) -> bool {
         (row as usize) < self.own
     }
 
-    /// The values of own particles from those of all indices, and another value for ghosts. Loops over
-    /// them have no branches.
-    pub(super) fn own_or<V: Copy>(
-        &self,
-        of_ghosts: V,
-        all: impl Iterator<Item = V>,
-        rows: &[u32],
-    ) -> impl Iterator<Item = V> {
-        let own = self.own as u32;
-        all.zip(rows).map(move |(value, &row)| if row < own { value } else { of_ghosts })
-    }
-
     /// The id of a row among the particles of all ranks.
-    pub(super) fn id(&self, row: u32) -> Id {
+    pub(crate) fn id(&self, row: u32) -> Id {
         self.ids[row as usize]
     }
 
-    /// The order of two rows in the world.
-    pub(super) fn compare(&self, a: u32, b: u32) -> Ordering {
-        self.ids[a as usize].cmp(&self.ids[b as usize])
-    }
-
-    /// Whether all collisions of all ranks keep the energy.
-    pub(super) fn is_lossless(&self) -> bool {
-        self.is_lossless
-    }
-
-    /// Whether any particle of any rank has friction.
-    pub(super) fn has_friction(&self) -> bool {
-        self.has_friction
-    }
-
     /// Notes the distances of particles that have got further than announced.
-    pub(super) fn note_further(&mut self) {
+    pub(crate) fn note_further(&mut self) {
         let Self { far, further, ids, .. } = self;
         for (row, distance) in far.drain(..) {
             let known = further.entry(ids[row as usize]).or_insert(0.0);
@@ -226,18 +209,18 @@ impl Domain {
     }
 
     /// The ids of all rows, and how many particles there are.
-    pub(super) fn count(&self) -> Count {
+    pub(crate) fn count(&self) -> Count {
         let Self { own, total, awake, .. } = *self;
         Count { ids: self.ids.clone(), own, total, awake }
     }
 
     /// Restores these.
-    pub(super) fn restore(&mut self, Count { ids, own, total, awake }: Count) {
+    pub(crate) fn restore(&mut self, Count { ids, own, total, awake }: Count) {
         (self.ids, self.own, self.total, self.awake) = (ids, own, total, awake);
     }
 
     /// The rank that owns the particle in a row.
-    pub(super) fn rank_of(&self, row: u32) -> usize {
+    pub(crate) fn rank_of(&self, row: u32) -> usize {
         match (row as usize).checked_sub(self.own) {
             Some(ghost) => self.ghost_ranks[ghost] as usize,
             None => locked(&self.group).rank(),
@@ -245,7 +228,7 @@ impl Domain {
     }
 
     /// Notes how many ghosts came from each rank.
-    pub(super) fn note_received(&mut self, received: Vec<usize>) {
+    pub(crate) fn note_received(&mut self, received: Vec<usize>) {
         let ranks = (0..).zip(&received);
         self.ghost_ranks = ranks.flat_map(|(rank, &count)| repeat_n(rank, count)).collect();
         self.received = received;
@@ -261,7 +244,7 @@ impl Domain {
     }
 
     /// Lists the indices of own and of shared particles.
-    pub(super) fn list_indices(&mut self, rows: &[u32]) {
+    pub(crate) fn list_indices(&mut self, rows: &[u32]) {
         if !self.has_ghosts() && self.sent.iter().all(Vec::is_empty) {
             self.is_own.clear();
             self.is_own.resize(rows.len(), true);
@@ -290,7 +273,7 @@ impl Domain {
 
     /// Hashes of the contacts of own particles with ghosts, and of their colours, which follow from those
     /// of other contacts nearby.
-    pub(super) fn digest_colours(
+    pub(crate) fn digest_colours(
         &self,
         contacts: &Contacts,
         lists: &Lists,
@@ -318,7 +301,7 @@ impl Domain {
 
     /// Adds these hashes to those of the step. A rank need not have the neighbours of its immovable
     /// particles, so the pairs of these are not compared.
-    pub(super) fn add_pair_digests(&mut self, found: Vec<PairDigest>) {
+    pub(crate) fn add_pair_digests(&mut self, found: Vec<PairDigest>) {
         for PairDigest { rows: [own, ghost], movable, hash } in found {
             if movable[1] {
                 let sum = &mut self.ghost_pairs[ghost as usize];
@@ -333,7 +316,7 @@ impl Domain {
     }
 
     /// What the order of solving contacts depends on, and the refinement of the sub-steps, on all ranks.
-    pub(super) fn shape_of_all(
+    pub(crate) fn shape_of_all(
         &self,
         own: ContactShape,
         refinement: usize,
@@ -347,7 +330,7 @@ impl Domain {
 
     /// Divides the contacts that one process solves in sequence into rounds, in which ranks solve
     /// them at the same time; returns how many there are. Removes those that other ranks solve.
-    pub(super) fn divide(
+    pub(crate) fn divide(
         &self,
         contacts: &mut Vec<Sequential>,
         movable: &[bool],
@@ -368,31 +351,25 @@ impl Domain {
         Ok(count)
     }
 
-    /// Writes how far own particles may get from where they are before they leave the circles that other
-    /// ranks know. Those of which that is not known are noted as far.
-    pub(super) fn fill_limits(
+    /// Lets own particles get no farther than the circles that other ranks know. Those of which that is
+    /// not known are noted as far.
+    pub(crate) fn limit(
         &mut self,
         particles: &Particles,
         rows: &[u32],
-        settings: &WorldSettings,
-        dt: f32,
+        container: &Container,
         scratch: &mut StepScratch,
     ) {
-        let StepScratch { limits, max_displacements, forces, .. } = scratch;
-        let free = FreeDisplacements::new(settings, forces, dt);
-        let container = &settings.container;
-        let has_sleepers = self.asleep > 0;
-        limits.clear();
+        let StepScratch { limits, max_displacements, .. } = scratch;
         self.left.clear();
-        if self.sent.len() < 2 {
-            let all = max_displacements.iter().enumerate().filter(|_| has_sleepers);
-            limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
+        if self.ranks < 2 {
             return;
         }
-        let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).enumerate();
-        for (index, ((&row, position), &max_displacement)) in all {
+        limits.resize(rows.len(), f32::INFINITY);
+        let all = rows.iter().zip(&particles.positions).zip(&*max_displacements).zip(limits);
+        for (((&row, position), &max_displacement), limit) in all {
             let Some(of) = self.announced.get(row as usize) else {
-                limits.push(f32::INFINITY);
+                *limit = f32::INFINITY;
                 self.left.push(f32::INFINITY);
                 continue;
             };
@@ -408,9 +385,13 @@ impl Domain {
                 self.far.push((row, moved + max_displacement));
             }
             self.left.push(left);
-            let free = || free.within(particles, index, max_displacement);
-            limits.push(if has_sleepers { left.min(free()) } else { left });
+            *limit = left.min(*limit);
         }
+    }
+
+    /// The distribution of a world that is distributed.
+    pub(crate) fn of_mut(halo: &mut dyn Distribution) -> &mut Self {
+        (halo as &mut dyn Any).downcast_mut().expect("only ranks have their protocol")
     }
 }
 
@@ -467,16 +448,77 @@ impl Halo for Domain {
     }
 }
 
-/// The processes that share a world.
-pub(super) fn halo_of(domain: &Option<Box<Domain>>) -> &dyn Halo {
-    match domain {
-        Some(domain) => &**domain,
-        None => &Alone,
+impl Distribution for Domain {
+    fn protocol(&self) -> &'static dyn Protocol {
+        &Ranks
+    }
+
+    fn is_whole(&self) -> bool {
+        false
+    }
+
+    fn own_rows(&self) -> u32 {
+        self.own as u32
+    }
+
+    fn ids(&self) -> &[Id] {
+        &self.ids
+    }
+
+    fn agreed(&self) -> Option<Agreed> {
+        let Self { is_lossless, has_friction, asleep, .. } = *self;
+        Some(Agreed { is_lossless, has_friction, any_sleeps: asleep > 0 })
+    }
+
+    fn take_extent(&mut self) -> Option<[[f32; 2]; 2]> {
+        self.extent.take()
+    }
+
+    fn fail(&self) {
+        locked(&self.group).fail();
+    }
+
+    fn forget_domains(&mut self) {
+        self.is_stale = true;
+    }
+
+    fn touch_others(
+        &mut self,
+        circles: &Quadtree<f32>,
+        radius: &dyn Fn(u32) -> Option<f32>,
+        settings: &WorldSettings,
+        scratch: &mut JoinScratch,
+    ) -> Result<bool> {
+        let mut touched = Vec::new();
+        self.foreign.touched(circles, radius, settings, (scratch, &mut touched))?;
+        self.touched = self.foreign.names(&touched).collect();
+        Ok(!self.touched.is_empty())
+    }
+
+    fn keep_contacts(
+        &mut self,
+        sleepers: &Sleepers,
+        contacts: &[(u32, Contact)],
+        rows: &[u32],
+    ) -> bool {
+        let kept = contacts.iter().map(|(island, contact)| {
+            let ids = contact.indices.map(|index| self.ids[rows[index as usize] as usize]);
+            SleepingContact::new(sleepers.islands[*island as usize].name, ids, contact)
+        });
+        let kept: Vec<SleepingContact> = kept.collect();
+        self.sleeping.extend(kept);
+        true
     }
 }
 
-/// Whether a row is one of this rank, and no ghost.
-#[inline(always)]
-pub(super) fn owns(domain: &Option<Box<Domain>>, row: u32) -> bool {
-    domain.as_ref().is_none_or(|domain| domain.owns(row))
+impl World {
+    /// The distribution over ranks, if there is one.
+    pub(crate) fn domain(&self) -> Option<&Domain> {
+        (&*self.halo as &dyn Any).downcast_ref()
+    }
+
+    /// The same of a world that is distributed.
+    pub(crate) fn domain_mut(&mut self) -> &mut Domain {
+        Domain::of_mut(&mut *self.halo)
+    }
 }

@@ -1,12 +1,12 @@
 //! Adding, removing and changing particles of a distributed world. All ranks make the same calls.
 
-use super::World;
 use super::domain::Domain;
-use super::ids::Ids;
-use crate::decomposition::read_records;
+use super::read_records;
 use crate::error::Result;
 use crate::parallel::locked;
 use crate::space::Id;
+use crate::world::World;
+use crate::world::ids::Ids;
 
 /// What a rank tells the others of its changes: whether all islands wake, the immovable particles of
 /// which only the velocities change, and the names of islands that wake.
@@ -53,8 +53,8 @@ impl Domain {
 impl World {
     /// Wakes the islands that changes of any rank concern: `driven` are rows of immovable particles of
     /// which only the velocities change, `changed` those of other changes.
-    pub(super) fn wake_edited_of_ranks(&mut self, driven: &[u32], changed: &[u32]) -> Result<()> {
-        let Some(domain) = &self.domain else { return Ok(()) };
+    pub(crate) fn wake_edited_of_ranks(&mut self, driven: &[u32], changed: &[u32]) -> Result<()> {
+        let Some(domain) = self.domain() else { return Ok(()) };
         let (indices, awake) = (self.indices_of(changed), self.rows.len());
         let is_fixed = |&index: &u32| self.particles.movable.get(index as usize) == Some(&false);
         let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
@@ -87,14 +87,14 @@ impl World {
         if self.any_of_all(is_fixed)? {
             self.wake_all();
         }
-        let first = self.domain.as_ref().map_or(0, |domain| domain.own);
+        let Some(domain) = self.domain() else { return Ok(()) };
+        let first = domain.own;
         self.append_records(&[records], true);
-        if let Some(domain) = &mut self.domain {
-            domain.ids[first..].copy_from_slice(ids);
-            domain.total += count;
-            domain.next += count as Id;
-            domain.is_stale = true;
-        }
+        let domain = self.domain_mut();
+        domain.ids[first..].copy_from_slice(ids);
+        domain.total += count;
+        domain.next += count as Id;
+        domain.is_stale = true;
         Ok(())
     }
 
@@ -102,7 +102,7 @@ impl World {
     /// particles wake; all wake if an immovable one is removed.
     pub fn remove_of_ranks(&mut self, ids: &[Id]) -> Result<()> {
         self.drop_ghosts();
-        let Some(domain) = &self.domain else { return Ok(()) };
+        let Some(domain) = self.domain() else { return Ok(()) };
         let mut ids = ids.to_vec();
         ids.sort_unstable();
         let is_gone = |id: &Id| ids.binary_search(id).is_ok();
@@ -110,15 +110,15 @@ impl World {
         let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
         self.wake_edited_of_ranks(&[], &rows)?;
         let shifted = self.take_out(&gone);
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        super::edits::retain_unless(&mut domain.ids, &gone);
+        let domain = self.domain_mut();
+        crate::world::edits::retain_unless(&mut domain.ids, &gone);
         domain.own = domain.ids.len();
         domain.total -= ids.len();
         domain.resting.retain_mut(|of| {
             of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(row));
             !of.ids.iter().any(is_gone)
         });
-        self.ids = Ids::of_rows(domain.own);
+        self.ids = Ids::of_rows(self.halo.own_rows() as usize);
         let at_end = &mut self.record.at_end;
         let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
         self.record.gone.extend(removed);
@@ -127,7 +127,7 @@ impl World {
 
     /// The ids of the particles of this rank, and the id that is given next.
     pub fn own_ids(&self) -> (Vec<Id>, Id) {
-        match &self.domain {
+        match self.domain() {
             Some(domain) => (domain.ids[..domain.own].to_vec(), domain.next),
             None => (self.ids(), self.ids.parts().1),
         }
@@ -136,8 +136,8 @@ impl World {
     /// Replaces the ids of all rows, ascending, and the id that is given next; in a distributed world those
     /// of this rank. Refuses ids that no world can have.
     pub fn set_ids(&mut self, ids: &[Id], next: Id) -> Result<()> {
-        if let Some(domain) = &mut self.domain {
-            domain.next = next;
+        if !self.halo.is_whole() {
+            self.domain_mut().next = next;
             return Ok(());
         }
         let has_gaps = !ids.iter().copied().eq(0..next);

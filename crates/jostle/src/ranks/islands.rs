@@ -6,9 +6,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::World;
 use super::domain::Domain;
-use super::sleeping::{IslandMotion, NONE, Scratch};
 use crate::bytes::Plain;
 use crate::contacts::Contact;
 use crate::disjoint_sets::DisjointSets;
@@ -16,29 +14,31 @@ use crate::error::Result;
 use crate::halo::Halo;
 use crate::parallel::locked;
 use crate::space::Id;
+use crate::world::World;
+use crate::world::sleeping::{IslandMotion, NONE, Scratch};
 
 /// Stands for no name.
 const NO_NAME: Id = Id::MAX;
 
 /// A contact of a sleeping particle, which may be with a particle of another rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SleepingContact {
+pub(crate) struct SleepingContact {
     /// The name of the island.
-    pub(super) island: Id,
+    pub(crate) island: Id,
     /// The ids of both. The first sleeps; if both do, it is the smaller one.
-    pub(super) ids: [Id; 2],
+    pub(crate) ids: [Id; 2],
     /// The contact in the last step in which the island was awake. Its indices have no meaning.
-    pub(super) contact: Contact,
+    pub(crate) contact: Contact,
     /// Whether their surfaces touched at the end of that step, as far as this is wanted.
-    pub(super) is_near: bool,
+    pub(crate) is_near: bool,
 }
 
 impl SleepingContact {
     /// Bytes of a contact.
-    pub(super) const SIZE: usize = 66;
+    pub(crate) const SIZE: usize = 66;
 
     /// A contact whose indices have these ids.
-    pub(super) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
+    pub(crate) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
         let is_first = match contact.inverse_masses.map(|inverse| inverse > 0.0) {
             [true, true] => a < b,
             [is_first, _] => is_first,
@@ -49,7 +49,7 @@ impl SleepingContact {
     }
 
     /// Appends it.
-    pub(super) fn put(&self, to: &mut Vec<u8>) {
+    pub(crate) fn put(&self, to: &mut Vec<u8>) {
         let start = to.len();
         to.resize(start + Self::SIZE, 0);
         let [first, second] = self.ids.map(|id| id as u64);
@@ -63,7 +63,7 @@ impl SleepingContact {
     }
 
     /// Reads one.
-    pub(super) fn get(from: &[u8]) -> Self {
+    pub(crate) fn get(from: &[u8]) -> Self {
         let [first, second, island] = <[u64; 3]>::load(&from[..24]).map(|id| id as Id);
         let [x, y, u, v, gap, impulse, friction_impulse, n, t, contact_distance] =
             <[f32; 10]>::load(&from[24..64]);
@@ -147,9 +147,9 @@ fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
 impl World {
     /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
     /// moved.
-    pub(super) fn join_islands_of_ranks(&mut self) -> Result<()> {
-        let Self { domain, rows, scratch, .. } = self;
-        let Some(domain) = domain else { return Ok(()) };
+    pub(crate) fn join_islands_of_ranks(&mut self) -> Result<()> {
+        let Self { halo, rows, scratch, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
         names.clear();
         names.resize(rows.len(), NO_NAME);
@@ -176,16 +176,16 @@ impl World {
     }
 
     /// Keeps the pairs of islands that fall asleep whose surfaces touch, if events are tracked.
-    pub(super) fn keep_pairs_of_sleepers(&mut self) -> Result<()> {
-        if self.domain.is_none() || !self.settings.track_events {
+    pub(crate) fn keep_pairs_of_sleepers(&mut self) -> Result<()> {
+        if !self.settings.track_events {
             return Ok(());
         }
         let mut scratch = std::mem::take(&mut self.scratch.touching);
         let pairs = self.find_touching_of(&self.particles, &mut scratch).map(Iterator::collect);
         self.scratch.touching = scratch;
         let pairs: Vec<[u32; 2]> = pairs?;
-        let Self { domain, particles, rows, scratch, .. } = self;
-        let Some(domain) = domain else { return Ok(()) };
+        let Self { halo, particles, rows, scratch, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         let Scratch { island_of, first, names, .. } = &scratch.sleeping;
         for pair in pairs {
             let sleeps = |&index: &u32| island_of[index as usize] != NONE;
@@ -201,13 +201,14 @@ impl World {
     }
 
     /// Removes the contacts of islands that do not sleep.
-    pub(super) fn drop_contacts_of_woken(&mut self) {
-        let Some(domain) = &mut self.domain else { return };
+    pub(crate) fn drop_contacts_of_woken(&mut self) {
+        let World { halo, asleep, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
         if domain.sleeping.is_empty() {
             return;
         }
-        let islands: Vec<u32> = self.asleep.islands().collect();
-        let mut names: Vec<Id> = self.asleep.names(&islands).collect();
+        let islands: Vec<u32> = asleep.islands().collect();
+        let mut names: Vec<Id> = asleep.names(&islands).collect();
         names.sort_unstable();
         domain.sleeping.retain(|of| names.binary_search(&of.island).is_ok());
     }

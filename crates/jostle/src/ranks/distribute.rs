@@ -4,14 +4,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Mutex;
 
-use super::World;
-use super::asleep::Asleep;
 use super::domain::Domain;
-use crate::decomposition::{Communicator, Group, RECORD, Traffic, put_record, read_records};
+use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::error::{Error, Result};
 use crate::forces::{self, Force, Kinds};
 use crate::parallel::locked;
 use crate::space::Id;
+use crate::world::World;
+use crate::world::asleep::Asleep;
 
 /// The particles of a rank.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ impl World {
         let mut total = [ids.len() as u64];
         group.sum(&mut total)?;
         let (ranks, [total]) = (group.size(), total.map(|total| total as usize));
-        self.domain = Some(Box::new(Domain {
+        self.halo = Box::new(Domain {
             group: Mutex::new(group),
             ranks,
             own: ids.len(),
@@ -63,6 +63,9 @@ impl World {
             received: Vec::new(),
             has_contacts: false,
             resting: Vec::new(),
+            kept: 0,
+            has_all: false,
+            before: None,
             sent_indices: Vec::new(),
             ghost_indices: Vec::new(),
             ghost_ranks: Vec::new(),
@@ -86,7 +89,7 @@ impl World {
             chosen: 0,
             rebalances: 0,
             usual_ghosts: 0.0,
-        }));
+        });
         Ok(())
     }
 
@@ -115,7 +118,7 @@ impl World {
 
     /// The particles of this rank; None if the world is not distributed.
     pub fn own_particles(&self) -> Option<OwnParticles> {
-        self.domain.as_ref().map(|domain| OwnParticles {
+        self.domain().map(|domain| OwnParticles {
             own: domain.own,
             ids: domain.ids.clone(),
             total: domain.total,
@@ -127,7 +130,7 @@ impl World {
 
     /// The number of own particles, and that of all ranks.
     pub fn own_and_all(&self) -> (usize, usize) {
-        match &self.domain {
+        match self.domain() {
             None => (self.len(), self.len()),
             Some(domain) => (domain.own, domain.total),
         }
@@ -141,7 +144,7 @@ impl World {
     /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
     /// distributed.
     pub fn own_records(&self) -> Vec<u8> {
-        let Some(domain) = &self.domain else { return self.records_of(0..self.len()) };
+        let Some(domain) = self.domain() else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
         for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
             put_record(&mut bytes, self.name_of(domain, row), &self.particles, index);
@@ -154,7 +157,7 @@ impl World {
     }
 
     /// The id and the kinds of a row, for its record.
-    pub(super) fn name_of(&self, domain: &Domain, row: u32) -> (Id, Kinds) {
+    pub(crate) fn name_of(&self, domain: &Domain, row: u32) -> (Id, Kinds) {
         (domain.id(row), forces::kinds_of(&self.forces, row as usize))
     }
 
@@ -186,25 +189,15 @@ impl World {
     /// Tells how much time this rank needs for each of its particles, from which the next domains
     /// follow. Results do not depend on it.
     pub fn set_work(&mut self, work: f64) {
-        if let Some(domain) = &mut self.domain
-            && work > 0.0
-            && work.is_finite()
-        {
-            domain.work = work;
+        if !self.halo.is_whole() && work > 0.0 && work.is_finite() {
+            self.domain_mut().work = work;
         }
     }
 
     /// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
     pub fn rebalance_every(&mut self, steps: u64) {
-        if let Some(domain) = &mut self.domain {
-            domain.rebalance_every = Some(steps.max(1));
-        }
-    }
-
-    /// Chooses domains anew in the next step.
-    pub(super) fn forget_domains(&mut self) {
-        if let Some(domain) = &mut self.domain {
-            domain.is_stale = true;
+        if !self.halo.is_whole() {
+            self.domain_mut().rebalance_every = Some(steps.max(1));
         }
     }
 }

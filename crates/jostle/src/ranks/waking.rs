@@ -4,27 +4,27 @@
 //! near its moving particles. The names of all islands that any rank would touch go to all ranks, which wake
 //! their parts of them.
 
-use super::World;
-use super::asleep::{Asleep, Island, Sleepers};
-use super::bounds::rounding;
 use super::carried::{NONE, Resting};
 use super::domain::Domain;
+use super::{Grid, Near};
 use crate::bytes::Plain;
 use crate::container::Container;
-use crate::decomposition::{Grid, Near};
 use crate::error::Result;
 use crate::parallel::locked;
 use crate::particles::Particles;
 use crate::settings::Settings;
 use crate::shapes::Filter;
 use crate::space::Id;
+use crate::world::World;
+use crate::world::asleep::{Asleep, Island, Sleepers};
+use crate::world::bounds::rounding;
 
 /// Bytes of the circle of a sleeping particle: its island, centre, radius, category and mask.
 const CIRCLE: usize = 28;
 
 impl Asleep {
     /// Lists the circles of sleeping particles for each rank that may have moving particles near them.
-    pub(super) fn circles_near(
+    pub(crate) fn circles_near(
         &self,
         grid: &Grid<'_>,
         near: &Near,
@@ -60,7 +60,7 @@ fn put_circle(to: &mut Vec<u8>, island: Id, all: &Particles, at: usize) {
 }
 
 /// Sleeping islands of which only the circles are known.
-pub(super) fn islands_of_circles(bytes: &[u8], settings: Settings) -> Result<Asleep> {
+pub(crate) fn islands_of_circles(bytes: &[u8], settings: Settings) -> Result<Asleep> {
     let mut circles: Vec<(Id, [f32; 3], [u32; 2])> = bytes
         .chunks_exact(CIRCLE)
         .map(|from| {
@@ -129,22 +129,20 @@ impl Domain {
 
 impl World {
     /// Adds the contacts of islands that wake to those at rest.
-    pub(super) fn recall_contacts_of_woken(&mut self, islands: &[u32]) {
+    pub(crate) fn recall_contacts_of_woken(&mut self, islands: &[u32]) {
         // They are added to those of the last step.
         self.keep_resting();
         let mut names: Vec<Id> = self.asleep.names(islands).collect();
         names.sort_unstable();
-        if let Some(domain) = &mut self.domain {
-            let woken = domain.contacts_of_woken(&names);
-            domain.resting.extend(woken);
-        }
+        let domain = self.domain_mut();
+        let woken = domain.contacts_of_woken(&names);
+        domain.resting.extend(woken);
     }
 
     /// Wakes the islands that any rank would touch, or all; there are no ghosts.
-    pub(super) fn wake_touched_of_ranks(&mut self, all: bool) -> Result<()> {
-        let touched = std::mem::take(&mut self.scratch.touched);
-        let Some(domain) = &mut self.domain else { return Ok(()) };
-        let mut names: Vec<Id> = self.asleep.names(&touched).collect();
+    pub(crate) fn wake_touched_of_ranks(&mut self, touched: &[u32], all: bool) -> Result<()> {
+        let mut names: Vec<Id> = self.asleep.names(touched).collect();
+        let domain = self.domain_mut();
         names.append(&mut domain.touched);
         names.sort_unstable();
         names.dedup();
