@@ -154,7 +154,7 @@ impl Contact {
     }
 }
 
-/// What the order of solving contacts depends on; the same on all ranks of a distributed world.
+/// What the order of solving contacts depends on; the same on all processes of a distributed world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ContactShape {
     /// The number of colours.

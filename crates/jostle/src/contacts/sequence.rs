@@ -2,7 +2,7 @@
 //! the other: first those of particles that have contacts of uneven masses, then the others, each
 //! in canonical order.
 //!
-//! The ranks of a distributed world solve them in rounds, see [`crate::decomposition`]. One process
+//! The processes of a distributed world solve them in rounds, see [`crate::ranks`]. One process
 //! has one round.
 
 use super::blocks::Blocks;

@@ -77,11 +77,11 @@ pub struct Events {
     may_be_outside_limits: Vec<u32>,
     /// The number of events of each disc.
     pub counts: Vec<u32>,
-    /// Whether a disc of this rank has more than [`MAX_COLLISIONS`] of them.
+    /// Whether a disc of this process has more than [`MAX_COLLISIONS`] of them.
     has_too_many: AtomicBool,
-    /// Hashes of the trajectories of the discs that are shared with other ranks.
+    /// Hashes of the trajectories of the discs that are shared with other processes.
     pub digests: Vec<u64>,
-    /// Whether each of them may meet a disc of this rank.
+    /// Whether each of them may meet a disc of this process.
     pub may_meet: Vec<bool>,
     starts: Vec<Start>,
     /// Where discs are when a window begins that is not the first.
@@ -133,7 +133,7 @@ impl Events {
         let (mut begin, mut horizon) = (0.0, bounds.horizon());
         let mut shortest = horizon.min(flight.end) / MAX_WINDOWS;
         while begin < flight.end {
-            // Before each window but the first of a sub-step all ranks learn that one has failed,
+            // Before each window but the first of a sub-step all processes learn that one has failed,
             // which ends long steps early.
             if begin > 0.0 && *self.has_too_many.get_mut() {
                 return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
@@ -169,7 +169,7 @@ impl Events {
                 self.carry_over(&mut carried);
             }
         }
-        // Of a distributed world [`World::step`](crate::World::step) refuses it, on all ranks.
+        // Of a distributed world [`World::step`](crate::World::step) refuses it, on all processes.
         if flight.halo.is_alone() && *self.has_too_many.get_mut() {
             return Err(Error::TooManyCollisions { id: 0, limit: MAX_COLLISIONS });
         }
@@ -184,7 +184,7 @@ impl Events {
     }
 
     /// Renews the bounds around where the discs of a window are, and takes their pairs. Returns for
-    /// how many seconds all ranks have made them.
+    /// how many seconds all processes have made them.
     fn renew(
         &mut self,
         window: &Window<'_>,
@@ -205,7 +205,7 @@ impl Events {
         Ok(seconds)
     }
 
-    /// Whether a disc of this rank has more than [`MAX_COLLISIONS`] collisions in the step.
+    /// Whether a disc of this process has more than [`MAX_COLLISIONS`] collisions in the step.
     pub fn has_too_many(&self) -> bool {
         self.has_too_many.load(Ordering::Relaxed)
     }

@@ -61,9 +61,9 @@ impl Events {
     }
 
     /// A hash of `hash` and the trajectory of a disc. Without events and kicks it follows from its start,
-    /// which is the same on all ranks.
+    /// which is the same on all processes.
     fn digest_of(&self, window: &Window<'_>, index: u32, hash: u64) -> u64 {
-        // A disc that a rank has simulated again may have a course without events there.
+        // A disc that a process has simulated again may have a course without events there.
         let course = self.course(index).filter(|(_, course)| course.count > 0);
         if course.is_none() && window.flight.kicks.is_empty() {
             return hash;

@@ -357,7 +357,7 @@ pub struct Bodies<'a> {
     pub method: Method,
     /// Number of threads.
     pub threads: Option<usize>,
-    /// The AABB of the bodies of all ranks, if the world is distributed.
+    /// The AABB of the bodies of all processes, if the world is distributed.
     pub extent: Option<[[f32; 2]; 2]>,
 }
 

@@ -29,7 +29,7 @@ pub(crate) struct Island {
     pub(crate) contacts: Range<u32>,
     pub(crate) wall_impulses: Range<u32>,
     /// In a distributed world the smallest id of all its particles, some of which may be on other
-    /// ranks; otherwise 0.
+    /// processes; otherwise 0.
     pub(crate) name: Id,
 }
 

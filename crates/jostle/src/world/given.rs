@@ -1,5 +1,5 @@
 //! Accelerations and forces that callers compute themselves. They act until they are replaced. In a distributed
-//! world all ranks make the same calls, each for its own particles, and there are no ghosts.
+//! world all processes make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;
 use crate::error::{Error, Result};
@@ -68,7 +68,7 @@ impl World {
         Ok(sums)
     }
 
-    /// Tells the other ranks of an error, so that their next call returns one, too.
+    /// Tells the other processes of an error, so that their next call returns one, too.
     fn tell_error<V>(&self, checked: Result<V>) -> Result<V> {
         if checked.is_err() {
             self.halo.fail();
@@ -91,7 +91,7 @@ impl World {
         Ok(())
     }
 
-    /// Removes the given accelerations if they are 0 for all particles of all ranks.
+    /// Removes the given accelerations if they are 0 for all particles of all processes.
     pub(crate) fn end_given_of_none(&mut self) -> Result<()> {
         let acts = self.given_accelerations().iter().any(|given| *given != [0.0; 2]);
         if self.given.is_some() && !self.any_of_all(acts)? {

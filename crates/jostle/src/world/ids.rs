@@ -104,7 +104,7 @@ impl World {
         }
     }
 
-    /// The id of a row; in a distributed world that among the particles of all ranks.
+    /// The id of a row; in a distributed world that among the particles of all processes.
     pub(crate) fn id_among_all(&self, row: u32) -> Id {
         self.halo.ids().get(row as usize).copied().unwrap_or_else(|| self.ids.of(row))
     }
@@ -152,7 +152,7 @@ impl World {
     }
 
     /// Of a distributed world: the old and the new id of particles that were own ones when they merged. The
-    /// new one may have merged since, on another rank.
+    /// new one may have merged since, on another process.
     pub fn own_renumbering(&self) -> Vec<[Id; 2]> {
         self.renumbered.clone().unwrap_or_default()
     }

@@ -147,7 +147,7 @@ pub struct World {
     /// They name particles by rows.
     pub(crate) forces: Vec<Force>,
     pub(crate) walls: Walls,
-    /// The accelerations of the rows by forces of the caller, if there are any on any rank.
+    /// The accelerations of the rows by forces of the caller, if there are any on any process.
     pub(crate) given: Option<Vec<[f32; 2]>>,
     /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
     pub(crate) particles: Particles,
@@ -191,7 +191,7 @@ pub(crate) struct StepScratch {
     pub(crate) limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
     pub(crate) touched: Vec<u32>,
-    /// Whether there are any, on any rank.
+    /// Whether there are any, on any process.
     pub(crate) meets_sleepers: bool,
     pub(crate) sleeping: sleeping::Scratch,
     pub(crate) waking: waking::Scratch,
@@ -218,7 +218,7 @@ pub(crate) struct StepScratch {
     pub(crate) correction: Correction,
     pub(crate) listing: search::ListScratch,
     pub(crate) contact_shape: ContactShape,
-    /// How many times the usual number of sub-steps the contacts need, on all ranks.
+    /// How many times the usual number of sub-steps the contacts need, on all processes.
     pub(crate) refinement: usize,
     /// The candidate pairs.
     pub(crate) pairs: search::Lists,

@@ -123,7 +123,7 @@ impl World {
     }
 
     /// Of a distributed world: the pairs with own particles that touched at the end of the record before,
-    /// that touched in a step of this one, and that touch at its end. Several ranks may have the same pair.
+    /// that touched in a step of this one, and that touch at its end. Several processes may have the same pair.
     pub fn own_touches(&self) -> [Vec<[Id; 2]>; 3] {
         let Record { before, during, at_end, gone, .. } = &self.record;
         [before.clone(), during.clone(), union(at_end, gone)]
@@ -150,7 +150,7 @@ impl World {
         self.record.during.extend(pairs);
     }
 
-    /// The ids of two rows, the smaller first; none of two ghosts, whose own ranks know them.
+    /// The ids of two rows, the smaller first; none of two ghosts, whose own processes know them.
     pub(crate) fn known_pair(&self, rows: [u32; 2]) -> Option<[Id; 2]> {
         let is_known = rows.iter().any(|&row| row < self.halo.own_rows());
         let [a, b] = rows.map(|row| self.id_among_all(row));

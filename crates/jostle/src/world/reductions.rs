@@ -10,7 +10,7 @@ const WHOLE: f64 = (1u64 << 52) as f64;
 const WHOLE_BITS: u64 = WHOLE.to_bits();
 
 impl World {
-    /// The number of particles of all ranks that are awake.
+    /// The number of particles of all processes that are awake.
     pub(crate) fn count_of_all(&self) -> usize {
         self.halo.count(self.rows.len())
     }
@@ -42,17 +42,17 @@ impl World {
         self.halo().any(own)
     }
 
-    /// Waits for all ranks. Returns an error if one has failed.
+    /// Waits for all processes. Returns an error if one has failed.
     pub(crate) fn wait_for_all(&self) -> Result<()> {
         self.halo().wait()
     }
 
-    /// The largest of each number of all ranks.
+    /// The largest of each number of all processes.
     pub(crate) fn largest_of_all<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N]> {
         self.halo().largest(own)
     }
 
-    /// The sum of each number of all ranks.
+    /// The sum of each number of all processes.
     pub(crate) fn sum_of_all<const N: usize>(&self, own: [u64; N]) -> Result<[u64; N]> {
         self.halo().sum(own)
     }
@@ -94,7 +94,7 @@ impl World {
     }
 
     /// The mean of a number of all particles, none negative; the same whatever their order and
-    /// ranks.
+    /// processes.
     pub(crate) fn mean<V>(&self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
         let own = self.own_or(0.0, column.iter().map(number));
         let [most] = self.largest_of_all([f64::from(largest(own))])?;

@@ -22,7 +22,7 @@ const LARGEST_RATIO: f32 = 10_000.0;
 impl World {
     /// How many times the usual number of sub-steps the contacts of this step need. It follows from
     /// the particles that touch as the part begins. Two ghosts do not count: their states may be
-    /// wrong in later parts of a step, and the rank of one of them has the pair too.
+    /// wrong in later parts of a step, and the process of one of them has the pair too.
     pub(crate) fn own_refinement(&self) -> usize {
         let is_free = self.settings.substeps.is_none() && self.may_rest();
         if !is_free || !self.contacts.has_uneven() {

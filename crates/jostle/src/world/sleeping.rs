@@ -33,7 +33,7 @@ const FAST: f64 = 0.1;
 const STEADY: f64 = 0.1;
 
 /// Unit of sums of changes: 2⁻³⁰. Sums of whole numbers are exact, so they do not depend on the order
-/// of the members and on the ranks that have them. A slow particle changes by 2 at most.
+/// of the members and on the processes that have them. A slow particle changes by 2 at most.
 const UNIT: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Squares of mean speeds over their limit below this are due to rounding, and may grow.
@@ -195,7 +195,7 @@ impl World {
         Ok(())
     }
 
-    /// Moves islands to the sleeping ones. If there is an error on any rank, nothing changes.
+    /// Moves islands to the sleeping ones. If there is an error on any process, nothing changes.
     pub(crate) fn put_to_sleep(&mut self, sleepers: Sleepers) -> Result<()> {
         let count = sleepers.islands.len();
         let done =
@@ -287,7 +287,7 @@ impl World {
     }
 
     /// Lists the members of the islands that fall asleep; returns false if there are none
-    /// on any rank.
+    /// on any process.
     fn list_sleepers(&mut self) -> Result<bool> {
         let is_slow = |[before, now]: [f32; 2]| before <= 1.0 && now <= 1.0;
         let Self { particles, halo, rows, scratch, .. } = self;
@@ -316,8 +316,8 @@ impl World {
         Ok(!self.halo.is_alone() || !self.scratch.sleeping.members.is_empty())
     }
 
-    /// Sums up how the members of each island have moved. Ghosts count on their own ranks; but
-    /// kinematic ones keep the island awake on each rank.
+    /// Sums up how the members of each island have moved. Ghosts count on their own processes; but
+    /// kinematic ones keep the island awake on each process.
     fn sum_islands(&mut self) {
         let Self { particles, halo, rows, scratch, .. } = self;
         let own = halo.own_rows();
@@ -372,7 +372,7 @@ impl World {
         let touching = contacts.touching().map(|contact| contact.indices);
         let near = overlaps.iter().flat_map(|(_, pairs)| pairs).chain(&events.sensed);
         for pair in near.copied().chain(touching).chain(tied.clone()) {
-            // Pairs of two ghosts are known to their own ranks.
+            // Pairs of two ghosts are known to their own processes.
             let is_known = pair.iter().any(|&index| rows[index as usize] < own);
             if is_known && pair.iter().all(|&index| is_member(particles, index)) {
                 groups.join(pair[0], pair[1]);

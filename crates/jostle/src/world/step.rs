@@ -237,7 +237,7 @@ impl World {
         Err(Error::of("dt", dt, &rule))
     }
 
-    /// The error of a step in which particles of this rank have too many collisions, with the id of
+    /// The error of a step in which particles of this process have too many collisions, with the id of
     /// the one that has most.
     pub(crate) fn too_many_collisions(&self) -> Error {
         let all = self.rows.iter().zip(&self.scratch.events.counts);

@@ -60,7 +60,7 @@ impl World {
         self.halo.agreed().map_or_else(|| self.are_own_lossless(), |agreed| agreed.is_lossless)
     }
 
-    /// The same of the particles of this rank.
+    /// The same of the particles of this process.
     pub(crate) fn are_own_lossless(&self) -> bool {
         // Chunks without branches, for vector instructions.
         let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));

@@ -122,7 +122,7 @@ impl World {
 
     fn count_collisions(&mut self) {
         let (own, rows) = (self.halo.own_rows(), &self.rows);
-        // A pair of particles belongs to the rank of the first.
+        // A pair of particles belongs to the process of the first.
         let is_own = |index: u32| rows[index as usize] < own;
         let Collisions { pairs, walls } = &mut self.scratch.collisions;
         let bounced = self.scratch.events.bounced.iter();

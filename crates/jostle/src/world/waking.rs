@@ -42,12 +42,12 @@ impl World {
             && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
-    /// Whether any particle sleeps, on any rank.
+    /// Whether any particle sleeps, on any process.
     pub(crate) fn any_sleeps(&self) -> bool {
         !self.asleep.is_empty() || self.halo.agreed().is_some_and(|agreed| agreed.any_sleeps)
     }
 
-    /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any rank;
+    /// Whether moving particles may meet sleeping ones by themselves in `dt` seconds, on any process;
     /// lists the islands of these. The bounds are larger, and depend on other particles.
     pub(crate) fn is_near_sleepers(&mut self, dt: f32) -> Result<bool> {
         if !self.any_sleeps() {
@@ -91,7 +91,7 @@ impl World {
         self.note_touched(of_others?)
     }
 
-    /// Builds the tree of circles around the particles of this rank that have left their bounds; returns
+    /// Builds the tree of circles around the particles of this process that have left their bounds; returns
     /// whether there are any.
     fn find_circles_outside_limits(&mut self) -> Result<bool> {
         let Self { particles, scratch, settings, halo, rows, .. } = self;
