@@ -20,13 +20,13 @@ use crate::space::Id;
 use crate::table::Table;
 use crate::world::edits::{renumber, retain_unless};
 use crate::world::ids::Ids;
-use crate::world::merge::{ROUNDS, joint_acceleration, kind_of_heaviest, union};
+use crate::world::merge::{joint_acceleration, kind_of_heaviest, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
 
 /// An own particle of an island that may merge.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Member {
+pub(crate) struct Member {
     index: u32,
     /// The smallest id of the island, which the merged particle has.
     island: Id,
@@ -93,29 +93,8 @@ struct Merged {
 }
 
 impl World {
-    /// Merges the particles of all ranks that touched, and those that merged particles then overlap.
-    pub(crate) fn merge_with_other_ranks(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
-        for _ in 0..ROUNDS {
-            // Pairs of two ghosts are found by the ranks that own these particles.
-            let (own, rows) = (self.halo.own_rows(), &self.rows);
-            let is_own = |&index: &u32| rows[index as usize] < own;
-            touching.retain(|pair| pair.iter().any(is_own));
-            self.record_pairs(&touching);
-            if !self.any_of_all(!touching.is_empty())? {
-                return Ok(());
-            }
-            let members = self.members_of_islands(&touching)?;
-            if !self.merge_members(&members)? {
-                return Ok(());
-            }
-            self.exchange_static_ghosts()?;
-            touching = self.pairs_to_merge()?;
-        }
-        Ok(())
-    }
-
     /// Own particles of islands of touching particles, in the order of indices.
-    fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
+    pub(crate) fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
         let Some(domain) = self.domain() else { return Ok(Vec::new()) };
         let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
         let mut groups = DisjointSets::default();
@@ -157,7 +136,7 @@ impl World {
     }
 
     /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
-    fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
+    pub(crate) fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
         let to = self.put_members(members);
         let Some(domain) = self.domain() else { return Ok(false) };
         let arrived = locked(&domain.group).exchange(&to)?;

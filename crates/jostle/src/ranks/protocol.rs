@@ -128,8 +128,13 @@ impl Protocol for Ranks {
         Ok(agreement != Agreement::Same)
     }
 
-    fn merge(&self, world: &mut World, touching: Vec<[u32; 2]>) -> Result<()> {
-        world.merge_with_other_ranks(touching)
+    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
+        let members = world.members_of_islands(touching)?;
+        world.merge_members(&members)
+    }
+
+    fn gather_near(&self, world: &mut World) -> Result<()> {
+        world.exchange_static_ghosts()
     }
 
     fn compare(&self, world: &mut World) -> Result<Agreement> {

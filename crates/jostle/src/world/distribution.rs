@@ -151,9 +151,14 @@ pub(crate) trait Protocol: Sync {
         Ok(false)
     }
 
-    /// Merges the particles of the pairs of indices that touched, and those that they then overlap.
-    fn merge(&self, world: &mut World, touching: Vec<[u32; 2]>) -> Result<()> {
-        world.merge_own(touching)
+    /// Merges each island of pairs of indices that touch; returns whether any merged.
+    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
+        world.merge_touching(touching)
+    }
+
+    /// Gets the ghosts near the present positions of own particles.
+    fn gather_near(&self, _: &mut World) -> Result<()> {
+        Ok(())
     }
 
     /// Compares what the processes have computed in a step.

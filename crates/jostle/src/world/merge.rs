@@ -94,21 +94,20 @@ impl World {
         }
         let candidates = std::mem::take(&mut self.scratch.candidate_merges);
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
-        let touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
+        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
         self.scratch.candidate_merges = candidates;
-        self.halo.protocol().merge(self, touching)
-    }
-
-    /// The same of particles that all belong to this process.
-    pub(crate) fn merge_own(&mut self, mut touching: Vec<[u32; 2]>) -> Result<()> {
+        let (protocol, own) = (self.halo.protocol(), self.halo.own_rows());
         for _ in 0..ROUNDS {
+            // Pairs of two ghosts are found by the processes that own these particles.
+            touching.retain(|pair| pair.iter().any(|&index| self.rows[index as usize] < own));
             self.record_pairs(&touching);
-            if touching.is_empty() || !self.merge_touching(&touching)? {
+            if !self.any_of_all(!touching.is_empty())?
+                || !protocol.merge_islands(self, &touching)?
+            {
                 return Ok(());
             }
-            // If there are too many pairs to list, the next step returns the error.
-            let Ok(overlaps) = self.pairs_to_merge() else { return Ok(()) };
-            touching = overlaps;
+            protocol.gather_near(self)?;
+            touching = self.pairs_to_merge()?;
         }
         Ok(())
     }
@@ -123,7 +122,7 @@ impl World {
     }
 
     /// Merges each island of these pairs of indices; returns whether any merged.
-    fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
+    pub(crate) fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
         let mut groups = DisjointSets::default();
         groups.reset(self.len());
         touching.iter().for_each(|&[a, b]| groups.join(a, b));
