@@ -176,6 +176,7 @@ def test_the_walls_carry_the_weight(friction: float) -> None:
     assert (contacts.friction_impulses != 0).any() == (friction > 0)
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_a_tilted_pile_flows_at_the_angle_of_an_avalanche() -> None:
     """`python tests/tilted_pile.py` measures the angles in the scene of a published simulation."""
     pile = TiltedPile(1000, 60.0, seed=0)

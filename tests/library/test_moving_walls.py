@@ -91,6 +91,7 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     return world.kinetic_energy / before, float(np.exp(exponent))
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_a_piston_compresses_a_gas_adiabatically() -> None:
     measured = [compression(1000, 0.6, 0.5, seed) for seed in range(2)]
     found, expected = np.mean(measured, axis=0)

@@ -27,6 +27,7 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
     )  # fmt: skip
 
 
+@pytest.mark.usefixtures("usual_threads")
 @pytest.mark.parametrize(
     ("force", "steps"),
     [(jostle.ThermalWalls(KT, seed=4), 1500), (jostle.AndersenThermostat(KT, 1.0, seed=4), 30)],
@@ -47,6 +48,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
     assert world.stats.unresolved == 0
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
     world = gas([jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1])])
     world.step(1.0, steps=1500)

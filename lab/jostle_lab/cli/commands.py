@@ -33,6 +33,7 @@ from .runs import has_display, read_settings, record, show
 
 DEFAULT_SCENE = "mixed"
 TUNED = whole(1, 2_000_000)  # particles
+PICTURES = ".png", ".pdf", ".svg"
 SEEDS = whole(1, 1_000_000)
 SWEPT = whole(1, 1_000_000_000)
 WARM_UP = whole(0, 1_000_000_000)
@@ -151,13 +152,18 @@ def tune(
     n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
     out: Annotated[
         Path | None,
-        typer.Option(help="The picture. (default: out/tune-SCENE.png)", show_default=False),
+        typer.Option(
+            help=f"The picture, {', '.join(PICTURES)}. (default: out/tune-SCENE.png)",
+            show_default=False,
+        ),
     ] = None,
 ) -> None:
     """Draw a map of the time to find all pairs, over the leaf capacity and depth of the tree."""
     check_scene(scene)
     check_option("n", n, TUNED)
     path = out or Path("out") / f"tune-{scene}.png"
+    if path.suffix.lower() not in PICTURES:
+        refuse(f"--out is {str(path)!r}; the picture's name must end with {' or '.join(PICTURES)}")
     check_folder(path.parent)
     check_file("--out", path)
     from jostle_lab.tune import command

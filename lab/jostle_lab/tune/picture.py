@@ -59,7 +59,7 @@ def draw(maps: Sequence[Map], path: Path) -> None:
     bar.outline.set_visible(False)  # type: ignore[operator]
     _texts(figure, maps)
     data = io.BytesIO()
-    figure.savefig(data, format="png")
+    figure.savefig(data, format=path.suffix[1:].lower())
     write(path, data.getvalue())
 
 

@@ -656,6 +656,7 @@ def test_substeps_are_those_that_forces_need() -> None:
     assert inspect.signature(jostle.World).parameters["substeps"].default is None
 
 
+@pytest.mark.threads
 def test_contacts_within_rounding_do_not_depend_on_threads() -> None:
     """In the third step two discs touch a third one at times that differ by less than rounding.
 

@@ -338,6 +338,7 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
         np.testing.assert_allclose(gas.momentum, momentum, rtol=0, atol=1e-7 * masses.sum())
 
 
+@pytest.mark.threads
 def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
     n, rng = 15_000, np.random.default_rng(8)
     period = torus(n, 0.3)

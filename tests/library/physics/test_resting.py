@@ -328,6 +328,7 @@ def test_the_number_of_substeps_may_be_chosen_or_found(pull: tuple[float, float]
     assert worlds[0].velocities.tolist() == worlds[1].velocities.tolist()
 
 
+@pytest.mark.threads
 def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
     pile = a_pile("radii 25:1", 0.1, 200)
     pile.step(1 / 60, steps=90)
