@@ -22,7 +22,7 @@ def jostle_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixtur
 
 
 @pytest.fixture(autouse=True)
-def closed(request: pytest.FixtureRequest) -> Iterator[None]:
+def closed(request: pytest.FixtureRequest, usual_threads: None) -> Iterator[None]:
     """Close the window of a `Driver`."""
     yield
     if hasattr(request.module, "Driver"):

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from gases import lattice
-from scipy.stats import kstest
 
 import jostle
 
@@ -34,6 +33,8 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
 )
 def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
     """Five samples; with the walls the deviation from kT falls e-fold in about 250 seconds."""
+    from scipy.stats import kstest  # one second, for the process that has this test
+
     world = gas([force])
     world.step(1.0, steps=steps)
     energies = []
