@@ -12,23 +12,10 @@ from rich.table import Table
 import jostle
 from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
-from jostle_lab.simulate.settings import (
-    METHODS,
-    RENDERERS,
-    RULES,
-    STEPS,
-    Settings,
-)
+from jostle_lab.simulate.settings import METHODS, RENDERERS, RULES, STEPS, Settings
 from jostle_lab.simulate.validation import one_of, whole
 
-from .refusals import (
-    check_file,
-    check_folder,
-    check_option,
-    check_scene,
-    console,
-    refuse,
-)
+from .refusals import check_file, check_folder, check_option, check_scene, console, refuse
 from .runs import has_display, read_settings, record, show
 
 DEFAULT_SCENE = "mixed"

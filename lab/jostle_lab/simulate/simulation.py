@@ -32,13 +32,7 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
-from jostle_lab.simulate.packing import (
-    ATTRACTORS,
-    COUNT,
-    pack,
-    unpack,
-    within,
-)
+from jostle_lab.simulate.packing import ATTRACTORS, COUNT, pack, unpack, within
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
 

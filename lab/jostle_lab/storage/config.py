@@ -16,13 +16,7 @@ from typing import Any
 
 from jostle_lab.draw.camera import Size
 from jostle_lab.draw.view_options import OPTION_RULES
-from jostle_lab.simulate.settings import (
-    RENDERERS,
-    RULES,
-    SETTINGS,
-    Settings,
-    unknown_scene,
-)
+from jostle_lab.simulate.settings import RENDERERS, RULES, SETTINGS, Settings, unknown_scene
 from jostle_lab.simulate.validation import (
     Fields,
     Key,
