@@ -18,10 +18,12 @@ NO_LIMIT = 4096
 def some_map(**changes: object) -> Map:
     """The default is 2 % slower than the best, and one setting was too slow."""
     rounds = {
-        Setting(3, NO_LIMIT): [9e-3] * 3, Setting(3, 5): [4e-3] * 3,
-        Setting(96, NO_LIMIT): [1e-3, 1.02e-3, 7e-3], Setting(128, NO_LIMIT): [1e-3] * 3,
+        Setting(3, NO_LIMIT): [9e-3] * 3,
+        Setting(3, 5): [4e-3] * 3,
+        Setting(96, NO_LIMIT): [1e-3, 1.02e-3, 7e-3],
+        Setting(128, NO_LIMIT): [1e-3] * 3,
         Setting(128, 5): [2e-3] * 3,
-    }  # fmt: skip
+    }
     facts = {"depths": {3: 9, 96: 5, 128: 6}, "rounds": rounds, **changes}
     return Map("gas", 100, 1, Setting(96, NO_LIMIT), **facts)  # type: ignore[arg-type]
 

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import jostle
-from jostle import life
+from jostle import Flocking, PairForce, life
 
 SIDE = 50.0
+lennard_jones, soft_discs = PairForce.lennard_jones, PairForce.soft_discs
+particle_life = PairForce.particle_life
 
 
 def random_state(n, seed=0):
@@ -39,9 +41,15 @@ def test_a_step_is_that_of_numpy(periodic, method):
     container = jostle.Torus(SIDE, SIDE) if periodic else None
     masses = rng.uniform(1, 3, 400)
     world = jostle.World(
-        positions, velocities, 0.1, masses=masses, container=container, on_touch="ignore",
-        forces=[force], method=method,
-    )  # fmt: skip
+        positions,
+        velocities,
+        0.1,
+        masses=masses,
+        container=container,
+        on_touch="ignore",
+        forces=[force],
+        method=method,
+    )
     world.step(dt)
     offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
     at = np.minimum(distance / cutoff * 11, 11)
@@ -62,9 +70,13 @@ def test_a_flock_is_that_of_numpy():
     positions, velocities, _ = random_state(300, 1)
     birds = jostle.Flocking(6.0, separation=4.0, alignment=1.5, cohesion=0.3, max_speed=np.inf)
     world = jostle.World(
-        positions, velocities, 0.1, container=jostle.Torus(SIDE, SIDE), on_touch="ignore",
+        positions,
+        velocities,
+        0.1,
+        container=jostle.Torus(SIDE, SIDE),
+        on_touch="ignore",
         forces=[birds],
-    )  # fmt: skip
+    )
     world.step(0.01)
     offset, distance = offsets(positions + velocities * np.float32(0.005), True)
     near = distance < 6.0
@@ -119,9 +131,13 @@ def test_random_matrices_are_symmetric_if_asked():
 def test_a_soft_disc_comes_to_rest_by_damping():
     force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0, damping=5.0)
     world = jostle.World(
-        [(0, 0), (1.0, 0)], [(0.5, 0), (-0.5, 0)], 1.0, masses=1.0, on_touch="ignore",
+        [(0, 0), (1.0, 0)],
+        [(0.5, 0), (-0.5, 0)],
+        1.0,
+        masses=1.0,
+        on_touch="ignore",
         forces=[force],
-    )  # fmt: skip
+    )
     energy = world.kinetic_energy + world.potential_energy
     world.step(0.005, steps=60)
     assert world.kinetic_energy + world.potential_energy < 0.99 * energy
@@ -177,49 +193,50 @@ def test_columns_are_read_only():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: jostle.PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
-        (lambda: jostle.PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
-        (lambda: jostle.PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
-         "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
-        (lambda: jostle.PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
-        (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
-        (lambda: jostle.PairForce.particle_life([0], [[1, 0], [np.nan, 0]], 1.0),
-         "matrix[1, 0] is NaN"),
-        (lambda: jostle.PairForce.particle_life([0], [[1]], 1.0, strength=np.inf),
-         "strength is inf"),
-        (lambda: jostle.PairForce.particle_life([0], np.zeros((65, 65)), 1.0),
-         "matrix is of 65 kinds; there may be 1 to 64 kinds"),
-        (lambda: jostle.PairForce.lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0),
-         "epsilon[1, 0] is inf"),
-        (lambda: jostle.PairForce.lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0),
-         "sigma[1, 0] is -2"),
-        (lambda: jostle.PairForce.soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
-        (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
-        (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
-        (lambda: jostle.PairForce.particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
-        (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, strength=np.nan),
-         "strength is NaN; it must be finite"),
-        (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
-        (lambda: jostle.PairForce.lennard_jones([0], -1.0, 1.0, 1.0),
-         "epsilon is -1; it must be finite and at least 0"),
-        (lambda: jostle.PairForce.lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0),
-         "epsilon[1, 1] is NaN"),
-        (lambda: jostle.PairForce.lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0),
-         "a number or (2, 2)"),
-        (lambda: jostle.PairForce.soft_discs([0], 1.0, -1.0), "diameters is -1"),
-        (lambda: jostle.PairForce.soft_discs([0], -1.0, 1.0),
-         "stiffness is -1; it must be finite and at least 0"),
-        (lambda: jostle.Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
-        (lambda: jostle.Flocking(1, -1, 1, 1, 1), "separation is -1"),
-        (lambda: jostle.Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
-        (lambda: jostle.Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
+        (lambda: PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
+        (lambda: PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
+        (lambda: PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
+        (lambda: PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
+        (
+            lambda: PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
+            "kinds[1] is 1; the table has 1 kind, from 0 to 0",
+        ),
+        (lambda: PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
+        (lambda: PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
+        (lambda: particle_life([0], [[1, 0], [np.nan, 0]], 1.0), "matrix[1, 0] is NaN"),
+        (lambda: particle_life([0], [[1]], 1.0, strength=np.inf), "strength is inf"),
+        (
+            lambda: particle_life([0], np.zeros((65, 65)), 1.0),
+            "matrix is of 65 kinds; there may be 1 to 64 kinds",
+        ),
+        (lambda: lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0), "epsilon[1, 0] is inf"),
+        (lambda: lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0), "sigma[1, 0] is -2"),
+        (lambda: soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
+        (lambda: particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
+        (lambda: particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
+        (lambda: particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
+        (
+            lambda: particle_life([0], [[1.0]], 1.0, strength=np.nan),
+            "strength is NaN; it must be finite",
+        ),
+        (lambda: lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
+        (
+            lambda: lennard_jones([0], -1.0, 1.0, 1.0),
+            "epsilon is -1; it must be finite and at least 0",
+        ),
+        (lambda: lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0), "epsilon[1, 1] is NaN"),
+        (lambda: lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0), "a number or (2, 2)"),
+        (lambda: soft_discs([0], 1.0, -1.0), "diameters is -1"),
+        (lambda: soft_discs([0], -1.0, 1.0), "stiffness is -1; it must be finite and at least 0"),
+        (lambda: Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
+        (lambda: Flocking(1, -1, 1, 1, 1), "separation is -1"),
+        (lambda: Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
+        (lambda: Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
     ],
-)  # fmt: skip
+)
 def test_wrong_numbers_are_refused(make, words):
     with pytest.raises(ValueError) as error:
         make()
@@ -247,10 +264,10 @@ def test_errors_of_life_name_the_argument():
 
 def test_wrong_types_are_refused():
     for make in (
-        lambda: jostle.PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
-        lambda: jostle.PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
-        lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), "far"),
-        lambda: jostle.Flocking("far", 1, 1, 1, 1),
+        lambda: PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
+        lambda: PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
+        lambda: PairForce([0], np.zeros((1, 1, 2)), "far"),
+        lambda: Flocking("far", 1, 1, 1, 1),
     ):
         with pytest.raises(TypeError):
             make()

@@ -307,10 +307,14 @@ def move_lifts(space: jostle.Space, lifts, by, way: str) -> None:
 @pytest.mark.parametrize(
     ("way", "mask"),
     [
-        ("move", None), ("move", LEDGE), ("twice", LEDGE), ("after", None), ("other call", None),
+        ("move", None),
+        ("move", LEDGE),
+        ("twice", LEDGE),
+        ("after", None),
+        ("other call", None),
         ("same call", LEDGE),
     ],
-)  # fmt: skip
+)
 def test_a_rising_lift_catches_what_falls_onto_it(one_way, dtype, way, mask) -> None:
     """100 walkers above 100 lifts, at speeds up to a hundred times their height."""
     rng = np.random.default_rng(1)

@@ -21,9 +21,14 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
     """Elastic discs of radius 1 and mass 1 in a box, a quarter as warm."""
     velocities = np.random.default_rng(1).normal(size=(N, 2)) * 0.5
     return jostle.World(
-        lattice(N, SIDE, SIDE)[order], velocities[order], 1.0, masses=1.0,
-        container=jostle.Box(0, 0, SIDE, SIDE), forces=forces, threads=threads,
-    )  # fmt: skip
+        lattice(N, SIDE, SIDE)[order],
+        velocities[order],
+        1.0,
+        masses=1.0,
+        container=jostle.Box(0, 0, SIDE, SIDE),
+        forces=forces,
+        threads=threads,
+    )
 
 
 @pytest.mark.usefixtures("usual_threads")

@@ -71,12 +71,16 @@ def random_world(seed: int) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     columns = {"positions": rng.uniform(0, side, (n, 2)), "velocities": velocities, "radii": radii}
     defaults = {**DEFAULTS, "masses": default_masses(radii)}
     choices = {
-        "restitution": rng.choice([0.0, 0.5, 0.9], n), "friction": rng.uniform(0, 1, n),
-        "masses": 10 ** rng.uniform(-2, 2, n), "movable": rng.random(n) < 0.7,
-        "sensors": rng.random(n) < 0.3, "angles": rng.uniform(-3, 3, n),
-        "angular_velocities": rng.normal(0, 5, n), "categories": 1 << rng.integers(0, 3, n),
+        "restitution": rng.choice([0.0, 0.5, 0.9], n),
+        "friction": rng.uniform(0, 1, n),
+        "masses": 10 ** rng.uniform(-2, 2, n),
+        "movable": rng.random(n) < 0.7,
+        "sensors": rng.random(n) < 0.3,
+        "angles": rng.uniform(-3, 3, n),
+        "angular_velocities": rng.normal(0, 5, n),
+        "categories": 1 << rng.integers(0, 3, n),
         "masks": rng.integers(1, 8, n),
-    }  # fmt: skip
+    }
     for name, values in choices.items():
         if maybe(0.4):
             columns[name] = column(defaults[name], values)
