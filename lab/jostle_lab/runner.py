@@ -1,7 +1,5 @@
 """The runner: begins scenes, changes settings and methods, and controls the time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -16,7 +16,7 @@ from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.settings import RULES, Group, Polyline, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.validation import rules_of
+from jostle_lab.simulate.validation import fields_of
 from jostle_lab.storage.config import WINDOW_RULES, Config, ConfigError, line_of, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
 
@@ -68,7 +68,8 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
     shown = (field.name for field in fields(ViewOptions))
-    for name in (*RULES, *rules_of(Group), *rules_of(Polyline), *WINDOW_RULES, *shown):
+    rules = {**RULES, **fields_of(Group).rules, **fields_of(Polyline).rules, **WINDOW_RULES}
+    for name in (*rules, *shown):
         spelled = f"[[{name}]]" if name in ("particles", "walls") else name
         assert f"`{spelled}`" in page, name
 

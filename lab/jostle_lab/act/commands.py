@@ -1,7 +1,5 @@
 """Commands on particles: make, copy, remove, stop, fix, scatter; the brush; and walls."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

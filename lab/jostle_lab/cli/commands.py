@@ -1,7 +1,5 @@
 """The commands, their options, and the rules of these."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """The column at the left: the time, and sections, scrolled if they do not fit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 

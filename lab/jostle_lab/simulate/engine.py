@@ -8,8 +8,6 @@ the present one is shown.
 An error of a step, such as a speed beyond the limits, is kept in `error`.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable

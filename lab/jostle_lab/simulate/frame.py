@@ -88,11 +88,7 @@ class StepStats:
 
 @dataclass(frozen=True)
 class Frame:
-    """One state, as copies that cannot be changed: threads share them.
-
-    A particle's *tag* is its number in the order of adding over the whole run. Rows change when
-    others are removed; tags do not.
-    """
+    """One state, as copies that cannot be changed: threads share them."""
 
     positions: NDArray[np.float32]  # (n, 2), world units
     velocities: NDArray[np.float32]  # (n, 2), world units per second

@@ -4,8 +4,6 @@ The format is a first line with the kind, a JSON header with the values and the 
 parts, then the parts. A checksum finds damage, but not wrong values, so these are checked.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import zlib

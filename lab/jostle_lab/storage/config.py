@@ -4,8 +4,6 @@ Entries that are unknown or wrong are refused with name and line. Reading a file
 proportional to its length, and finding a line that of reading it some ten times: it is a bisection.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from bisect import bisect_left

@@ -1,7 +1,5 @@
 """The plan of a sweep: its runs, from settings with their values."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The picture of maps: milliseconds over leaf capacity and maximum depth."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Sequence
