@@ -162,9 +162,7 @@ class Runner:
                 self.begin(replace(self.engine.settings, n=n))
 
         self.engine.edit(
-            lambda simulation: refusals.append(simulation.adjust("n", n)),
-            then=then,
-            key="n",
+            lambda simulation: refusals.append(simulation.adjust("n", n)), then=then, key="n"
         )
 
     def switch_method(self) -> None:
