@@ -24,6 +24,13 @@ SWEPT = whole(1, 1_000_000_000)
 WARM_UP = whole(0, 1_000_000_000)
 WORKERS = whole(1, 10_000)
 
+# Arguments of several commands.
+_SCENE = typer.Argument(help="A scene, as `jostle scenes` lists them.")
+Count = Annotated[
+    int | None,
+    typer.Option("-n", help="Number of particles; the default of the scene if not given."),
+]
+
 app = typer.Typer(
     help="A quadtree that finds every touching pair, and a particle simulator.",
     no_args_is_help=True,
@@ -66,10 +73,7 @@ def run(
         str | None,
         typer.Argument(help=f"A scene, as `jostle scenes` lists them. (default: {DEFAULT_SCENE})"),
     ] = None,
-    n: Annotated[
-        int | None,
-        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
-    ] = None,
+    n: Count = None,
     method: Annotated[
         str | None, typer.Option(help=f"One of {', '.join(METHODS)}. (default: {Settings.method})")
     ] = None,
@@ -131,9 +135,7 @@ def run(
 
 @app.command()
 def tune(
-    scene: Annotated[
-        str, typer.Argument(help="A scene, as `jostle scenes` lists them.")
-    ] = DEFAULT_SCENE,
+    scene: Annotated[str, _SCENE] = DEFAULT_SCENE,
     n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
     out: Annotated[
         Path | None,
@@ -165,14 +167,11 @@ def tune(
 
 @app.command()
 def sweep(
-    scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
+    scene: Annotated[str, _SCENE],
     out: Annotated[
         Path, typer.Option(help="CSV file with one row a run; an existing one is continued.")
     ],
-    n: Annotated[
-        int | None,
-        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
-    ] = None,
+    n: Count = None,
     given: Annotated[
         list[str] | None,
         typer.Option("--set", help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE; repeatedly."),

@@ -32,7 +32,7 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
-from jostle_lab.simulate.packing import ATTRACTORS, COUNT, pack, unpack, within
+from jostle_lab.simulate.packing import ATTRACTORS, COUNT, pack, unpack
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
 
@@ -347,7 +347,9 @@ class Simulation:
         if len(times) != 8 * len(world):
             raise ValueError(f"born has {len(times)} bytes; it must have {8 * len(world)}")
         born = np.frombuffer(times, "<f8")
-        within("born", born, -FARTHEST, FARTHEST)
+        for row in np.flatnonzero(~(np.abs(born) <= FARTHEST))[:1]:
+            limits = f"from {-FARTHEST:g} to {FARTHEST:g}"
+            raise ValueError(f"born[{row}] is {born[row]}; it must be {limits}")
         drops = facts["emitters"]
         if (drops is None) != (settings.scene != "emitters"):
             raise ValueError(f"emitters is {shown(drops)} in the scene {shown(settings.scene)}")
