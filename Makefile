@@ -42,8 +42,8 @@ run: $(VENV)/lab  ## start the simulator; ARGS="pile -n 2000" chooses a scene an
 test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
 	cargo test --package jostle
-	$(if $(ARGS),,$(BIN)/python -m pytest -m ranks)
-	$(BIN)/python -m pytest $(or $(ARGS),-m "not ranks" --numprocesses auto --dist worksteal)
+	$(if $(ARGS),,$(BIN)/python -m pytest tests/mpi)
+	$(BIN)/python -m pytest $(or $(ARGS),--ignore tests/mpi --numprocesses auto --dist worksteal)
 
 search: setup  ## search 1,000 random scenes for discs that hang in the air (ARGS=10000: more; ARGS=polygons: see CONTRIBUTING)
 	$(if $(filter polygons,$(ARGS)),$(POLYGONS),$(BIN)/python tests/random_scenes.py $(ARGS))

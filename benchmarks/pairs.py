@@ -14,11 +14,10 @@ from machine import Row, version_of
 from numpy.typing import NDArray
 from pair_rivals import RIVALS, Pairs, Rival, Unable
 from shapes import Shapes
-from timing import Timing, clock, interleaved
+from timing import THREADS, Effort, Timing, clock, interleaved
 
 __all__ = ["Disagreement", "compare", "installed"]
 
-Report = Callable[[str], None]
 
 SWEEP_MOST = 30_000
 """Settings are compared on scenes up to this size; larger scenes use the best of these."""
@@ -61,11 +60,8 @@ def installed() -> list[Rival]:
 def compare(
     scene: str,
     counts: Sequence[int],
-    rounds: int = 9,
-    patience: float = 1.0,
-    threads: Sequence[int] = (1, 2),
+    effort: Effort = Effort(),  # noqa: B008 (it is frozen)
     rivals: Sequence[Rival] | None = None,
-    report: Report = lambda text: None,
 ) -> Iterator[list[Row]]:
     """Compare and time every rival on one scene, and yield the rows of each size.
 
@@ -75,21 +71,15 @@ def compare(
         One of `shapes.SCENES`.
     counts : sequence of int
         Numbers of shapes, ascending.
-    rounds : int
-        Number of timings of each.
-    patience : float
-        Seconds. Slower rivals are timed once; those slower by a factor of `ONCE` are omitted.
-    threads : sequence of int
-        Numbers of threads, for rivals with several.
+    effort : Effort
+        Rivals slower than its patience by a factor of `ONCE` are omitted.
     rivals : sequence of Rival, optional
         All installed ones if not given; the first is the reference.
-    report : callable
-        Called with a description of the progress.
     """
     entrants = [
         Entrant(rival, number, rival.settings[0])
         for rival in (installed() if rivals is None else rivals)
-        for number in sorted({min(number, max(rival.threads)) for number in threads})
+        for number in sorted({min(number, max(rival.threads)) for number in THREADS})
     ]
     for entrant in entrants:
         warm(entrant, scene)
@@ -100,8 +90,11 @@ def compare(
         for entrant in entrants:
             row = begin(entrant, shapes, len(expected))
             rows.append(row)
-            report(f"{scene}, {count:,}: {entrant.name}")
-            if entrant.seconds_a_shape * count > ONCE * patience or count > entrant.rival.most:
+            effort.report(f"{scene}, {count:,}: {entrant.name}")
+            if (
+                entrant.seconds_a_shape * count > ONCE * effort.patience
+                or count > entrant.rival.most
+            ):
                 row["note"] = "not tried at this size"
                 continue
             try:
@@ -112,13 +105,13 @@ def compare(
                 continue
             row["setting"] = written(entrant.setting)
             entrant.seconds_a_shape = took / count
-            if took > patience:
+            if took > effort.patience:
                 row |= Timing((took,)).columns()
             else:
                 timed.append((entrant, row))
                 calls.append(entrant.call(shapes))
-        report(f"{scene}, {count:,}: {rounds} rounds of {len(calls)}")
-        for (entrant, row), timing in zip(timed, interleaved(calls, rounds), strict=True):
+        effort.report(f"{scene}, {count:,}: {effort.rounds} rounds of {len(calls)}")
+        for (entrant, row), timing in zip(timed, interleaved(calls, effort.rounds), strict=True):
             row |= timing.columns()
             entrant.seconds_a_shape = timing.median / count
         yield rows

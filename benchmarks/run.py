@@ -15,6 +15,7 @@ import argparse
 import time
 import traceback
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import bandwidth
@@ -38,6 +39,7 @@ from machine import Results, Row, describe, slug, version_of
 from pair_rivals import RIVALS
 from rich.console import Console
 from rich.table import Table
+from timing import Effort
 
 # The packages of the rivals, whose versions are printed first.
 OTHERS = sorted({rival.package for rival in RIVALS} - {"jostle"} | {"pymunk", "pyb2d3"})
@@ -61,22 +63,26 @@ def told(text: str) -> None:
     print(f"  {time.strftime('%H:%M:%S')}  {text}", flush=True)
 
 
+def effort_of(options: Options) -> Effort:
+    return Effort(options.rounds, options.patience, told)
+
+
 def run_pairs(options: Options) -> Rows:
     """All overlapping pairs, compared with other libraries."""
     counts = [count for count in PAIR_COUNTS if count <= options.largest]
     for scene in PAIR_SCENES:
-        yield from pairs.compare(scene, counts, options.rounds, options.patience, report=told)
+        yield from pairs.compare(scene, counts, effort_of(options))
     counts = [count for count in POINT_COUNTS if count <= options.largest]
     rivals = [rival for rival in pairs.installed() if rival.name in POINT_RIVALS]
-    patience = POINT_PATIENCE * options.patience
-    yield from pairs.compare("points", counts, options.rounds, patience, rivals=rivals, report=told)
+    effort = replace(effort_of(options), patience=POINT_PATIENCE * options.patience)
+    yield from pairs.compare("points", counts, effort, rivals)
 
 
 def run_step(options: Options) -> Rows:
     """One frame of a simulation, compared with pymunk, Box2D and the article."""
     counts = [count for count in STEP_COUNTS if count <= options.largest]
     for scene in steps.SCENES:
-        yield from steps.compare(scene, counts, options.rounds, options.patience, report=told)
+        yield from steps.compare(scene, counts, effort_of(options))
 
 
 def run_held(options: Options) -> Rows:

@@ -10,7 +10,7 @@ import numpy as np
 import step_rivals as rivals
 from machine import Row, version_of
 from step_rivals import Column, InitialState, RunningSimulation
-from timing import Call, clock, interleaved
+from timing import THREADS, Call, Effort, clock, interleaved
 
 import jostle
 
@@ -36,7 +36,6 @@ ENERGY_TOLERANCE = 0.05
 FALL = 0.12
 """Fraction of the patience per frame while a pile falls, which takes hundreds of frames."""
 
-Report = Callable[[str], None]
 Make = Callable[[InitialState], RunningSimulation]
 
 
@@ -60,19 +59,19 @@ class Entrant:
         return next((name for name, make in self.settings.items() if make is self.make), "")
 
 
-def entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+def entrants(scene: str) -> Iterator[Entrant]:
     """Yield all installed simulations; the first is the reference."""
-    for number in threads:
+    for number in THREADS:
         yield Entrant("jostle", "jostle", number, partial(rivals.jostle_world, threads=number))
     brute = partial(rivals.jostle_world, threads=1, method="brute")
     yield Entrant("jostle, brute force", "jostle", 1, brute)
     if version_of("pymunk") is not None:
-        yield from pymunk_entrants(scene, threads)
+        yield from pymunk_entrants(scene)
     if version_of("pyb2d3") is not None:
-        yield from box2d_entrants(scene, threads)
+        yield from box2d_entrants(scene)
 
 
-def pymunk_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+def pymunk_entrants(scene: str) -> Iterator[Entrant]:
     """Yield pymunk, with the choice of its index."""
 
     def entrant(name: str, number: int, substeps: int | None = None) -> Entrant:
@@ -80,13 +79,13 @@ def pymunk_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
         settings: dict[str, Make] = {"tree": tree, "spatial hash": partial(tree, hashed=True)}
         return Entrant(name, "pymunk", number, tree, settings, substeps)
 
-    for number in sorted({min(number, 2) for number in threads}):
+    for number in sorted({min(number, 2) for number in THREADS}):
         yield entrant("pymunk", number)
     if scene == "pile":  # the usual choice of its users
         yield entrant("pymunk, one sub-step", 1, substeps=1)
 
 
-def box2d_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
+def box2d_entrants(scene: str) -> Iterator[Entrant]:
     """Yield Box2D, with the choice of its unit of length for a gas.
 
     In a pile, 1 px a metre lets discs sink into each other: Box2D limits the speed of separation
@@ -100,20 +99,17 @@ def box2d_entrants(scene: str, threads: Sequence[int]) -> Iterator[Entrant]:
             settings["1 px a metre"] = partial(coarse, pixels=1.0)
         return Entrant(name, "pyb2d3", number, coarse, settings, substeps)
 
-    for number in threads:
+    for number in THREADS:
         yield entrant("pyb2d3", number)
     if scene == "gas":  # as its documents recommend; a pile has four
-        for number in threads:
+        for number in THREADS:
             yield entrant("pyb2d3, four sub-steps", number, substeps=4)
 
 
 def compare(
     scene: str,
     counts: Sequence[int],
-    rounds: int = 9,
-    patience: float = 1.0,
-    threads: Sequence[int] = (1, 2),
-    report: Report = lambda text: None,
+    effort: Effort = Effort(),  # noqa: B008 (it is frozen)
 ) -> Iterator[list[Row]]:
     """Compare and time one frame of every simulation, and yield the rows of each size.
 
@@ -126,19 +122,11 @@ def compare(
         A gas of elastic discs, or a pile at rest.
     counts : sequence of int
         Numbers of discs, ascending.
-    rounds : int
-        Number of timings of each.
-    patience : float
-        Seconds. A simulation whose frame takes longer is omitted.
-    threads : sequence of int
-        Numbers of threads.
-    report : callable
-        Called with a description of the progress.
     """
-    everyone = list(entrants(scene, threads))
+    everyone = list(entrants(scene))
     for count in counts:
-        report(f"{scene}, {count:,}: initial state")
-        start = rivals.gas(count) if scene == "gas" else rivals.pile(count, FALL * patience)
+        effort.report(f"{scene}, {count:,}: initial state")
+        start = rivals.gas(count) if scene == "gas" else rivals.pile(count, FALL * effort.patience)
         if start is None:  # it would take too long to fall
             return
         rows: list[Row] = []
@@ -146,17 +134,17 @@ def compare(
         everything: list[RunningSimulation] = []
         for entrant in everyone:
             row = begin(scene, start, entrant)
-            if entrant.seconds_a_disc * count > patience:
+            if entrant.seconds_a_disc * count > effort.patience:
                 rows.append({**row, "note": "not tried at this size"})
                 continue
-            report(f"{scene}, {count:,}: {entrant.name}, compared")
+            effort.report(f"{scene}, {count:,}: {entrant.name}, compared")
             running = at_its_best(entrant, start).make(start)
             everything.append(running)
             for frame in running.frames.values():
                 frame()  # the first finds all contacts
             slowest = max(clock(frame) for frame in running.frames.values())
             entrant.seconds_a_disc = slowest / count
-            if slowest > patience:
+            if slowest > effort.patience:
                 rows.append({**row, "note": f"a frame takes {slowest:.1f} s"})
                 continue
             row |= after_a_second(running, start)
@@ -170,12 +158,12 @@ def compare(
             for method in ("quadtree", "brute"):
                 row, old_frame = article_row(scene, count, method)
                 rows.append(row)
-                if old_frame is None or clock(old_frame) > patience:
+                if old_frame is None or clock(old_frame) > effort.patience:
                     row["note"] = "too slow at this size"
                 else:
                     timed.append((row, old_frame, None))
-        report(f"{scene}, {count:,}: {rounds} rounds of {len(timed)}")
-        timings = interleaved([frame for _, frame, _ in timed], rounds)
+        effort.report(f"{scene}, {count:,}: {effort.rounds} rounds of {len(timed)}")
+        timings = interleaved([frame for _, frame, _ in timed], effort.rounds)
         for (row, _, timed_entrant), timing in zip(timed, timings, strict=True):
             row |= timing.columns()
             if timed_entrant is not None:

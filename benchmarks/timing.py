@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-__all__ = ["Timing", "clock", "interleaved"]
+__all__ = ["THREADS", "Effort", "Timing", "clock", "interleaved"]
 
 LEAST_SECONDS = 1e-3
 """Seconds of a measurement; faster calls are repeated in a round."""
@@ -16,7 +16,22 @@ LEAST_SECONDS = 1e-3
 WARM_UP_SECONDS = 0.1
 """A call that takes less is made once, untimed, before each measurement."""
 
+THREADS = (1, 2)
+"""Numbers of threads that are compared."""
+
 Call = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """The time that a comparison takes."""
+
+    rounds: int = 9
+    """Number of timings of each."""
+    patience: float = 1.0
+    """Seconds; what takes longer is timed once, or omitted."""
+    report: Callable[[str], object] = lambda text: None
+    """Called with a description of the progress."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Settings of all tests: no window, no sound, reproducible property tests."""
 
 import os
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import settings
@@ -28,3 +29,11 @@ settings.register_profile("library", parent=settings(), max_examples=20)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Start slow tests first, so that none of them is the last one."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+@pytest.fixture
+def usual_threads() -> Iterator[None]:
+    """Use threads only where they save time, as programs do: for long runs of small worlds."""
+    _core.wake_threads_always(False)
+    yield
+    _core.wake_threads_always(True)

@@ -194,10 +194,13 @@ class _Simulation:
             at, v, r = self.position(i, t), self.velocity(i, t), float(self.radii[i])
             walls = zip(*flat_walls(self.container), strict=True)
             return [
-                until_zero(sign * (float(at[axis]) - wall) - r, sign * float(v[axis]),
-                           sign * float(self.gravity[axis]))
+                until_zero(
+                    sign * (float(at[axis]) - wall) - r,
+                    sign * float(v[axis]),
+                    sign * float(self.gravity[axis]),
+                )
                 for axis, sign, wall in walls
-            ]  # fmt: skip
+            ]
         return []
 
     def immovable_within_reach(self, i: int, t: float, duration: float) -> list[int]:

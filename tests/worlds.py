@@ -13,9 +13,11 @@ COLUMNS += ["friction", "angles", "angular_velocities"]
 def three(**settings: Any) -> jostle.World:
     """Three discs that do not touch; the last is immovable."""
     arguments: dict[str, Any] = {
-        "positions": [(0, 0), (10, 0), (20, 5)], "velocities": [(1, 0), (0, 2), (0, 0)],
-        "radii": [1, 2, 3], "movable": [True, True, False],
-    }  # fmt: skip
+        "positions": [(0, 0), (10, 0), (20, 5)],
+        "velocities": [(1, 0), (0, 2), (0, 0)],
+        "radii": [1, 2, 3],
+        "movable": [True, True, False],
+    }
     return jostle.World(**{**arguments, **settings})
 
 
@@ -33,15 +35,25 @@ def gas(n: int = 400, **settings: Any) -> jostle.World:
 
 
 NEW = {
-    "positions": [(1, 1), (11, 1), (21, 6)], "velocities": [(5, 5), (6, 6), (0, 0)],
-    "radii": [0.5, 0.25, 0.125], "masses": [3, 2, 1], "restitutions": [0, 0.5, 1],
-    "movable": [True, False, False], "friction": [0.5, 0, 2], "angles": [1, -2, 3],
+    "positions": [(1, 1), (11, 1), (21, 6)],
+    "velocities": [(5, 5), (6, 6), (0, 0)],
+    "radii": [0.5, 0.25, 0.125],
+    "masses": [3, 2, 1],
+    "restitutions": [0, 0.5, 1],
+    "movable": [True, False, False],
+    "friction": [0.5, 0, 2],
+    "angles": [1, -2, 3],
     "angular_velocities": [-1, 7, 0],
-}  # fmt: skip
+}
 
 SETTINGS: dict[str, tuple[Any, Any]] = {
-    "gravity": ((0, 0), (0.1, -9.81)), "drag": (0, 0.3), "restitution": (1, 0.7),
-    "container": (None, jostle.Box(-50, -50, 50, 50)), "on_touch": ("bounce", "merge"),
-    "method": ("quadtree", "brute"), "threads": (None, 2),
-    "leaf_capacity": (jostle.World([], [], []).leaf_capacity, 5), "max_depth": (4096, 3),
-}  # fmt: skip
+    "gravity": ((0, 0), (0.1, -9.81)),
+    "drag": (0, 0.3),
+    "restitution": (1, 0.7),
+    "container": (None, jostle.Box(-50, -50, 50, 50)),
+    "on_touch": ("bounce", "merge"),
+    "method": ("quadtree", "brute"),
+    "threads": (None, 2),
+    "leaf_capacity": (jostle.World([], [], []).leaf_capacity, 5),
+    "max_depth": (4096, 3),
+}

@@ -81,7 +81,8 @@ class ScriptedUser:
     def _tick(self, every: int = UNRECORDED) -> None:
         self._frames += 1
         if self._frames % (FILMED if self._recording else every):
-            self.session.tick(FRAME)
+            self.session.messages.now += FRAME
+            self.session.advance(FRAME)
             return
         self.window.frame(FRAME)
         if self._recording and self._film is not None:

@@ -270,12 +270,7 @@ class Simulation:
     """
 
     def __init__(
-        self,
-        n: int,
-        method: str = "brute",
-        seed: int = 0,
-        width: int = WIDTH,
-        height: int = HEIGHT,
+        self, n: int, method: str = "brute", seed: int = 0, width: int = WIDTH, height: int = HEIGHT
     ) -> None:
         self.method, self.width, self.height = method, width, height
         rng = random.Random(seed)

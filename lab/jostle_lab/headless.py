@@ -1,7 +1,5 @@
 """The run without a window: a video with numbers, a picture of its end, and a table after it."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

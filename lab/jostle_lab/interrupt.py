@@ -6,8 +6,6 @@ exception would leave a library in an invalid state, KeyboardInterrupt is delaye
 the block. A process that was started with Ctrl-C ignored (`nohup`, a background job) ignores it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal
@@ -97,7 +95,7 @@ def _press(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
 
-def _unraisable(what: sys.UnraisableHookArgs) -> None:
+def _unraisable(what: "sys.UnraisableHookArgs") -> None:
     """Print nothing if a finaliser suppresses KeyboardInterrupt; `check` raises it again."""
     if what.exc_type is not KeyboardInterrupt:
         sys.__unraisablehook__(what)

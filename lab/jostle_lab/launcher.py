@@ -1,7 +1,5 @@
 """What the launcher of MPI sets in the environment, read before MPI is imported."""
 
-from __future__ import annotations
-
 import os
 
 #: Variables of launchers: the number of processes, and the rank of this one.

@@ -1,7 +1,5 @@
 """Numbers over time: times, pairs, energy and momentum, their change, and the lines of plots."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

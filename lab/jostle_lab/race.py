@@ -3,8 +3,6 @@
 One of them may be a program of the article of 2015, with its own physics.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace
@@ -192,18 +190,16 @@ class Race:
         painter.clip(None)
         if now >= self._due or not self._sheets:
             self._due = now + EVERY
-            self._sheets = self._headings(round(camera.column_width) - 2 * EDGE)
+            across = min(round(camera.column_width) - 2 * EDGE, WIDEST)
+            slowest = min(each.stats.time for each in self.contestants)
+            self._sheets = [
+                _heading(each, ahead=each.stats.time > 1.02 * slowest, width=across)
+                for each in self.contestants
+            ]
         starts = round(camera.column_edge(1) - camera.column_width), middle
         for sheet, edge in zip(self._sheets, starts, strict=True):
             inset = (camera.column_width - sheet.get_width()) / 2
             painter.sheet(sheet, (edge + inset, EDGE))
-
-    def _headings(self, width: int) -> list[pygame.Surface]:
-        times = [contestant.stats.time for contestant in self.contestants]
-        return [
-            _heading(contestant, ahead=time > 1.02 * min(times), width=min(width, WIDEST))
-            for contestant, time in zip(self.contestants, times, strict=True)
-        ]
 
 
 def _heading(contestant: Contestant, *, ahead: bool, width: int) -> pygame.Surface:

@@ -1,7 +1,5 @@
 """The runner: begins scenes, changes settings and methods, and controls the time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -164,9 +162,7 @@ class Runner:
                 self.begin(replace(self.engine.settings, n=n))
 
         self.engine.edit(
-            lambda simulation: refusals.append(simulation.adjust("n", n)),
-            then=then,
-            key="n",
+            lambda simulation: refusals.append(simulation.adjust("n", n)), then=then, key="n"
         )
 
     def switch_method(self) -> None:

@@ -3,8 +3,6 @@
 Keys, mouse, menus, panels and tests call the methods of its parts. It is independent of the window.
 """
 
-from __future__ import annotations
-
 from contextlib import ExitStack
 from dataclasses import replace
 
@@ -59,11 +57,6 @@ class Session:
         return self.runner.loader.message or self.messages.current
 
     # Time
-
-    def tick(self, elapsed: float) -> int:
-        """Advance clock and simulation by `elapsed` seconds; return the finished steps."""
-        self.messages.now += elapsed
-        return self.advance(elapsed)
 
     def advance(self, elapsed: float) -> int:
         """Advance the simulation by `elapsed` seconds of real time; return the finished steps."""

@@ -1,7 +1,5 @@
 """The window: handles events, advances the session and draws a frame, 60 times per second."""
 
-from __future__ import annotations
-
 import copy
 import time
 from contextlib import ExitStack

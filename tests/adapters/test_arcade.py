@@ -15,9 +15,14 @@ EVERYTHING = 3  # arcade's method that tests all sprites in turn
 
 # Some are not convex, some are very small.
 HIT_BOXES: list[Any] = [
-    None, [(-9, -9), (9, -9), (0, 9)], [(-9, -9), (9, -9), (0, -3), (0, 9)],
-    [(-9, 0), (0, 9), (9, 0), (0, 2)], [(-20, 0), (20, 0)], [(0, 0)], [],
-]  # fmt: skip
+    None,
+    [(-9, -9), (9, -9), (0, 9)],
+    [(-9, -9), (9, -9), (0, -3), (0, 9)],
+    [(-9, 0), (0, 9), (9, 0), (0, 2)],
+    [(-20, 0), (20, 0)],
+    [(0, 0)],
+    [],
+]
 
 
 def sprite(rng: np.random.Generator, spread: float) -> Any:

@@ -167,13 +167,16 @@ def _writes() -> dict[str, Any]:
         x[1:3] = 1.0
 
     return {
-        "transposed": lambda p: p.T.__setitem__((slice(None), 1), 1.0), "unpacked": unpacked,
+        "transposed": lambda p: p.T.__setitem__((slice(None), 1), 1.0),
+        "unpacked": unpacked,
         "flattened": lambda p: p.reshape(-1).__setitem__(slice(2, 4), 1.0),
         "ravelled": lambda p: p.ravel().__setitem__(slice(2, 4), 1.0),
-        "viewed": lambda p: p.view().__setitem__(1, 1.0), "filled": lambda p: p[1].fill(1.0),
-        "put": lambda p: p.put([2, 3], 1.0), "in place": lambda p: p.T.__imul__(0.5),
+        "viewed": lambda p: p.view().__setitem__(1, 1.0),
+        "filled": lambda p: p[1].fill(1.0),
+        "put": lambda p: p.put([2, 3], 1.0),
+        "in place": lambda p: p.T.__imul__(0.5),
         "row of a slice": lambda p: p[1:][0].__setitem__(0, 1.0),
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.parametrize("write", _writes().values(), ids=_writes().keys())

@@ -105,10 +105,14 @@ def test_a_position_is_a_view_and_the_array_another(kind: Any) -> None:
 @pytest.mark.parametrize(
     ("torus", "point", "distance"),
     [
-        (False, (0.1, 0.9), 0.8), (False, (0.9, 0.1), 0.8), (False, (0.9, 0.9), 0.8 * 2**0.5),
-        (True, (0.1, 0.9), 0.2), (True, (0.9, 0.1), 0.2), (True, (0.9, 0.9), 0.2 * 2**0.5),
+        (False, (0.1, 0.9), 0.8),
+        (False, (0.9, 0.1), 0.8),
+        (False, (0.9, 0.9), 0.8 * 2**0.5),
+        (True, (0.1, 0.9), 0.2),
+        (True, (0.9, 0.1), 0.2),
+        (True, (0.9, 0.9), 0.2 * 2**0.5),
     ],
-)  # fmt: skip
+)
 def test_distances_and_differences(
     kind: Any, torus: bool, point: tuple[float, float], distance: float
 ) -> None:

@@ -18,7 +18,7 @@ from machine import Results, describe, slug, version_of
 from pair_rivals import RIVALS, Rival, Unable
 from ratios import compare, crossing
 from run import summary
-from timing import Timing, interleaved
+from timing import Effort, Timing, interleaved
 
 import jostle
 
@@ -75,7 +75,7 @@ def ours(**changes: object) -> Rival:
 
 def test_a_race_yields_a_row_for_each_rival_and_size() -> None:
     scipy = [rival for rival in pairs.installed() if rival.name == "SciPy cKDTree"]
-    groups = list(pairs.compare("discs", (20, 50), rounds=2, rivals=[ours(), *scipy]))
+    groups = list(pairs.compare("discs", (20, 50), Effort(2), [ours(), *scipy]))
     assert [[row["count"] for row in rows] for rows in groups] == [[20] * 2, [50] * 2]
     for row in groups[1]:
         assert row["rounds"] == 2 and row["version"] and float(str(row["median_s"])) > 0
@@ -97,26 +97,26 @@ def test_a_wrong_answer_stops_the_race(wrong) -> None:
 
     liar = ours(name="liar", find=lambda made, threads: wrong(right(made, threads)))
     with pytest.raises(pairs.Disagreement, match="liar finds"):
-        list(pairs.compare("discs", (100,), rounds=1, rivals=[ours(), liar]))
+        list(pairs.compare("discs", (100,), Effort(1), [ours(), liar]))
 
 
 def test_what_cannot_be_done_gets_a_row_with_the_reason() -> None:
     def refuse(made: shapes.Shapes, threads: int) -> None:
         raise Unable("never")
 
-    (rows,) = pairs.compare("discs", (20,), rounds=1, rivals=[ours(), ours(name="no", find=refuse)])
+    (rows,) = pairs.compare("discs", (20,), Effort(1), [ours(), ours(name="no", find=refuse)])
     assert rows[1]["note"] == "never" and rows[1]["rounds"] == 0 and rows[1]["median_s"] == ""
 
 
 def test_who_is_slow_is_timed_once_and_left_out_of_larger_scenes() -> None:
-    small, large = pairs.compare("discs", (20, 40), rounds=3, patience=1e-9, rivals=[ours()])
+    small, large = pairs.compare("discs", (20, 40), Effort(3, patience=1e-9), [ours()])
     assert small[0]["rounds"] == 1 and small[0]["median_s"]
     assert large[0]["rounds"] == 0 and large[0]["note"]
 
 
 @pytest.mark.parametrize("scene", steps.SCENES)
 def test_simulations_begin_alike_and_are_compared_before_they_are_timed(scene: str) -> None:
-    (rows,) = steps.compare(scene, (30,), rounds=2, patience=30)
+    (rows,) = steps.compare(scene, (30,), Effort(2, patience=30))
     names = {row["name"] for row in rows}
     assert {"jostle", "jostle, brute force"} <= names
     for package in ("pymunk", "pyb2d3"):

@@ -45,8 +45,8 @@ def test_without_a_display_a_program_writes_a_film(program: str, tmp_path: Path)
 def test_the_options_set_the_film_the_number_and_the_seed(tmp_path: Path) -> None:
     films = []
     for name, seed in [("a.mp4", "1"), ("b.mp4", "1"), ("c.mp4", "2")]:
-        run("brute_force", "-n", "40", "--seed", seed, "--film", name, "--frames", "2",
-            folder=tmp_path)  # fmt: skip
+        options = f"-n 40 --seed {seed} --film {name} --frames 2"
+        run("brute_force", *options.split(), folder=tmp_path)
         films.append(frames_of(tmp_path / name)[-1][40:])  # without the milliseconds
     assert (films[0] == films[1]).all() and (films[0] != films[2]).any()
 

@@ -17,9 +17,11 @@ import jostle.scenes
 
 # Modules that are tested if what they need is installed.
 NEEDED = {
-    "jostle.pygame": "pygame", "jostle.arcade": "arcade", "jostle.mesa": "mesa",
+    "jostle.pygame": "pygame",
+    "jostle.arcade": "arcade",
+    "jostle.mesa": "mesa",
     "jostle.mpi": "mpi4py",
-}  # fmt: skip
+}
 MODULES = [
     *(jostle, jostle.scenes, jostle.life, jostle.pyqtree),
     *(import_module(name) for name, needed in NEEDED.items() if find_spec(needed)),

@@ -76,8 +76,12 @@ def test_states_come_from_no_function_that_differs_by_machine(name: str) -> None
 
 # Split, so that this file does not contain them.
 HOSTS = [
-    "py" + "pi.org", "pythonhosted" + ".org", "crates" + ".io", "npm" + "js.", "deb" + "ian.org",
-]  # fmt: skip
+    "py" + "pi.org",
+    "pythonhosted" + ".org",
+    "crates" + ".io",
+    "npm" + "js.",
+    "deb" + "ian.org",
+]
 
 
 def test_no_file_names_a_registry_or_a_place_on_one_machine() -> None:

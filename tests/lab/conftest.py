@@ -6,6 +6,7 @@ from importlib.util import find_spec
 
 import pygame
 import pytest
+from lab_command import Command
 
 # Without it, as on Python 3.10, the simulator has no panels.
 GUI = ["test_gui.py", "test_life.py", "test_menus.py", "test_panels.py"]
@@ -14,8 +15,14 @@ if sys.platform == "win32":  # no limits of processes, and no SIGINT to send to 
     collect_ignore += ["test_interrupt.py", "test_writing.py"]
 
 
+@pytest.fixture
+def jostle_command(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Command:
+    """Provide the command."""
+    return Command(monkeypatch, capsys)
+
+
 @pytest.fixture(autouse=True)
-def closed(request: pytest.FixtureRequest) -> Iterator[None]:
+def closed(request: pytest.FixtureRequest, usual_threads: None) -> Iterator[None]:
     """Close the window of a `Driver`."""
     yield
     if hasattr(request.module, "Driver"):

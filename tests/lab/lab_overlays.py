@@ -54,21 +54,26 @@ def frame_of(positions, radii=5.0, *, time: float = 0.0, **columns) -> Frame:
     velocities = np.broadcast_to(np.asarray(columns.pop("velocities", 0.0), np.float32), (n, 2))
     tags = columns.pop("tags", np.arange(n))
     frame = {
-        "positions": places, "velocities": velocities,
+        "positions": places,
+        "velocities": velocities,
         "radii": np.broadcast_to(np.asarray(radii, np.float32), n).copy(),
         "densities": column("densities", 1.0, np.float32),
-        "movable": column("movable", True, np.bool_), "born": column("born", 0.0, np.float64),
-        "tags": np.asarray(tags, np.int64), "stats": StepStats(time=time),
-    }  # fmt: skip
+        "movable": column("movable", True, np.bool_),
+        "born": column("born", 0.0, np.float64),
+        "tags": np.asarray(tags, np.int64),
+        "stats": StepStats(time=time),
+    }
     return Frame(**frame, **columns)
 
 
 def touching_of(pairs, normals, depths, impulses=(), walls=()) -> FrameContacts:
     """Contacts as a frame has them; of each with a wall: row, normal, impulse."""
     return FrameContacts(
-        np.array(pairs, np.int64).reshape(-1, 2), np.array(normals, np.float32).reshape(-1, 2),
-        np.array(depths, np.float32), np.array(impulses, np.float32),
+        np.array(pairs, np.int64).reshape(-1, 2),
+        np.array(normals, np.float32).reshape(-1, 2),
+        np.array(depths, np.float32),
+        np.array(impulses, np.float32),
         np.array([row for row, _, _ in walls], np.int64),
         np.array([normal for _, normal, _ in walls], np.float32).reshape(-1, 2),
         np.array([impulse for _, _, impulse in walls], np.float32),
-    )  # fmt: skip
+    )

@@ -242,9 +242,17 @@ def test_friction_is_that_of_all_particles_also_of_new_ones() -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("gravity", (0.0, 50.0)), ("drag", 0.25), ("restitution", 0.5), ("substeps", 2),
-     ("leaf_capacity", 7), ("max_depth", 3), ("on_touch", "merge"), ("threads", 1)],
-)  # fmt: skip
+    [
+        ("gravity", (0.0, 50.0)),
+        ("drag", 0.25),
+        ("restitution", 0.5),
+        ("substeps", 2),
+        ("leaf_capacity", 7),
+        ("max_depth", 3),
+        ("on_touch", "merge"),
+        ("threads", 1),
+    ],
+)
 def test_rules_change_without_a_new_beginning(name: str, value: object) -> None:
     session = Session(gas(50), (800, 600), synchronous=True)
     session.engine.step()

@@ -192,8 +192,11 @@ def test_a_box_of_four_splits_and_a_line_belongs_to_both_sides() -> None:
     simulation = Simulation.of(balls, "quadtree")
     simulation.frame()
     assert simulation.leaves == [
-        (0, 0, 400, 250, 1), (400, 0, 400, 250, 1), (0, 250, 400, 250, 1), (400, 250, 400, 250, 1),
-    ]  # fmt: skip
+        (0, 0, 400, 250, 1),
+        (400, 0, 400, 250, 1),
+        (0, 250, 400, 250, 1),
+        (400, 250, 400, 250, 1),
+    ]
     assert (simulation.tests, simulation.repeats, simulation.hits) == (2, 1, 1)
     assert simulation.tested == {(0, 1)}
 
@@ -218,8 +221,11 @@ def test_the_tree_does_not_see_a_particle_before_its_rectangle_is_renewed() -> N
 
 def test_quarters_lose_the_odd_pixel() -> None:
     assert quarters((10, 20, 7, 5)) == [
-        (10, 20, 3, 2), (13, 20, 3, 2), (10, 22, 3, 2), (13, 22, 3, 2),
-    ]  # fmt: skip
+        (10, 20, 3, 2),
+        (13, 20, 3, 2),
+        (10, 22, 3, 2),
+        (13, 22, 3, 2),
+    ]
 
 
 def test_rectangles_are_cut_towards_zero() -> None:

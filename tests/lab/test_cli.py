@@ -24,27 +24,10 @@ def command(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def run(monkeypatch, *arguments: str) -> int:
-    """Run in this process; return the exit code."""
-    monkeypatch.setattr(sys, "argv", ["jostle", *arguments])
-    with pytest.raises(SystemExit) as exit_:
-        cli.main()
-    return int(str(exit_.value.code))
-
-
-def refused(monkeypatch, capsys, *arguments: str) -> str:
-    """Run in this process; return the one sentence of a refusal."""
-    assert run(monkeypatch, *arguments) == 2
-    printed = capsys.readouterr()
-    assert not printed.out and printed.err.count("\n") == 1
-    assert printed.err.startswith("jostle: ")
-    return printed.err
-
-
-def test_what_the_library_refuses_is_said_of_the_file(monkeypatch, capsys, tmp_path) -> None:
+def test_what_the_library_refuses_is_said_of_the_file(jostle_command, tmp_path) -> None:
     (tmp_path / "small.toml").write_text('scene = "gas"\nn = 30\nworld_size = 0.01\n')
     wrong = ("--headless", "--config", str(tmp_path / "small.toml"), "--out", str(tmp_path))
-    sentence = refused(monkeypatch, capsys, "run", *wrong)
+    sentence = jostle_command.refuses("run", *wrong)
     assert sentence.startswith("jostle: small.toml: radii[0] is 5; it must fit between the walls")
 
 
@@ -68,9 +51,8 @@ def test_an_ascii_terminal_gets_what_it_can_show() -> None:
     assert done.stdout.isascii()
 
 
-def test_version(monkeypatch, capsys) -> None:
-    assert run(monkeypatch, "--version") == 0
-    assert capsys.readouterr().out.strip() == f"jostle {jostle.__version__}"
+def test_version(jostle_command) -> None:
+    assert jostle_command.run("--version") == (0, f"jostle {jostle.__version__}\n", "")
 
 
 @pytest.mark.parametrize(
@@ -88,29 +70,30 @@ def test_version(monkeypatch, capsys) -> None:
         (["run", "--renderer", "opengl", "--headless"], "a video is drawn in software"),
         (["run", "--speed", "3"], "--speed"),
         (["tune", "gas", "-n", "0"], "-n is 0; it must be a whole number from 1 to"),
+        (["tune", "--out", "t.xyz"], "--out is 't.xyz'; the picture's name must end with .png or"),
         (["tune", "gass"], "no scene 'gass'; did you mean gas?"),
         (["tour"], "tour"),
         (["dance"], "dance"),
     ],
 )
-def test_bad_input_gets_one_sentence(monkeypatch, capsys, arguments, words) -> None:
-    assert words in refused(monkeypatch, capsys, *arguments)
+def test_bad_input_gets_one_sentence(jostle_command, arguments, words) -> None:
+    assert words in jostle_command.refuses(*arguments)
 
 
-def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, capsys) -> None:
+def test_a_renderer_that_cannot_be_had_is_refused(monkeypatch, jostle_command) -> None:
     def fail() -> None:
         raise moderngl.Error("no card")
 
     monkeypatch.setattr(moderngl, "init_context", fail)
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
-    sentence = refused(monkeypatch, capsys, "run", "gas", "--renderer", "opengl")
+    sentence = jostle_command.refuses("run", "gas", "--renderer", "opengl")
     assert "--renderer is 'opengl', but there is no OpenGL 3.3 here: no card" in sentence
 
 
-def test_a_folder_that_cannot_be_written_is_refused_first(monkeypatch, capsys, tmp_path) -> None:
+def test_a_folder_that_cannot_be_written_is_refused_first(jostle_command, tmp_path) -> None:
     file = tmp_path / "file"
     file.touch()
-    sentence = refused(monkeypatch, capsys, "run", "--headless", "--out", str(file / "out"))
+    sentence = jostle_command.refuses("run", "--headless", "--out", str(file / "out"))
     assert "no file can be written" in sentence
 
 
@@ -152,7 +135,7 @@ def test_the_display_decides(monkeypatch) -> None:
     assert not cli.runs.has_display()
 
 
-def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_path) -> None:
+def test_without_a_window_a_run_becomes_a_film(monkeypatch, jostle_command, tmp_path) -> None:
     import pygame
 
     def refuse(*arguments: object, **options: object) -> None:
@@ -160,21 +143,18 @@ def test_a_window_that_cannot_be_opened_becomes_a_film(monkeypatch, capsys, tmp_
 
     monkeypatch.setattr(cli.commands, "has_display", lambda: True)
     monkeypatch.setattr(pygame.display, "set_mode", refuse)
-    assert run(monkeypatch, "run", "gas", "-n", "5", "--steps", "2", "--out", str(tmp_path)) == 0
-    assert "no video device" in capsys.readouterr().out
+    code, printed, _ = jostle_command.run("run", "gas", "-n", 5, "--steps", 2, "--out", tmp_path)
+    assert code == 0 and "no video device" in printed
     assert (tmp_path / "gas.mp4").exists()
 
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scene.toml"
 
 
-def test_a_file_describes_a_run_and_options_override_it(monkeypatch, capsys, tmp_path) -> None:
-    options = (
-        "-n", "40", "--method", "brute", "--steps", "2", "--headless", "--out", str(tmp_path),
-    )  # fmt: skip
-    assert run(monkeypatch, "run", "--config", str(EXAMPLE), *options) == 0
-    printed = capsys.readouterr().out
-    assert (tmp_path / "gas-brute.mp4").stat().st_size
+def test_a_file_describes_a_run_and_options_override_it(jostle_command, tmp_path) -> None:
+    options = ["-n", "40", "--method", "brute", "--steps", "2", "--headless", "--out"]
+    code, printed, _ = jostle_command.run("run", "--config", EXAMPLE, *options, tmp_path)
+    assert code == 0 and (tmp_path / "gas-brute.mp4").stat().st_size
     assert "gas, brute force" in printed
     assert f"{40 + 12 + 4}" in printed
 
@@ -187,10 +167,10 @@ def test_a_file_describes_a_run_and_options_override_it(monkeypatch, capsys, tmp
         ("n = ", "scene.toml, line 1: "),
     ],
 )
-def test_a_wrong_file_gets_one_sentence(monkeypatch, capsys, tmp_path: Path, text, words) -> None:
+def test_a_wrong_file_gets_one_sentence(jostle_command, tmp_path: Path, text, words) -> None:
     (tmp_path / "scene.toml").write_text(text)
-    assert words in refused(monkeypatch, capsys, "run", "--config", str(tmp_path / "scene.toml"))
+    assert words in jostle_command.refuses("run", "--config", tmp_path / "scene.toml")
 
 
-def test_a_file_that_is_not_there_gets_one_sentence(monkeypatch, capsys) -> None:
-    assert "cannot be read" in refused(monkeypatch, capsys, "run", "--config", "nowhere.toml")
+def test_a_file_that_is_not_there_gets_one_sentence(jostle_command) -> None:
+    assert "cannot be read" in jostle_command.refuses("run", "--config", "nowhere.toml")

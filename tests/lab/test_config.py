@@ -16,7 +16,7 @@ from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.settings import RULES, Group, Polyline, Settings
 from jostle_lab.simulate.simulation import Simulation
 from jostle_lab.simulate.start import start
-from jostle_lab.simulate.validation import rules_of
+from jostle_lab.simulate.validation import fields_of
 from jostle_lab.storage.config import WINDOW_RULES, Config, ConfigError, line_of, read_config
 from jostle_lab.storage.scene_file import read_scene, scene_bytes
 
@@ -68,7 +68,8 @@ def test_the_example_makes_the_scene_that_it_describes() -> None:
 def test_the_documents_name_every_entry() -> None:
     page = (EXAMPLE.parents[1] / "docs" / "files.md").read_text(encoding="utf-8")
     shown = (field.name for field in fields(ViewOptions))
-    for name in (*RULES, *rules_of(Group), *rules_of(Polyline), *WINDOW_RULES, *shown):
+    rules = {**RULES, **fields_of(Group).rules, **fields_of(Polyline).rules, **WINDOW_RULES}
+    for name in (*rules, *shown):
         spelled = f"[[{name}]]" if name in ("particles", "walls") else name
         assert f"`{spelled}`" in page, name
 
@@ -114,18 +115,26 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("# a comment\n\ngravitas = [0, 1]",
-         "scene.toml, line 3: gravitas is not a setting; did you mean gravity?"),
-        ('scene = "gas"\nrestitution = "high"',
-         "scene.toml, line 2: restitution is 'high'; it must be a number from 0 to 1"),
+        (
+            "# a comment\n\ngravitas = [0, 1]",
+            "scene.toml, line 3: gravitas is not a setting; did you mean gravity?",
+        ),
+        (
+            'scene = "gas"\nrestitution = "high"',
+            "scene.toml, line 2: restitution is 'high'; it must be a number from 0 to 1",
+        ),
         ("n = true", "scene.toml, line 1: n is true; it must be a whole number from 0 to"),
         ("n = 1.5", "line 1: n is 1.5; it must be a whole number"),
         ("n = -1", "line 1: n is -1; it must be a whole number"),
         ("drag = nan", "line 1: drag is nan; it must be a number from 0 to 1e+18"),
-        ("gravity = [\n  0,\n  1,\n  2,\n]",
-         "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number"),
-        ("n = 1\n\n[window]\nsize = [\n 0, 10]",
-         "line 4: size is [0, 10]; it must be [width, height], each a whole"),
+        (
+            "gravity = [\n  0,\n  1,\n  2,\n]",
+            "line 1: gravity is [0, 1, 2]; it must be [x, y], each a number",
+        ),
+        (
+            "n = 1\n\n[window]\nsize = [\n 0, 10]",
+            "line 4: size is [0, 10]; it must be [width, height], each a whole",
+        ),
         ('[window]\nrenderer = "gpu"', "line 2: renderer is 'gpu'; it must be one of auto, "),
         ("window = 3", "line 1: window is 3; it must be a table, [window]"),
         ("window.size = 3", "line 1: size is 3; it must be [width, height]"),
@@ -134,48 +143,78 @@ def test_ranges_of_particles_may_be_one_number(tmp_path: Path) -> None:
         ('[shown]\nlabels = "yes"', "line 2: labels is 'yes'; it must be true or false"),
         ("walls = 3", "line 1: walls is 3; it must be written as [[walls]]"),
         ("[[walls]]\nclosed = true", "line 1: walls[0].points is missing"),
-        ("[[walls]]\npoints = [[0, 0], [1]]",
-         "line 2: walls[0].points[1] is [1]; it must be [x, y], each a number"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\n[[walls]]\npoints = [[0, 0], [1, 2], [1, 2]]",
-         "line 4: walls[1].points[2] is [1, 2], like points[1]; a wall needs length"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2], [3, 0], [0, 0]]\nclosed = true",
-         "line 2: walls[0].points[0] is [0, 0], like points[3]; a wall needs length"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\nclosed = true",
-         "line 2: walls[0].points has 2 entries; a closed polyline needs at least 3"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\nrestitution = 2",
-         "line 3: walls[0].restitution is 2; it must be a number from 0 to 1"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\nfriction = -1",
-         "line 3: walls[0].friction is -1; it must be a number from 0"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\nvelocity = 3",
-         "line 3: walls[0].velocity is 3; it must be [x, y], each a number"),
-        ("[[walls]]\npoints = [[0, 0], [1, 2]]\nperiod = 0",
-         "line 3: walls[0].period is 0; it must be a number from 0.001"),
-        ("container_restitution = [1, 1, 2, 1]",
-         "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or"),
-        ("[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
-         "line 2: walls[0].bounce is not a property of walls"),
+        (
+            "[[walls]]\npoints = [[0, 0], [1]]",
+            "line 2: walls[0].points[1] is [1]; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\n[[walls]]\npoints = [[0, 0], [1, 2], [1, 2]]",
+            "line 4: walls[1].points[2] is [1, 2], like points[1]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2], [3, 0], [0, 0]]\nclosed = true",
+            "line 2: walls[0].points[0] is [0, 0], like points[3]; a wall needs length",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nclosed = true",
+            "line 2: walls[0].points has 2 entries; a closed polyline needs at least 3",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nrestitution = 2",
+            "line 3: walls[0].restitution is 2; it must be a number from 0 to 1",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nfriction = -1",
+            "line 3: walls[0].friction is -1; it must be a number from 0",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nvelocity = 3",
+            "line 3: walls[0].velocity is 3; it must be [x, y], each a number",
+        ),
+        (
+            "[[walls]]\npoints = [[0, 0], [1, 2]]\nperiod = 0",
+            "line 3: walls[0].period is 0; it must be a number from 0.001",
+        ),
+        (
+            "container_restitution = [1, 1, 2, 1]",
+            "line 1: container_restitution is [1, 1, 2, 1]; it must be a number from 0 to 1, or",
+        ),
+        (
+            "[[walls]]\nbounce = 1\npoints = [[0, 0], [1, 2]]",
+            "line 2: walls[0].bounce is not a property of walls",
+        ),
         ("particles = 3", "line 1: particles is 3; it must be written as [[particles]]"),
-        ("[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
-         "line 5: colour is not a property of particles; did you mean count?"),
-        ("[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
-         "line 4: particles[1].masks[1] is -1; it must be a whole number from 0 to 4,294,967,"),
-        ("[[particles]]\ncount = 3\ncategories = [1, 2]",
-         "line 3: categories has 2 entries; the group has 3 particles"),
-        ("[[particles]]\ncategories = 1.0",
-         "line 2: categories is 1.0; it must be a whole number from 0 to 4,294,967,295, or"),
+        (
+            "[[particles]]\ncount = 1\n[[particles]]\n# two\ncolour = 2",
+            "line 5: colour is not a property of particles; did you mean count?",
+        ),
+        (
+            "[[particles]]\n[[particles]]\ncount = 2\nmasks = [1, -1]",
+            "line 4: particles[1].masks[1] is -1; it must be a whole number from 0 to 4,294,967,",
+        ),
+        (
+            "[[particles]]\ncount = 3\ncategories = [1, 2]",
+            "line 3: categories has 2 entries; the group has 3 particles",
+        ),
+        (
+            "[[particles]]\ncategories = 1.0",
+            "line 2: categories is 1.0; it must be a whole number from 0 to 4,294,967,295, or",
+        ),
         ("[[particles]]\nmasks = 4294967296", "line 2: masks is 4294967296; it must be a whole"),
         ("[[particles]]\nradius = [3, 1]", "line 2: radius is [3, 1]; it must be a number from"),
         ("[[particles]]\nregion = [0, 0, -1, 1]", "line 2: region is [0, 0, -1, 1]; it must be"),
         ("gravity = [nan, 0]", "line 1: gravity is [nan, 0]; it must be [x, y]"),
-        ('method = "article-quadtree"',
-         "line 1: method is 'article-quadtree'; it must be one of quadtree, brute"),
+        (
+            'method = "article-quadtree"',
+            "line 1: method is 'article-quadtree'; it must be one of quadtree, brute",
+        ),
         ('scene = "gases"', "line 1: gases is not a scene; did you mean gas?"),
         ('scene = "pile\nn = 2', "scene.toml, line 1: a quotation mark is missing at the end"),
         ("n = 1\nn = 2", "scene.toml, line 2: the entry is given twice"),
         ("n =\nseed = 1", "scene.toml, line 1: "),
         ("n = 1\ngravity = [1,\n", "scene.toml, line 2: "),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_refused_by_name_and_line(tmp_path, text: str, sentence: str) -> None:
     assert sentence in refusal(tmp_path, text)
 
@@ -184,12 +223,16 @@ def test_what_is_wrong_is_refused_by_name_and_line(tmp_path, text: str, sentence
     ("text", "sentence"),
     [
         ("radius = [1, 20]", "particles[1].radius is 20; a disc must fit between the walls, from"),
-        ("region = [40, 0, 50, 10]",
-         "particles[1].region is [40, 0, 50, 10]; it must overlap the walls, from (0, 0) to"),
-        ("count = 2000\nradius = [1, 2]",
-         "particles[1].count is 2000; discs of radius 1 at least need more area than there is"),
+        (
+            "region = [40, 0, 50, 10]",
+            "particles[1].region is [40, 0, 50, 10]; it must overlap the walls, from (0, 0) to",
+        ),
+        (
+            "count = 2000\nradius = [1, 2]",
+            "particles[1].count is 2000; discs of radius 1 at least need more area than there is",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_group_that_cannot_be_between_the_walls_is_refused(
     tmp_path: Path, text: str, sentence: str
 ) -> None:

@@ -29,9 +29,11 @@ from jostle_lab.window import Window
 FRAME = 1 / 60
 SIZE = (640, 360)
 KINDS = [
-    Settings("pile", 60, on_touch="merge"), Settings("springs", 40), Settings("galton", 30),
+    Settings("pile", 60, on_touch="merge"),
+    Settings("springs", 40),
+    Settings("galton", 30),
     Settings("brownian", 30, container="torus"),
-]  # fmt: skip
+]
 
 
 @pytest.fixture

@@ -19,11 +19,13 @@ from jostle_lab.storage import files
 from jostle_lab.storage.exports import new_path
 
 SCENES = [
-    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9), Settings("emitters", 100),
-    Settings("springs", 100), Settings("orbit", 100, on_touch="merge"),
+    Settings("gas", 200, gravity=(1.0, 2.0), restitution=0.9),
+    Settings("emitters", 100),
+    Settings("springs", 100),
+    Settings("orbit", 100, on_touch="merge"),
     Settings("pile", 50, particles=(Group(3, radius=(2.0, 4.0)),)),
     Settings("mixed", 40, method="brute"),
-]  # fmt: skip
+]
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 
@@ -77,9 +79,13 @@ def test_other_bytes_leave_a_simulation_as_it_was() -> None:
     simulation = start(Settings("gas", 5))
     before = simulation.save()
     for wrong in (
-        b"", b"words", before.replace(b"jostle world", b"jostle scene", 1), before[:-1],
-        before[: len(before) // 2], before + b"x",
-    ):  # fmt: skip
+        b"",
+        b"words",
+        before.replace(b"jostle world", b"jostle scene", 1),
+        before[:-1],
+        before[: len(before) // 2],
+        before + b"x",
+    ):
         with pytest.raises(ValueError, match=r"it is|its|data is"):
             simulation.load(wrong)
         assert simulation.save() == before
@@ -97,10 +103,12 @@ WRONG = {
     "too few times": {"born": np.zeros(5)},
     "times of another type": {"born": np.arange(20, dtype=np.float32)},
     "no times": {"born": np.full(20, np.nan)},
-    "no attraction": {"pulls": [{"strength": float("nan"), "point": [0, 0], "tag": None,
-                                 "passing": False}]},
-    "nowhere": {"pulls": [{"strength": 1.0, "point": [0, float("inf")], "tag": None,
-                           "passing": False}]},
+    "no attraction": {
+        "pulls": [{"strength": float("nan"), "point": [0, 0], "tag": None, "passing": False}]
+    },
+    "nowhere": {
+        "pulls": [{"strength": 1.0, "point": [0, float("inf")], "tag": None, "passing": False}]
+    },
     "less than no forces": {"own_forces": -1},
     "more forces than there are": {"own_forces": 1},
     "no view": {"view": [0, 0, float("nan"), 1]},
@@ -110,7 +118,7 @@ WRONG = {
         "home": {"view": [0, 0, 1, 1], "rect": [0, 0, 1, 1], "kind": "box", "n": 2.5}
     },
     "a method that there is not": {"settings": asdict(Settings("gas", 20, method="article-brute"))},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("changes", WRONG.values(), ids=list(WRONG))

@@ -12,9 +12,13 @@ from jostle_lab.simulate.settings import Settings
 from jostle_lab.simulate.start import start
 
 SCENES = [
-    Settings("gas", 300), Settings("pile", 200), Settings("emitters", 200), Settings("orbit", 200),
-    Settings("springs", 200), Settings("mixed", 60, method="brute"),
-]  # fmt: skip
+    Settings("gas", 300),
+    Settings("pile", 200),
+    Settings("emitters", 200),
+    Settings("orbit", 200),
+    Settings("springs", 200),
+    Settings("mixed", 60, method="brute"),
+]
 NAMES = [f"{settings.scene} {settings.method}" for settings in SCENES]
 
 

@@ -316,10 +316,14 @@ def test_the_keys_of_gravity() -> None:
     driver = Driver(world_of([(200, 100)], gravity=(0.0, 100.0)))
     world = driver.world
     for key, expected in [
-        (pygame.K_PLUS, (0, 150)), (pygame.K_KP_MINUS, (0, 100)), (pygame.K_i, (0, -100)),
-        (pygame.K_g, (100, 0)), (pygame.K_g, (0, 100)), (pygame.K_0, (0, 0)),
+        (pygame.K_PLUS, (0, 150)),
+        (pygame.K_KP_MINUS, (0, 100)),
+        (pygame.K_i, (0, -100)),
+        (pygame.K_g, (100, 0)),
+        (pygame.K_g, (0, 100)),
+        (pygame.K_0, (0, 0)),
         (pygame.K_MINUS, (0, 0)),
-    ]:  # fmt: skip
+    ]:
         driver.key(key)
         assert world.gravity == pytest.approx(expected), pygame.key.name(key)
         assert "ravity" in driver.session.message

@@ -59,8 +59,9 @@ def test_heat_is_warmer_where_leaves_are_fuller() -> None:
 def test_an_edge_of_two_neighbours_is_drawn_once_and_small_boxes_are_fainter() -> None:
     notes = Notes()
     boxes = [(0, 0, 200, 200), (0, 0, 100, 100), (100, 0, 200, 100), (0, 0, 4, 4)]
-    draw_outline(notes, tree_of(boxes, [0, 1, 1, 2], [1] * 4, [False, True, True, True]),
-                 camera_of_pixels())  # fmt: skip
+    draw_outline(
+        notes, tree_of(boxes, [0, 1, 1, 2], [1] * 4, [False, True, True, True]), camera_of_pixels()
+    )
     ends, colours = np.floor(notes.lines_drawn()), notes.colours_drawn()
     assert len(ends) == 4 + 5 + 4  # what goes on is joined
 
@@ -109,8 +110,12 @@ def test_forces_are_lines_between_centres_and_to_walls_the_largest_last_and_wide
     frame = frame_of([(100, 100), (120, 100), (140, 100)], 10.0, contacts=pairs)
     notes, said = drawn(marks.draw_force_chains, frame)
     assert said is None
-    lines = [(*v[0][k], v[2]) for name, v, _ in notes.strokes if name == "lines"
-             for k in range(len(v[0]))]  # fmt: skip
+    lines = [
+        (*v[0][k], v[2])
+        for name, v, _ in notes.strokes
+        if name == "lines"
+        for k in range(len(v[0]))
+    ]
     np.testing.assert_allclose(
         [line[:4] for line in lines],
         [(120, 100, 140, 100), (140, 100, 150, 100), (100, 100, 120, 100)],
@@ -316,8 +321,11 @@ def test_every_overlay_at_once_on_nothing_and_on_one_particle() -> None:
 def test_a_part_of_the_canvas_is_drawn_and_the_rest_is_left() -> None:
     painter = SoftwarePainter(SIZE)
     Picture().draw(
-        painter, frame_of([(80, 120), (240, 120)], 20.0), camera_of_pixels(), ViewOptions(),
+        painter,
+        frame_of([(80, 120), (240, 120)], 20.0),
+        camera_of_pixels(),
+        ViewOptions(),
         pygame.Rect(0, 0, 160, 240),
-    )  # fmt: skip
+    )
     picture = pixels(painter)
     assert picture[80, 120].any() and not picture[160:].any()

@@ -40,11 +40,14 @@ def frame_of(positions, radii, *, densities=1.0, velocities=0.0, movable=True) -
     positions = np.array(positions, np.float32).reshape(-1, 2)
     n = len(positions)
     return Frame(
-        positions, np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
+        positions,
+        np.broadcast_to(np.asarray(velocities, np.float32), (n, 2)),
         np.broadcast_to(np.asarray(radii, np.float32), n),
         np.broadcast_to(np.asarray(densities, np.float32), n),
-        np.broadcast_to(np.asarray(movable), n), np.arange(n), np.zeros(n),
-    )  # fmt: skip
+        np.broadcast_to(np.asarray(movable), n),
+        np.arange(n),
+        np.zeros(n),
+    )
 
 
 def camera_of_pixels() -> Camera:

@@ -127,9 +127,14 @@ def test_gravity_can_point_anywhere(desk) -> None:
 
 @pytest.mark.parametrize(
     ("mark", "attribute"),
-    [("leaf capacity", "leaf_capacity"), ("max. depth", "max_depth"), ("drag", "drag"),
-     ("restitution", "restitution"), ("sub-steps", "substeps")],
-)  # fmt: skip
+    [
+        ("leaf capacity", "leaf_capacity"),
+        ("max. depth", "max_depth"),
+        ("drag", "drag"),
+        ("restitution", "restitution"),
+        ("sub-steps", "substeps"),
+    ],
+)
 def test_each_slider_changes_its_rule_of_the_world(desk, mark, attribute) -> None:
     here = desk()
     values = []

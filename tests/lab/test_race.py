@@ -78,8 +78,11 @@ def test_the_picture_has_two_halves_that_move_together(open_window) -> None:
     window.session.view_options.tree = TreeView.OFF
     window.session.runner.paused = True
     session = window.session
-    for move in (lambda: None, lambda: session.camera.zoom_at((500, 400), 3.0),
-                 lambda: session.camera.pan((30, -20))):  # fmt: skip
+    for move in (
+        lambda: None,
+        lambda: session.camera.zoom_at((500, 400), 3.0),
+        lambda: session.camera.pan((30, -20)),
+    ):
         move()
         window.frame(0.0)
         left, right = halves(window)

@@ -5,9 +5,12 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
+from lab_command import Command
 from outputs import rows
 
 import jostle
@@ -18,9 +21,10 @@ from jostle_lab.sweep.table import Table, TableError
 OPTIONS = ["gas", "-n", "60", "--set", "restitution=0.8:1.0:3", "--seeds", "2", "--steps", "20"]
 
 
-def sweep(out: Path, *more: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "jostle_lab", "sweep", *OPTIONS, "--out", str(out), *more]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+@pytest.fixture
+def sweep(jostle_command: Command) -> Callable[..., tuple[int, str, str]]:
+    """Provide the command with options; it returns the exit code and both outputs."""
+    return partial(jostle_command.run, "sweep", *OPTIONS, "--out")
 
 
 def test_ranges_include_both_ends() -> None:
@@ -31,7 +35,11 @@ def test_ranges_include_both_ends() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["restitution", "weight=1", "drag=", "drag=1:2", "drag=0:1:1", "n=1.5", "n=0", "drag=a,b"],
+    [
+        *("restitution", "weight=1", "drag=", "drag=1:2", "drag=0:1:1", "drag=a,b", "drag=-1"),
+        *("restitution=2", "friction=-1", "gravity=inf", "speed=nan"),
+        *("n=1.5", "n=0", "n=inf", "n=1000000000", "substeps=nan", "substeps=1e20"),
+    ],
 )
 def test_settings_that_are_not_understood_are_refused(text: str) -> None:
     with pytest.raises(PlanError, match="--set is"):
@@ -62,42 +70,42 @@ def test_measures_are_right() -> None:
     assert row["hash"] == do(run)["hash"]
 
 
-def test_a_sweep_writes_one_row_for_each_run(tmp_path: Path) -> None:
-    done = sweep(tmp_path / "one.csv", "--workers", "1")
-    assert done.returncode == 0, done.stderr
+def test_a_sweep_writes_one_row_for_each_run(sweep, tmp_path: Path) -> None:
+    code, _, complaint = sweep(tmp_path / "one.csv", "--workers", "1")
+    assert code == 0, complaint
     table = rows(tmp_path / "one.csv")
     assert len(table) == 6
     assert list(table[0]) == [
         *("scene", "n", "seed", "steps", "restitution", "energy", "pressure", "hash")
     ]
-    assert sweep(tmp_path / "two.csv", "--workers", "2").returncode == 0
+    assert sweep(tmp_path / "two.csv", "--workers", "2")[0] == 0
     assert rows(tmp_path / "two.csv") == table
 
 
-def test_a_sweep_continues_its_table(tmp_path: Path) -> None:
+def test_a_sweep_continues_its_table(sweep, tmp_path: Path) -> None:
     out = tmp_path / "table.csv"
-    assert sweep(out, "--workers", "1").returncode == 0
+    assert sweep(out, "--workers", "1")[0] == 0
     whole = out.read_text(encoding="utf-8")
     lines = whole.splitlines(keepends=True)
     # As if it had been killed while it wrote the fourth row.
     out.write_text("".join(lines[:3]) + lines[3][:7], encoding="utf-8")
-    done = sweep(out, "--workers", "1")
-    assert done.returncode == 0 and "2 of 6 runs are in" in " ".join(done.stdout.split())
+    code, printed, _ = sweep(out, "--workers", "1")
+    assert code == 0 and "2 of 6 runs are in" in " ".join(printed.split())
     assert out.read_text(encoding="utf-8").startswith("".join(lines[:3]))
     assert len(rows(out)) == 6
     # Nothing is left to do.
     before = out.read_text(encoding="utf-8")
-    assert sweep(out).returncode == 0
+    assert sweep(out)[0] == 0
     assert out.read_text(encoding="utf-8") == before
 
 
-def test_a_table_of_another_sweep_is_refused(tmp_path: Path) -> None:
+def test_a_table_of_another_sweep_is_refused(sweep, tmp_path: Path) -> None:
     out = tmp_path / "table.csv"
     out.write_text("a,b\n1,2\n", encoding="utf-8")
     with pytest.raises(TableError, match="other columns"):
         Table(out, plan("gas", 10, [], 1, 1, 0, ["energy"]))
-    done = sweep(out)
-    assert done.returncode == 2 and "other columns" in done.stderr
+    code, _, complaint = sweep(out)
+    assert code == 2 and "other columns" in complaint
     assert out.read_text(encoding="utf-8") == "a,b\n1,2\n"
 
 
@@ -106,19 +114,21 @@ def test_a_table_of_another_sweep_is_refused(tmp_path: Path) -> None:
     [
         (["--measure", "colour"], "--measure is 'colour'"),
         (["--set", "weight=1"], "--set is 'weight=1'"),
+        (["--set", "drag=0,-1"], "--set is 'drag=0,-1'; drag is -1; it must be"),
         (["--seeds", "0"], "--seeds is 0"),
         (["--workers", "0"], "--workers is 0"),
     ],
 )
-def test_wrong_options_are_refused(tmp_path: Path, options: list[str], message: str) -> None:
-    done = sweep(tmp_path / "table.csv", *options)
-    assert done.returncode == 2 and message in done.stderr
+def test_wrong_options_are_refused(sweep, tmp_path: Path, options, message: str) -> None:
+    code, _, complaint = sweep(tmp_path / "table.csv", *options)
+    assert code == 2 and message in complaint
     assert not (tmp_path / "table.csv").exists()
 
 
-def test_a_run_that_fails_ends_the_sweep_with_its_message(tmp_path: Path) -> None:
-    done = sweep(tmp_path / "table.csv", "--set", "drag=-1", "--workers", "1")
-    assert done.returncode == 2 and "drag" in done.stderr
+def test_a_run_that_fails_ends_the_sweep_with_its_message(sweep, tmp_path: Path) -> None:
+    """One disc may have such a velocity, but not a disc of the scene."""
+    code, _, complaint = sweep(tmp_path / "table.csv", "--set", "speed=9e17", "--workers", "1")
+    assert code == 2 and "a run failed: velocities" in complaint
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="it reads /proc")

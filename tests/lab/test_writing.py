@@ -68,7 +68,7 @@ def plot(path: Path) -> None:
 
 
 WRITERS = [picture, film, particles, trajectory, plot]
-SUFFIXES = {film: ".mp4"}
+SUFFIXES = {film: ".mp4", plot: ".png"}
 
 
 @pytest.mark.parametrize("is_there", [True, False])

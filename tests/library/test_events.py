@@ -30,9 +30,13 @@ def overlapping(world: jostle.World) -> Pairs:
 def random_walkers(seed: int) -> jostle.World:
     rng = np.random.default_rng(seed)
     return jostle.World(
-        rng.uniform(1, 19, (60, 2)), rng.normal(0, 6, (60, 2)), rng.uniform(0.2, 0.9, 60),
-        container=jostle.Box(0, 0, 20, 20), on_touch="ignore", track_events=True,
-    )  # fmt: skip
+        rng.uniform(1, 19, (60, 2)),
+        rng.normal(0, 6, (60, 2)),
+        rng.uniform(0.2, 0.9, 60),
+        container=jostle.Box(0, 0, 20, 20),
+        on_touch="ignore",
+        track_events=True,
+    )
 
 
 @pytest.mark.parametrize("seed", range(3))

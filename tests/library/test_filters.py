@@ -20,13 +20,17 @@ def world_of(n: int, seed: int, **arguments: Any) -> jostle.World:
     rng = np.random.default_rng(seed)
     side = np.sqrt(n)
     arguments = {
-        "gravity": (0, 5), "restitution": 0.5, "container": jostle.Box(0, 0, side, side),
+        "gravity": (0, 5),
+        "restitution": 0.5,
+        "container": jostle.Box(0, 0, side, side),
         **arguments,
-    }  # fmt: skip
+    }
     return jostle.World(
-        rng.uniform(0, side, (n, 2)), rng.uniform(-3, 3, (n, 2)),
-        rng.uniform(0.2, 0.5, n), **arguments,
-    )  # fmt: skip
+        rng.uniform(0, side, (n, 2)),
+        rng.uniform(-3, 3, (n, 2)),
+        rng.uniform(0.2, 0.5, n),
+        **arguments,
+    )
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["quadtree", "brute"]))

@@ -14,9 +14,12 @@ import jostle
 FOLLOWER = jostle.Attractor(particle=1, strength=3, law="inverse_square")
 SPRINGS = jostle.Springs([(0, 1), (1, 2)], [1, 2.5], stiffness=40, damping=0.1, max_stretch=3)
 ALL = [
-    jostle.Attractor((1, 0.1), 4), FOLLOWER, jostle.Gravitation(0.1, softening=0.2, theta=0.7),
-    SPRINGS, jostle.Thermostat(3, 0.2),
-]  # fmt: skip
+    jostle.Attractor((1, 0.1), 4),
+    FOLLOWER,
+    jostle.Gravitation(0.1, softening=0.2, theta=0.7),
+    SPRINGS,
+    jostle.Thermostat(3, 0.2),
+]
 
 
 def make(n: int = 3, **options: Any) -> jostle.World:

@@ -22,9 +22,14 @@ def wrapped(angles: Floats) -> Floats:
 
 def test_friction_and_rotation_are_columns() -> None:
     world = jostle.World(
-        [(0, 0), (9, 0), (18, 0)], [(0, 0)] * 3, [1, 2, 1], friction=0.5, angles=[0, 1, -1],
-        angular_velocities=[2, 0, 3], movable=[True, True, False],
-    )  # fmt: skip
+        [(0, 0), (9, 0), (18, 0)],
+        [(0, 0)] * 3,
+        [1, 2, 1],
+        friction=0.5,
+        angles=[0, 1, -1],
+        angular_velocities=[2, 0, 3],
+        movable=[True, True, False],
+    )
     assert world.friction.tolist() == [0.5, 0.5, 0.5]
     assert world.angles.tolist() == [0, 1, -1]
     assert world.angular_velocities.tolist() == [2, 0, 3]  # the last is immovable
@@ -96,9 +101,14 @@ def test_a_ball_thrown_along_a_floor_begins_to_roll(steps: int) -> None:
 def on_an_incline(angle: float, friction: float, speed: float = 0.0) -> jostle.World:
     """Return a disc of radius 1 on a floor that falls towards +x."""
     return jostle.World(
-        [(0, 1)], [(speed, 0)], radii=1, gravity=(G * math.sin(angle), -G * math.cos(angle)),
-        restitution=0.5, friction=friction, container=jostle.Box(-1000, 0, 1000, 100),
-    )  # fmt: skip
+        [(0, 1)],
+        [(speed, 0)],
+        radii=1,
+        gravity=(G * math.sin(angle), -G * math.cos(angle)),
+        restitution=0.5,
+        friction=friction,
+        container=jostle.Box(-1000, 0, 1000, 100),
+    )
 
 
 @pytest.mark.parametrize("degrees", [5, 20, 40])
@@ -176,6 +186,7 @@ def test_the_walls_carry_the_weight(friction: float) -> None:
     assert (contacts.friction_impulses != 0).any() == (friction > 0)
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_a_tilted_pile_flows_at_the_angle_of_an_avalanche() -> None:
     """`python tests/tilted_pile.py` measures the angles in the scene of a published simulation."""
     pile = TiltedPile(1000, 60.0, seed=0)

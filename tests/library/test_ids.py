@@ -25,9 +25,14 @@ class History:
     def __init__(self, seed: int, on_touch: str) -> None:
         self.random = random.Random(seed)
         self.world = jostle.World(
-            np.empty((0, 2)), np.empty((0, 2)), 0.4, gravity=(0, 3), restitution=0.5,
-            container=jostle.Box(0, 0, SIDE, SIDE), on_touch=on_touch,
-        )  # fmt: skip
+            np.empty((0, 2)),
+            np.empty((0, 2)),
+            0.4,
+            gravity=(0, 3),
+            restitution=0.5,
+            container=jostle.Box(0, 0, SIDE, SIDE),
+            on_touch=on_touch,
+        )
         self.masses: dict[int, float] = {}
         self.springs: list[tuple[int, int]] = []
         self.attractors: list[int] = []

@@ -12,9 +12,14 @@ def merged_at_a_wall(order: list[int]) -> jostle.World:
     velocities = np.array([(0.5, 3.0), (-0.5, 6.0)])[order]
     masses = np.array([1.0, 5.0])[order]
     world = jostle.World(
-        positions, velocities, 1.0, masses=masses, restitution=0.5, on_touch="merge",
+        positions,
+        velocities,
+        1.0,
+        masses=masses,
+        restitution=0.5,
+        on_touch="merge",
         walls=[[[-10, 10], [10, 10]]],
-    )  # fmt: skip
+    )
     world.step(0.1)
     assert len(world) == 1
     return world
@@ -37,10 +42,15 @@ def test_the_order_of_adding_does_not_show_where_some_have_no_room(seed: int) ->
 
     def after_steps(order: np.ndarray) -> tuple[list[int], np.ndarray]:
         world = jostle.World(
-            positions[order], velocities[order], radii[order], gravity=(0, 1), restitution=0.5,
-            container=jostle.Torus(10, 10), walls=[[[2, 4], [8, 4]], [[2, 6], [8, 6]]],
+            positions[order],
+            velocities[order],
+            radii[order],
+            gravity=(0, 1),
+            restitution=0.5,
+            container=jostle.Torus(10, 10),
+            walls=[[[2, 4], [8, 4]], [[2, 6], [8, 6]]],
             on_touch="merge",
-        )  # fmt: skip
+        )
         unresolved = []
         for _ in range(3):
             world.step(0.5)

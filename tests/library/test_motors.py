@@ -68,17 +68,29 @@ def test_ids_stay_when_others_are_removed() -> None:
         (lambda: jostle.Motor([0], period=math.nan), ValueError, "period is NaN; it must be"),
         (lambda: jostle.Motor([0], center=(0, math.inf)), ValueError, "center is (0, inf); both"),
         (lambda: jostle.Motor([0], velocity=(1, 2, 3)), ValueError, "velocity has shape (3,)"),
-        (lambda: jostle.Motor(walls=[0], angular_velocity=1), ValueError,
-         "angular_velocity is 1; walls do not turn"),
+        (
+            lambda: jostle.Motor(walls=[0], angular_velocity=1),
+            ValueError,
+            "angular_velocity is 1; walls do not turn",
+        ),
         (lambda: jostle.Motor("all"), TypeError, "ids must hold integers"),
-        (lambda: world(forces=[jostle.Motor([0, 2])]), ValueError,
-         "forces[0] is a motor of particle 2; it drives immovable particles only"),
-        (lambda: world(forces=[jostle.Motor(walls=[2])]), ValueError,
-         "forces[0] is a motor of wall 2; there are 2 walls"),
-        (lambda: setattr(world(forces=[jostle.Motor(walls=[1])]), "walls", None), ValueError,
-         "forces[0] is a motor of wall 1; there are 0 walls"),
+        (
+            lambda: world(forces=[jostle.Motor([0, 2])]),
+            ValueError,
+            "forces[0] is a motor of particle 2; it drives immovable particles only",
+        ),
+        (
+            lambda: world(forces=[jostle.Motor(walls=[2])]),
+            ValueError,
+            "forces[0] is a motor of wall 2; there are 2 walls",
+        ),
+        (
+            lambda: setattr(world(forces=[jostle.Motor(walls=[1])]), "walls", None),
+            ValueError,
+            "forces[0] is a motor of wall 1; there are 0 walls",
+        ),
     ],
-)  # fmt: skip
+)
 def test_wrong_ones_are_refused(make: Any, error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=f"^{re.escape(message)}"):
         make()
@@ -88,9 +100,13 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
     """The velocity before both, not that of the first."""
     walls = [[[5, 5], [9, 5]]]
     world = jostle.World(
-        [(0, 0), (5, 0)], [(0.25, 0), (0, 0)], 1.0, movable=[False, True], walls=walls,
+        [(0, 0), (5, 0)],
+        [(0.25, 0), (0, 0)],
+        1.0,
+        movable=[False, True],
+        walls=walls,
         wall_velocities=[(0.5, 0)],
-    )  # fmt: skip
+    )
     world.forces = [jostle.Motor([0], walls=[0], velocity=way) for way in ((1, 0), (0, 2))]
     with pytest.raises(ValueError, match="dt"):
         world.step(1e30)
@@ -102,10 +118,15 @@ def test_a_refused_step_restores_what_several_motors_drive() -> None:
 def test_others_sleep_while_a_motor_drives(velocity: tuple[float, float]) -> None:
     """The driven particle has a larger id than there are awake particles."""
     world = jostle.World(
-        [(0, 9), (50, 0), (3, 9)], np.zeros((3, 2)), 1.0, movable=[True, False, True],
-        gravity=(0, 9.8), restitution=0.5, container=jostle.Box(-99, -99, 99, 10),
+        [(0, 9), (50, 0), (3, 9)],
+        np.zeros((3, 2)),
+        1.0,
+        movable=[True, False, True],
+        gravity=(0, 9.8),
+        restitution=0.5,
+        container=jostle.Box(-99, -99, 99, 10),
         forces=[jostle.Motor([1], velocity=velocity)],
-    )  # fmt: skip
+    )
     world.step(1 / 60, steps=120)
     assert world.asleep.tolist() == [True, False, True]
     assert world.positions[1].tolist() == pytest.approx([50, 2 * velocity[1]], abs=1e-4)

@@ -48,9 +48,12 @@ def test_wrong_velocities_are_refused(value: ArrayLike, message: str) -> None:
 def test_a_snapshot_keeps_what_rounding_removed() -> None:
     def make() -> jostle.World:
         return jostle.World(
-            [(30, 1)], [(-1, 0)], 1, walls=[((1000.1, -2), (1000.1, 4))],
+            [(30, 1)],
+            [(-1, 0)],
+            1,
+            walls=[((1000.1, -2), (1000.1, 4))],
             wall_velocities=(-1 / 3, 0),
-        )  # fmt: skip
+        )
 
     world = make()
     world.step(0.1, steps=1000)
@@ -75,9 +78,13 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     cells = int(np.ceil(np.sqrt(n)))
     at = (np.stack(np.divmod(np.arange(n), cells), 1) + 0.5) * (side / cells)
     world = jostle.World(
-        at, rng.normal(size=(n, 2)) * 10, radius, masses=1.0,
-        container=jostle.Box(0, 0, side, side), walls=[((side, -1), (side, side + 1))],
-    )  # fmt: skip
+        at,
+        rng.normal(size=(n, 2)) * 10,
+        radius,
+        masses=1.0,
+        container=jostle.Box(0, 0, side, side),
+        walls=[((side, -1), (side, side + 1))],
+    )
     world.step(1.0, steps=5)
     before = world.kinetic_energy
     world.wall_velocities = (-speed, 0)
@@ -91,6 +98,7 @@ def compression(n: int, ratio: float, speed: float, seed: int) -> tuple[float, f
     return world.kinetic_energy / before, float(np.exp(exponent))
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_a_piston_compresses_a_gas_adiabatically() -> None:
     measured = [compression(1000, 0.6, 0.5, seed) for seed in range(2)]
     found, expected = np.mean(measured, axis=0)

@@ -5,12 +5,13 @@ import pickle
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
 
 import jostle
-from jostle import life
+from jostle import Flocking, PairForce, life
 
 SIDE = 50.0
+lennard_jones, soft_discs = PairForce.lennard_jones, PairForce.soft_discs
+particle_life = PairForce.particle_life
 
 
 def random_state(n, seed=0):
@@ -40,9 +41,15 @@ def test_a_step_is_that_of_numpy(periodic, method):
     container = jostle.Torus(SIDE, SIDE) if periodic else None
     masses = rng.uniform(1, 3, 400)
     world = jostle.World(
-        positions, velocities, 0.1, masses=masses, container=container, on_touch="ignore",
-        forces=[force], method=method,
-    )  # fmt: skip
+        positions,
+        velocities,
+        0.1,
+        masses=masses,
+        container=container,
+        on_touch="ignore",
+        forces=[force],
+        method=method,
+    )
     world.step(dt)
     offset, distance = offsets(positions + velocities * np.float32(dt / 2), periodic)
     at = np.minimum(distance / cutoff * 11, 11)
@@ -63,9 +70,13 @@ def test_a_flock_is_that_of_numpy():
     positions, velocities, _ = random_state(300, 1)
     birds = jostle.Flocking(6.0, separation=4.0, alignment=1.5, cohesion=0.3, max_speed=np.inf)
     world = jostle.World(
-        positions, velocities, 0.1, container=jostle.Torus(SIDE, SIDE), on_touch="ignore",
+        positions,
+        velocities,
+        0.1,
+        container=jostle.Torus(SIDE, SIDE),
+        on_touch="ignore",
         forces=[birds],
-    )  # fmt: skip
+    )
     world.step(0.01)
     offset, distance = offsets(positions + velocities * np.float32(0.005), True)
     near = distance < 6.0
@@ -120,9 +131,13 @@ def test_random_matrices_are_symmetric_if_asked():
 def test_a_soft_disc_comes_to_rest_by_damping():
     force = jostle.PairForce.soft_discs([0, 0], stiffness=100.0, diameters=2.0, damping=5.0)
     world = jostle.World(
-        [(0, 0), (1.0, 0)], [(0.5, 0), (-0.5, 0)], 1.0, masses=1.0, on_touch="ignore",
+        [(0, 0), (1.0, 0)],
+        [(0.5, 0), (-0.5, 0)],
+        1.0,
+        masses=1.0,
+        on_touch="ignore",
         forces=[force],
-    )  # fmt: skip
+    )
     energy = world.kinetic_energy + world.potential_energy
     world.step(0.005, steps=60)
     assert world.kinetic_energy + world.potential_energy < 0.99 * energy
@@ -178,49 +193,50 @@ def test_columns_are_read_only():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: jostle.PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
-        (lambda: jostle.PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
-        (lambda: jostle.PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
-        (lambda: jostle.PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
-         "kinds[1] is 1; the table has 1 kind, from 0 to 0"),
-        (lambda: jostle.PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
-        (lambda: jostle.PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
-        (lambda: jostle.PairForce.particle_life([0], [[1, 0], [np.nan, 0]], 1.0),
-         "matrix[1, 0] is NaN"),
-        (lambda: jostle.PairForce.particle_life([0], [[1]], 1.0, strength=np.inf),
-         "strength is inf"),
-        (lambda: jostle.PairForce.particle_life([0], np.zeros((65, 65)), 1.0),
-         "matrix is of 65 kinds; there may be 1 to 64 kinds"),
-        (lambda: jostle.PairForce.lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0),
-         "epsilon[1, 0] is inf"),
-        (lambda: jostle.PairForce.lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0),
-         "sigma[1, 0] is -2"),
-        (lambda: jostle.PairForce.soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
-        (lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
-        (lambda: jostle.PairForce.particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
-        (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
-        (lambda: jostle.PairForce.particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
-        (lambda: jostle.PairForce.particle_life([0], [[1.0]], 1.0, strength=np.nan),
-         "strength is NaN; it must be finite"),
-        (lambda: jostle.PairForce.lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
-        (lambda: jostle.PairForce.lennard_jones([0], -1.0, 1.0, 1.0),
-         "epsilon is -1; it must be finite and at least 0"),
-        (lambda: jostle.PairForce.lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0),
-         "epsilon[1, 1] is NaN"),
-        (lambda: jostle.PairForce.lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0),
-         "a number or (2, 2)"),
-        (lambda: jostle.PairForce.soft_discs([0], 1.0, -1.0), "diameters is -1"),
-        (lambda: jostle.PairForce.soft_discs([0], -1.0, 1.0),
-         "stiffness is -1; it must be finite and at least 0"),
-        (lambda: jostle.Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
-        (lambda: jostle.Flocking(1, -1, 1, 1, 1), "separation is -1"),
-        (lambda: jostle.Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
-        (lambda: jostle.Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
+        (lambda: PairForce([0], [[1.0]], 1.0), "has shape (1, 1); it must be (K, K, m)"),
+        (lambda: PairForce([0], np.zeros((2, 3, 4)), 1.0), "it must be (K, K, m)"),
+        (lambda: PairForce([0], np.zeros((1, 1, 1)), 1.0), "m at least 2"),
+        (lambda: PairForce([0], np.zeros((65, 65, 2)), 1.0), "1 to 64 kinds"),
+        (
+            lambda: PairForce([0, 1], np.zeros((1, 1, 2)), 1.0),
+            "kinds[1] is 1; the table has 1 kind, from 0 to 0",
+        ),
+        (lambda: PairForce([[0]], np.zeros((1, 1, 2)), 1.0), "(n,)"),
+        (lambda: PairForce([0], [[[0, np.nan]]], 1.0), "table[0, 0, 1] is NaN"),
+        (lambda: particle_life([0], [[1, 0], [np.nan, 0]], 1.0), "matrix[1, 0] is NaN"),
+        (lambda: particle_life([0], [[1]], 1.0, strength=np.inf), "strength is inf"),
+        (
+            lambda: particle_life([0], np.zeros((65, 65)), 1.0),
+            "matrix is of 65 kinds; there may be 1 to 64 kinds",
+        ),
+        (lambda: lennard_jones([0], [[1, 0], [np.inf, 0]], 1, 1.0), "epsilon[1, 0] is inf"),
+        (lambda: lennard_jones([0], 1, [[1, 2], [-2, 1]], 1.0), "sigma[1, 0] is -2"),
+        (lambda: soft_discs([0], np.nan, 1.0), "stiffness is NaN"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), 0.0), "cutoff is 0"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), np.inf), "cutoff is inf"),
+        (lambda: PairForce([0], np.zeros((1, 1, 2)), 1.0, -1.0), "damping is -1"),
+        (lambda: particle_life([0], [1.0], 1.0), "shape (1,); it must be (K, K)"),
+        (lambda: particle_life([0], [[1.0]], 1.0, 1.0), "core is 1"),
+        (lambda: particle_life([0], [[np.inf]], 1.0), "matrix[0, 0] is inf; it"),
+        (
+            lambda: particle_life([0], [[1.0]], 1.0, strength=np.nan),
+            "strength is NaN; it must be finite",
+        ),
+        (lambda: lennard_jones([0], 1.0, 0.0, 1.0), "sigma is 0"),
+        (
+            lambda: lennard_jones([0], -1.0, 1.0, 1.0),
+            "epsilon is -1; it must be finite and at least 0",
+        ),
+        (lambda: lennard_jones([0], [[1, 1], [1, np.nan]], 1.0, 1.0), "epsilon[1, 1] is NaN"),
+        (lambda: lennard_jones([0], np.ones((2, 2)), np.ones((3, 3)), 1.0), "a number or (2, 2)"),
+        (lambda: soft_discs([0], 1.0, -1.0), "diameters is -1"),
+        (lambda: soft_discs([0], -1.0, 1.0), "stiffness is -1; it must be finite and at least 0"),
+        (lambda: Flocking(0, 1, 1, 1, 1), "cutoff is 0"),
+        (lambda: Flocking(1, -1, 1, 1, 1), "separation is -1"),
+        (lambda: Flocking(1, 1, 1, 1, 1, min_speed=2), "min_speed is 2"),
+        (lambda: Flocking(1, 1, 1, 1, np.nan), "max_speed is NaN"),
     ],
-)  # fmt: skip
+)
 def test_wrong_numbers_are_refused(make, words):
     with pytest.raises(ValueError) as error:
         make()
@@ -248,10 +264,10 @@ def test_errors_of_life_name_the_argument():
 
 def test_wrong_types_are_refused():
     for make in (
-        lambda: jostle.PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
-        lambda: jostle.PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
-        lambda: jostle.PairForce([0], np.zeros((1, 1, 2)), "far"),
-        lambda: jostle.Flocking("far", 1, 1, 1, 1),
+        lambda: PairForce([0.5], np.zeros((1, 1, 2)), 1.0),
+        lambda: PairForce(["a"], np.zeros((1, 1, 2)), 1.0),
+        lambda: PairForce([0], np.zeros((1, 1, 2)), "far"),
+        lambda: Flocking("far", 1, 1, 1, 1),
     ):
         with pytest.raises(TypeError):
             make()
@@ -265,64 +281,3 @@ def test_a_force_must_fit_the_world():
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]
     assert world.forces == ()
-
-
-def radial_distribution(frames, side, bins):
-    """Return g(r) of some frames of particles on a torus."""
-    counts = np.zeros(len(bins) - 1)
-    for positions in frames:
-        offset = positions[None].astype(float) - positions[:, None]
-        offset -= side * np.round(offset / side)
-        counts += np.histogram(np.sqrt((offset**2).sum(axis=2)), bins)[0]
-    n, rings = len(frames[0]), np.pi * (bins[1:] ** 2 - bins[:-1] ** 2)
-    return counts / (len(frames) * n * (n - 1) / side**2 * rings)
-
-
-def lennard_jones(positions, side):
-    """Return forces of the truncated potential, by NumPy over the pairs that SciPy finds."""
-    pairs = cKDTree(positions % side % side, boxsize=side).query_pairs(2.5, output_type="ndarray")
-    a, b = pairs.T
-    x, y = (positions[b] - positions[a]).T
-    x, y = x - side * np.round(x / side), y - side * np.round(y / side)
-    squares = x * x + y * y
-    sixth = 1 / (squares * squares * squares)
-    scale = 24 * (sixth - 2 * sixth * sixth) / squares
-    n = len(positions)
-    forces = [
-        np.bincount(a, scale * along, n) - np.bincount(b, scale * along, n) for along in (x, y)
-    ]
-    return np.stack(forces, 1)
-
-
-@pytest.mark.slow
-def test_a_fluid_has_the_structure_of_an_independent_simulation():
-    """g(r) at the density 0.6 and a temperature near 1, beside velocity Verlet in NumPy."""
-    n, density, dt = 144, 0.6, 0.005
-    side = float(np.sqrt(n / density))
-    rng = np.random.default_rng(4)
-    sites = (np.stack(np.meshgrid(range(12), range(12)), 2).reshape(-1, 2) + 0.5) * side / 12
-    start = rng.normal(0, 1.2, (n, 2))
-    start -= start.mean(axis=0)
-    world = jostle.World(
-        sites, start, 0.1, masses=1.0, container=jostle.Torus(side, side), on_touch="ignore",
-        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, 2.5)],
-    )  # fmt: skip
-    positions, velocities = sites.copy(), start.copy()
-    force = lennard_jones(positions, side)
-    ours, theirs, heat = [], [], np.zeros(2)
-    for frame in range(500):
-        world.step(dt, steps=20)
-        for _ in range(20):
-            velocities += dt / 2 * force
-            positions += dt * velocities
-            force = lennard_jones(positions, side)
-            velocities += dt / 2 * force
-        if frame >= 100:
-            ours.append(world.positions)
-            theirs.append(positions.copy())
-            heat += world.kinetic_energy / n, 0.5 * (velocities**2).sum() / n
-    bins = np.linspace(0.8, 3.0, 34)
-    g, expected = (radial_distribution(frames, side, bins) for frames in (ours, theirs))
-    assert abs(heat[0] / heat[1] - 1) < 0.02
-    assert 1.0 < bins[g.argmax()] < 1.2 and g.max() > 1.8
-    assert np.abs(g - expected).max() < 0.08

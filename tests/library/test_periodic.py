@@ -233,13 +233,22 @@ REFUSED: list[tuple[Any, type[Exception], str]] = [
     (lambda: jostle.find_pairs([(0, 0)], distance=np.inf), ValueError, "distance is inf"),
     (lambda: jostle.Space().neighbors(-2.0), ValueError, "distance is -2"),
     (lambda: jostle.Quadtree([(0, 0)]).neighbors("far"), TypeError, "distance must be a number"),
-    (lambda: jostle.Quadtree([(0, 0)], period=9).raycast((0, 0), (1, 0)), ValueError,
-     r"max_distance is inf; with period=\(9, 9\), it must be at most 1024 periods"),
-    (lambda: jostle.Quadtree([(0, 0)], period=9).query_polygon([(0, 0), (10, 0), (0, 9)]),
-     ValueError, "a polygon may be at most one period wide and high"),
-    (lambda: jostle.Quadtree([(0, 0)], period=9).pairs(jostle.Quadtree([(0, 0)])), ValueError,
-     r"other has period=\(0.0, 0.0\) and this tree period=\(9.0, 9.0\)"),
-]  # fmt: skip
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).raycast((0, 0), (1, 0)),
+        ValueError,
+        r"max_distance is inf; with period=\(9, 9\), it must be at most 1024 periods",
+    ),
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).query_polygon([(0, 0), (10, 0), (0, 9)]),
+        ValueError,
+        "a polygon may be at most one period wide and high",
+    ),
+    (
+        lambda: jostle.Quadtree([(0, 0)], period=9).pairs(jostle.Quadtree([(0, 0)])),
+        ValueError,
+        r"other has period=\(0.0, 0.0\) and this tree period=\(9.0, 9.0\)",
+    ),
+]
 
 
 @pytest.mark.parametrize(("call", "error", "message"), REFUSED)
@@ -295,11 +304,15 @@ def test_casts_of_any_size_are_those_of_all_images(
     thin = rng.choice([0.0, 0.001, 1.0], (count, 2)) * reach
     for index in (tree, space):
         for found, wide in (
-            (index.circle_cast(origins, ways, reach, max_distance=longest),
-             copies.circle_cast(origins, ways, reach, max_distance=longest)),
-            (index.box_cast(origins, ways, thin, max_distance=longest),
-             copies.box_cast(origins, ways, thin, max_distance=longest)),
-        ):  # fmt: skip
+            (
+                index.circle_cast(origins, ways, reach, max_distance=longest),
+                copies.circle_cast(origins, ways, reach, max_distance=longest),
+            ),
+            (
+                index.box_cast(origins, ways, thin, max_distance=longest),
+                copies.box_cast(origins, ways, thin, max_distance=longest),
+            ),
+        ):
             assert found.distances == pytest.approx(wide.distances, abs=1e-9)
             inside = wide.distances == 0
             assert np.array_equal(found.distances == 0, inside)

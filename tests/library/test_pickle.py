@@ -108,10 +108,14 @@ def test_states_that_no_space_can_have_are_refused() -> None:
     space.remove(1)
     restore, (options, state) = space.__reduce__()
     for place, value in (
-        (0, np.zeros((1, 4))), (1, np.array([-1.0, 1.0])), (4, np.array([0, 1], np.uint32)),
-        (5, np.array([7], np.uint32)), (6, np.array([0, 9], np.uint32)),
-        (6, np.array([1, 1], np.uint32)), (8, np.array([0], np.uint32)),
-    ):  # fmt: skip
+        (0, np.zeros((1, 4))),
+        (1, np.array([-1.0, 1.0])),
+        (4, np.array([0, 1], np.uint32)),
+        (5, np.array([7], np.uint32)),
+        (6, np.array([0, 9], np.uint32)),
+        (6, np.array([1, 1], np.uint32)),
+        (8, np.array([0], np.uint32)),
+    ):
         wrong = (*state[:place], value, *state[place + 1 :])
         with pytest.raises(ValueError, match="state"):
             restore(options, wrong)

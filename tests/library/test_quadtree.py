@@ -324,10 +324,14 @@ def test_boxes_by_hand() -> None:
     columns = nodes.boxes.tolist(), nodes.depths, nodes.counts, nodes.is_leaf
     found = {(*box, level, count, leaf) for box, level, count, leaf in zip(*columns, strict=True)}
     assert found == {
-        (0, 0, 8, 8, 0, 7, False), (0, 0, 4, 4, 1, 4, False), (4, 0, 8, 4, 1, 1, True),
-        (0, 4, 4, 8, 1, 1, True), (4, 4, 8, 8, 1, 1, True), (0, 0, 2, 2, 2, 3, True),
+        (0, 0, 8, 8, 0, 7, False),
+        (0, 0, 4, 4, 1, 4, False),
+        (4, 0, 8, 4, 1, 1, True),
+        (0, 4, 4, 8, 1, 1, True),
+        (4, 4, 8, 8, 1, 1, True),
+        (0, 0, 2, 2, 2, 3, True),
         (2, 2, 4, 4, 2, 1, True),
-    }  # fmt: skip
+    }
     assert tree.stats == (7, 5, 2, 0)
 
 

@@ -301,26 +301,38 @@ TREE = jostle.Quadtree([(0, 0), (3, 0)], radii=1.0)
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, -2]), "radius[1] is -2; a radius must"),
         (lambda: TREE.query_circle([(0, 0), (1, 1)], [1, 2, 3]), "radius has shape (3,); it must"),
         (lambda: TREE.query_point((0, np.inf)), "point is (0, inf); both coordinates must be"),
-        (lambda: TREE.query_polygon([(0, 0), (1, 1)]),
-         "vertices is a list of 2; a polygon has at least 3"),
-        (lambda: TREE.query_polygon([(0, 0), (4, 0), (1, 1), (0, 4)]),
-         "vertices[2] is (1, 1); the polygon is not convex there"),
-        (lambda: TREE.query_polygon([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (2, 2)]]),
-         "vertices[1] is (0, 0); corner 0 of the polygon: the polygon is not convex there"),
+        (
+            lambda: TREE.query_polygon([(0, 0), (1, 1)]),
+            "vertices is a list of 2; a polygon has at least 3",
+        ),
+        (
+            lambda: TREE.query_polygon([(0, 0), (4, 0), (1, 1), (0, 4)]),
+            "vertices[2] is (1, 1); the polygon is not convex there",
+        ),
+        (
+            lambda: TREE.query_polygon([[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (2, 2)]]),
+            "vertices[1] is (0, 0); corner 0 of the polygon: the polygon is not convex there",
+        ),
         (lambda: TREE.nearest((0, 0), 0), "k is 0; it must be at least 1"),
-        (lambda: TREE.nearest((0, 0), 10**9),
-         "k is 1000000000; for 1 point that is 1000000000 neighbours"),
+        (
+            lambda: TREE.nearest((0, 0), 10**9),
+            "k is 1000000000; for 1 point that is 1000000000 neighbours",
+        ),
         (lambda: TREE.nearest((0, 0), max_distance=-1), "max_distance is -1; it must be at least"),
         (lambda: TREE.nearest((0, 0), max_distance=np.nan), "max_distance is NaN; it must be at"),
         (lambda: TREE.raycast((0, 0), (0, 0)), "direction is (0, 0); a direction has a length"),
-        (lambda: TREE.raycast((0, 0), [(1, 0), (0, 0)]),
-         "direction[1] is (0, 0); a direction has a length"),
-        (lambda: TREE.raycast(np.zeros((3, 2)), [(1, 0), (0, 1)]),
-         "direction has shape (2, 2); it must be (2,) or (3, 2)"),
+        (
+            lambda: TREE.raycast((0, 0), [(1, 0), (0, 0)]),
+            "direction[1] is (0, 0); a direction has a length",
+        ),
+        (
+            lambda: TREE.raycast(np.zeros((3, 2)), [(1, 0), (0, 1)]),
+            "direction has shape (2, 2); it must be (2,) or (3, 2)",
+        ),
         (lambda: TREE.query_point((0, 0), mask=[1]), "mask has shape (1,); it must be an integer"),
         (lambda: TREE.query_point((0, 0), mask=1 << 32), "mask is 4294967296; it must be a set of"),
     ],
-)  # fmt: skip
+)
 def test_refusals_name_argument_index_and_value(call: Any, sentence: str) -> None:
     with pytest.raises(ValueError, match="^" + re.escape(sentence)):
         call()

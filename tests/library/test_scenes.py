@@ -171,6 +171,7 @@ def test_the_fountains_say_where_drops_come_from() -> None:
     assert len({nozzle.density for nozzle in nozzles}) == 3
 
 
+@pytest.mark.usefixtures("usual_threads")
 @pytest.mark.parametrize(
     ("name", "n", "seconds"), [("mill", 150, 15), ("conveyor", 300, 30), ("pinball", 30, 60)]
 )

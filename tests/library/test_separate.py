@@ -87,9 +87,14 @@ def test_threads_and_order_change_nothing(axis: int | None, n: int) -> None:
     )
     order = rng.permutation(n)
     many = jostle.separate(
-        centers[order], radii[order], halves[order], weights=weights[order], fixed=fixed[order],
-        axis=axis, threads=2,
-    )  # fmt: skip
+        centers[order],
+        radii[order],
+        halves[order],
+        weights=weights[order],
+        fixed=fixed[order],
+        axis=axis,
+        threads=2,
+    )
     np.testing.assert_array_equal(one.centers[order], many.centers)
     assert (one.rounds, one.overlaps) == (many.rounds, many.overlaps)
     np.testing.assert_array_equal(one.centers[fixed], centers[fixed])

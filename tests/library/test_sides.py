@@ -14,9 +14,13 @@ BOX, CIRCLE = jostle.Box(0, 0, 10, 10), jostle.Circle((5, 5), 5)
 def test_each_side_has_the_number_of_its_wall() -> None:
     """Four discs fly to the four sides; the impulses say with which coefficient."""
     world = jostle.World(
-        [(5, 5)] * 4, [(-5, 0), (5, 0), (0, -5), (0, 5)], 1.0, masks=0, container=BOX,
+        [(5, 5)] * 4,
+        [(-5, 0), (5, 0), (0, -5), (0, 5)],
+        1.0,
+        masks=0,
+        container=BOX,
         container_restitution=[0.5, 0.25, 0.75, 0],
-    )  # fmt: skip
+    )
     world.step(1.0)
     assert world.wall_contacts.walls.tolist() == [0, 1, 2, 3]
     np.testing.assert_allclose(world.wall_contacts.normal_impulses, [7.5, 6.25, 8.75, 5])

@@ -97,10 +97,13 @@ def test_other_changes_wake_islands_or_nothing() -> None:
 
 def bits(world: jostle.World) -> tuple[Any, ...]:
     return (
-        world.state_hash(), world.asleep.tolist(), world.contacts.pairs.tolist(),
-        world.contacts.normal_impulses.tolist(), world.wall_contacts.normal_impulses.tolist(),
+        world.state_hash(),
+        world.asleep.tolist(),
+        world.contacts.pairs.tolist(),
+        world.contacts.normal_impulses.tolist(),
+        world.wall_contacts.normal_impulses.tolist(),
         world.potential_energy,
-    )  # fmt: skip
+    )
 
 
 def act(world: jostle.World, command: int, rng: np.random.Generator) -> None:

@@ -209,9 +209,14 @@ def test_worlds_with_enormous_impulses_can_be_restored() -> None:
     finite = 0
     for _ in range(20):
         world = jostle.World(
-            rng.uniform(1, 5, (3, 2)), rng.normal(0, 1e12, (3, 2)), 0.4, masses=1e30, friction=0.7,
-            restitution=1.0, container=jostle.Box(0, 0, 6, 6),
-        )  # fmt: skip
+            rng.uniform(1, 5, (3, 2)),
+            rng.normal(0, 1e12, (3, 2)),
+            0.4,
+            masses=1e30,
+            friction=0.7,
+            restitution=1.0,
+            container=jostle.Box(0, 0, 6, 6),
+        )
         world.step(3e-11)
         impulses = world.wall_contacts.friction_impulses
         assert np.isfinite(impulses).all()

@@ -187,10 +187,15 @@ def test_threads_do_not_change_stiff_bodies() -> None:
 def test_a_moving_anchor_wakes_what_hangs_from_it() -> None:
     """A disc that hangs from a static one falls asleep, and wakes when that one moves."""
     world = jostle.World(
-        [(0, 0), (0, 3)], [(0, 0), (0, 0)], radii=0.5, masses=1, movable=[False, True],
-        gravity=(0, GRAVITY), restitution=0.5,
+        [(0, 0), (0, 3)],
+        [(0, 0), (0, 0)],
+        radii=0.5,
+        masses=1,
+        movable=[False, True],
+        gravity=(0, GRAVITY),
+        restitution=0.5,
         forces=[jostle.Springs([(0, 1)], 3, stiffness=1000, damping=20)],
-    )  # fmt: skip
+    )
     world.step(STEP, steps=240)
     assert world.asleep[1]
     world.set(0, velocities=(5, 0))

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from gases import lattice
-from scipy.stats import kstest
 
 import jostle
 
@@ -22,17 +21,25 @@ def gas(forces: Any, threads: int | None = None, order: Any = slice(None)) -> jo
     """Elastic discs of radius 1 and mass 1 in a box, a quarter as warm."""
     velocities = np.random.default_rng(1).normal(size=(N, 2)) * 0.5
     return jostle.World(
-        lattice(N, SIDE, SIDE)[order], velocities[order], 1.0, masses=1.0,
-        container=jostle.Box(0, 0, SIDE, SIDE), forces=forces, threads=threads,
-    )  # fmt: skip
+        lattice(N, SIDE, SIDE)[order],
+        velocities[order],
+        1.0,
+        masses=1.0,
+        container=jostle.Box(0, 0, SIDE, SIDE),
+        forces=forces,
+        threads=threads,
+    )
 
 
+@pytest.mark.usefixtures("usual_threads")
 @pytest.mark.parametrize(
     ("force", "steps"),
     [(jostle.ThermalWalls(KT, seed=4), 1500), (jostle.AndersenThermostat(KT, 1.0, seed=4), 30)],
 )
 def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
     """Five samples; with the walls the deviation from kT falls e-fold in about 250 seconds."""
+    from scipy.stats import kstest  # one second, for the process that has this test
+
     world = gas([force])
     world.step(1.0, steps=steps)
     energies = []
@@ -47,6 +54,7 @@ def test_colliding_discs_reach_the_temperature(force: Any, steps: int) -> None:
     assert world.stats.unresolved == 0
 
 
+@pytest.mark.usefixtures("usual_threads")
 def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
     world = gas([jostle.ThermalWalls(4.0, sides=[0]), jostle.ThermalWalls(1.0, sides=[1])])
     world.step(1.0, steps=1500)

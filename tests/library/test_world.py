@@ -205,9 +205,13 @@ def test_given_positions_have_no_residual() -> None:
 def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -> None:
     rng = np.random.default_rng(4)
     world = jostle.World(
-        rng.uniform(0, 60, (300, 2)), rng.normal(size=(300, 2)), rng.uniform(0.5, 2, 300),
-        container=container, on_touch="ignore", leaf_capacity=7,
-    )  # fmt: skip
+        rng.uniform(0, 60, (300, 2)),
+        rng.normal(size=(300, 2)),
+        rng.uniform(0.5, 2, 300),
+        container=container,
+        on_touch="ignore",
+        leaf_capacity=7,
+    )
     empty = jostle.World(np.empty((0, 2)), np.empty((0, 2)), 1.0)
     assert len(empty.quadtree()) == 0
     for _ in range(3):
@@ -224,9 +228,14 @@ def test_the_quadtree_is_that_of_the_particles_as_they_are_now(container: Any) -
 
 def test_the_quadtree_has_sleeping_particles_too() -> None:
     world = jostle.World(
-        [(0, 1), (5, 1), (9, 5)], np.zeros((3, 2)), 1.0, movable=[True, True, False],
-        gravity=(0, -9.8), restitution=0.3, container=jostle.Box(-9, 0, 19, 9),
-    )  # fmt: skip
+        [(0, 1), (5, 1), (9, 5)],
+        np.zeros((3, 2)),
+        1.0,
+        movable=[True, True, False],
+        gravity=(0, -9.8),
+        restitution=0.3,
+        container=jostle.Box(-9, 0, 19, 9),
+    )
     world.step(1 / 60, steps=60)
     assert world.asleep.tolist() == [True, True, False]
     assert world.quadtree().query_circle((4, 2), 9).tolist() == [0, 1, 2]

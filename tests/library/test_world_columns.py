@@ -15,12 +15,16 @@ def test_columns_are_float32_in_the_order_of_adding() -> None:
     assert len(world) == 3
     types = {name: (column.dtype, column.shape) for name, column in columns(world).items()}
     assert types == {
-        "positions": (np.float32, (3, 2)), "velocities": (np.float32, (3, 2)),
-        "radii": (np.float32, (3,)), "masses": (np.float32, (3,)),
-        "restitutions": (np.float32, (3,)), "movable": (np.bool_, (3,)),
-        "friction": (np.float32, (3,)), "angles": (np.float32, (3,)),
+        "positions": (np.float32, (3, 2)),
+        "velocities": (np.float32, (3, 2)),
+        "radii": (np.float32, (3,)),
+        "masses": (np.float32, (3,)),
+        "restitutions": (np.float32, (3,)),
+        "movable": (np.bool_, (3,)),
+        "friction": (np.float32, (3,)),
+        "angles": (np.float32, (3,)),
         "angular_velocities": (np.float32, (3,)),
-    }  # fmt: skip
+    }
     assert all(getattr(world, name).flags.c_contiguous for name in COLUMNS)
     assert world.positions.tolist() == [[0, 0], [10, 0], [20, 5]]
     assert world.velocities.tolist() == [[1, 0], [0, 2], [0, 0]]
@@ -200,9 +204,13 @@ def test_setting_nothing_changes_nothing() -> None:
 def test_add_appends_rows() -> None:
     world = three()
     ids = world.add(
-        [(30, 0), (40, 0)], [(0, 1), (1, 0)], [1, 2], densities=2, restitutions=[0.5, 1],
+        [(30, 0), (40, 0)],
+        [(0, 1), (1, 0)],
+        [1, 2],
+        densities=2,
+        restitutions=[0.5, 1],
         movable=[True, False],
-    )  # fmt: skip
+    )
     assert ids.dtype == np.int64
     assert ids.tolist() == [3, 4]
     assert world.positions[ids].tolist() == [[30, 0], [40, 0]]

@@ -68,8 +68,11 @@ def test_signals() -> None:
     if last:
         world._core = Interrupted(core)
     calls: list[Callable[[], Any]] = [
-        world.state_hash, world.gather, lambda: world.kinetic_energy, lambda: world.momentum,
-    ]  # fmt: skip
+        world.state_hash,
+        world.gather,
+        lambda: world.kinetic_energy,
+        lambda: world.momentum,
+    ]
     for call in calls:
         try:
             call()

@@ -3,8 +3,6 @@
 The acceleration is distance × strength, independent of the mass, as in the article's program.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Commands on particles: make, copy, remove, stop, fix, scatter; the brush; and walls."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -39,7 +37,7 @@ class Commands:
     def __init__(self, engine: Engine, say: Callable[[str | None], None]) -> None:
         self._engine = engine
         self._say = say
-        self._rng = np.random.default_rng()
+        self.rng = np.random.default_rng()
         self.kind = 0  # the kind of new particles, where forces depend on it
         self.new_filter = {"categories": 1, "masks": EVERY_CATEGORY}  # of new particles
 
@@ -139,7 +137,7 @@ class Commands:
         """Move every movable particle to a random position."""
 
         def work(simulation: Simulation) -> None:
-            frame, view, rng = simulation.frame(), simulation.view, self._rng
+            frame, view, rng = simulation.frame(), simulation.view, self.rng
             radii = frame.radii[frame.movable]
             columns = {"positions": scatter(rng, frame.container, view, radii)}
             if all_columns:
@@ -259,7 +257,6 @@ class Brush:
 
     def __init__(self, engine: Engine, commands: Commands) -> None:
         self._engine, self._commands = engine, commands
-        self._rng = np.random.default_rng()
         self._at: Point = (0.0, 0.0)
         self._size = (-1, 0.0)  # number of particles, and the radius of a new one
 
@@ -286,7 +283,7 @@ class Brush:
 
     def _add(self, middles: NDArray[np.float64]) -> None:
         middles = np.repeat(middles, DROPS, axis=0)
-        offsets = self.radius * random_in_disc(self._rng, len(middles))
+        offsets = self.radius * random_in_disc(self._commands.rng, len(middles))
         self._commands.paint(middles + offsets)
 
     def _particle(self) -> float:

@@ -4,8 +4,6 @@ The leaves are those of a tree over the present positions, as it is drawn. A ste
 over swept bounds, so the pairs that it tested may differ.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot
 

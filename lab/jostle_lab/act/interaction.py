@@ -1,7 +1,5 @@
 """All mouse actions in the scene: tools of the left button, context menu; the shown message."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass

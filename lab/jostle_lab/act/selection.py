@@ -1,7 +1,5 @@
 """The particles under the cursor or in a box, and the selected ones, by their tags."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

@@ -1,7 +1,5 @@
 """What is drawn of the user's actions: selection, current drag, and explanation of a contact."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

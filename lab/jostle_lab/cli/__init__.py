@@ -5,8 +5,6 @@ runs      the ways to run a scene
 commands  the commands and their options
 """
 
-from __future__ import annotations
-
 import io
 import os
 import sys

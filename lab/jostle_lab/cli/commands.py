@@ -1,7 +1,5 @@
 """The commands, their options, and the rules of these."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,31 +10,26 @@ from rich.table import Table
 import jostle
 from jostle_lab import interrupt
 from jostle_lab.launcher import is_started_by_mpi
-from jostle_lab.simulate.settings import (
-    METHODS,
-    RENDERERS,
-    RULES,
-    STEPS,
-    Settings,
-)
+from jostle_lab.simulate.settings import METHODS, RENDERERS, RULES, STEPS, Settings
 from jostle_lab.simulate.validation import one_of, whole
 
-from .refusals import (
-    check_file,
-    check_folder,
-    check_option,
-    check_scene,
-    console,
-    refuse,
-)
+from .refusals import check_file, check_folder, check_option, check_scene, console, refuse
 from .runs import has_display, read_settings, record, show
 
 DEFAULT_SCENE = "mixed"
 TUNED = whole(1, 2_000_000)  # particles
+PICTURES = ".png", ".pdf", ".svg"
 SEEDS = whole(1, 1_000_000)
 SWEPT = whole(1, 1_000_000_000)
 WARM_UP = whole(0, 1_000_000_000)
 WORKERS = whole(1, 10_000)
+
+# Arguments of several commands.
+_SCENE = typer.Argument(help="A scene, as `jostle scenes` lists them.")
+Count = Annotated[
+    int | None,
+    typer.Option("-n", help="Number of particles; the default of the scene if not given."),
+]
 
 app = typer.Typer(
     help="A quadtree that finds every touching pair, and a particle simulator.",
@@ -80,10 +73,7 @@ def run(
         str | None,
         typer.Argument(help=f"A scene, as `jostle scenes` lists them. (default: {DEFAULT_SCENE})"),
     ] = None,
-    n: Annotated[
-        int | None,
-        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
-    ] = None,
+    n: Count = None,
     method: Annotated[
         str | None, typer.Option(help=f"One of {', '.join(METHODS)}. (default: {Settings.method})")
     ] = None,
@@ -145,19 +135,22 @@ def run(
 
 @app.command()
 def tune(
-    scene: Annotated[
-        str, typer.Argument(help="A scene, as `jostle scenes` lists them.")
-    ] = DEFAULT_SCENE,
+    scene: Annotated[str, _SCENE] = DEFAULT_SCENE,
     n: Annotated[int, typer.Option("-n", help="Number of particles.")] = 10_000,
     out: Annotated[
         Path | None,
-        typer.Option(help="The picture. (default: out/tune-SCENE.png)", show_default=False),
+        typer.Option(
+            help=f"The picture, {', '.join(PICTURES)}. (default: out/tune-SCENE.png)",
+            show_default=False,
+        ),
     ] = None,
 ) -> None:
     """Draw a map of the time to find all pairs, over the leaf capacity and depth of the tree."""
     check_scene(scene)
     check_option("n", n, TUNED)
     path = out or Path("out") / f"tune-{scene}.png"
+    if path.suffix.lower() not in PICTURES:
+        refuse(f"--out is {str(path)!r}; the picture's name must end with {' or '.join(PICTURES)}")
     check_folder(path.parent)
     check_file("--out", path)
     from jostle_lab.tune import command
@@ -174,14 +167,11 @@ def tune(
 
 @app.command()
 def sweep(
-    scene: Annotated[str, typer.Argument(help="A scene, as `jostle scenes` lists them.")],
+    scene: Annotated[str, _SCENE],
     out: Annotated[
         Path, typer.Option(help="CSV file with one row a run; an existing one is continued.")
     ],
-    n: Annotated[
-        int | None,
-        typer.Option("-n", help="Number of particles; the default of the scene if not given."),
-    ] = None,
+    n: Count = None,
     given: Annotated[
         list[str] | None,
         typer.Option("--set", help="NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE; repeatedly."),

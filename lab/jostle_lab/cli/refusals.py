@@ -1,7 +1,5 @@
 """Checks of arguments, each of which ends the command with one sentence."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile
@@ -28,12 +26,9 @@ def check_scene(scene: str) -> None:
 
 def check_option(name: str, value: object, rule: AnyRule) -> None:
     """Exit with a message if an option breaks its rule."""
-    if value is not None and (refusal := check(option_of(name), value, rule)):
+    option = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
+    if value is not None and (refusal := check(option, value, rule)):
         refuse(refusal)
-
-
-def option_of(name: str) -> str:
-    return f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
 
 
 def check_folder(out: Path) -> None:

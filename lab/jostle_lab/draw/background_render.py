@@ -4,8 +4,6 @@ Meanwhile the last finished frame is shown, moved and scaled to the present view
 very many particles reduce the rate of new frames, but the mouse and the panels stay responsive.
 """
 
-from __future__ import annotations
-
 import copy
 import time
 from collections.abc import Callable

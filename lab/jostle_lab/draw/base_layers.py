@@ -1,7 +1,5 @@
 """The background, the walls and the discs; and the boxes of the tree: outlined or filled."""
 
-from __future__ import annotations
-
 import numpy as np
 import pygame
 from numpy.typing import NDArray

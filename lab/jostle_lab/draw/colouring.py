@@ -4,8 +4,6 @@ The automatic choice is the kind if forces depend on it, else the density if it 
 article, else the radius if it varies, else the speed.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -53,7 +51,9 @@ class Colouring:
             shades = self._by_column(frame)
         elif shows in ("kind", "random"):
             self._columns = self.range = None
-            shades = _by_kind(frame) if shows == "kind" else _buckets(hashed(frame.tags))
+            kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
+            of_kinds = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
+            shades = of_kinds if shows == "kind" else _buckets(hashed(frame.tags))
         else:
             self._columns = None
             shades = self._by_motion(frame)
@@ -71,14 +71,6 @@ class Colouring:
                 chosen = name
         self._automatic = *_columns(frame), chosen
         return chosen
-
-    def extremes(self, values: Values) -> tuple[float, float] | None:
-        """Return the smallest and the largest value; None if there is none."""
-        return (float(values.min()), float(values.max())) if len(values) else None
-
-    def mean(self, values: Values) -> float:
-        """Return the mean; 0 if there is no value."""
-        return float(values.mean(dtype=np.float64)) if len(values) else 0.0
 
     @property
     def legend(self) -> Legend | None:
@@ -149,12 +141,6 @@ def _spread(extremes: tuple[float, float] | None) -> float:
 
 def _buckets(unit: Values) -> Shades:
     shades: Shades = np.clip(unit * SHADES, 0, SHADES - 1).astype(np.uint8)
-    return shades
-
-
-def _by_kind(frame: Frame) -> Shades:
-    kinds = np.zeros(len(frame), np.uint8) if frame.kinds is None else frame.kinds
-    shades: Shades = (FIRST_KIND + kinds % len(KINDS)).astype(np.uint8)
     return shades
 
 

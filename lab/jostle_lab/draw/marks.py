@@ -4,8 +4,6 @@ Trails are the positions of particles during the last second, stored in world co
 independent of the view, and by tag, independent of rows.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

@@ -3,8 +3,6 @@
 It draws into a texture, which can be read at any time; `show` copies it to the window.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import moderngl

@@ -3,8 +3,6 @@
 All coordinates are pixels of the canvas, x to the right and y down, as columns of numbers.
 """
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import numpy as np

@@ -5,8 +5,6 @@ lightness of the ramp for discs rises evenly, so that its order is also visible 
 colour-blind people.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

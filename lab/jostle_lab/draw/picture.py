@@ -1,7 +1,5 @@
 """All layers of a frame in their order, for the window and for videos."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """What single scenes show beside their particles: a curve, a path, a line of text."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

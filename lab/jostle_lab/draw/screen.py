@@ -3,8 +3,6 @@
 OpenGL in software is slower than the software painter, so it is used only on request.
 """
 
-from __future__ import annotations
-
 import os
 
 import moderngl

@@ -4,8 +4,6 @@ Each shape is one quad per instance, scaled in the vertex shader to the bounds o
 Coordinates are pixels of the canvas, y down.
 """
 
-from __future__ import annotations
-
 from jostle_lab.draw.palette import DISCS
 from jostle_lab.draw.software import POINT_RADIUS, RIM_FROM, RIM_SHADE, RIM_WIDTH
 

@@ -9,8 +9,6 @@ fraction of the time of drawing a circle, and slow discs move smoothly. Discs of
 are written into the pixels as arrays: their coverage is summed, and each pixel is blended once.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

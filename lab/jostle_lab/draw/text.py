@@ -1,7 +1,5 @@
 """Names and numbers as text; text as pictures: one font in three sizes, and a cache; cards."""
 
-from __future__ import annotations
-
 import importlib.util
 from collections.abc import Sequence
 from dataclasses import dataclass

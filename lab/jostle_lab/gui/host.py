@@ -1,7 +1,5 @@
 """The host of ImGui: one context, which receives events and draws panels."""
 
-from __future__ import annotations
-
 import string
 
 import pygame

@@ -1,7 +1,5 @@
 """Translation of mouse and key events into calls of a session."""
 
-from __future__ import annotations
-
 import math
 
 import pygame

@@ -1,7 +1,5 @@
 """The keymap: one table of keys and commands for the window, the help and the documents."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -7,8 +7,6 @@ unchanged one. SDL's software renderer rounds corners to whole pixels, so that g
 ImGui's triangles are merged into glyphs, boxes and polygons, which are antialiased here.
 """
 
-from __future__ import annotations
-
 import ctypes
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The style of the panels: widths, colours, spacing and font."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

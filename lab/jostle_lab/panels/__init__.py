@@ -16,8 +16,6 @@ menus                   the context menus and their items
 ======================= ========================================================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from imgui_bundle import imgui

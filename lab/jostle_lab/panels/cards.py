@@ -1,7 +1,5 @@
 """Cards over the scene: messages, a recording, an explanation, and the list of mouse and keys."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

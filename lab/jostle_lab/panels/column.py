@@ -1,7 +1,5 @@
 """The column at the left: the time, and sections, scrolled if they do not fit."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 
@@ -11,12 +9,7 @@ from jostle_lab.draw.palette import ACCENT, TEXT_SOFT
 from jostle_lab.gui.host import Gui
 from jostle_lab.gui.keymap import HANDLERS, key_of
 from jostle_lab.gui.style import layout, vec
-from jostle_lab.panels import (
-    files_panel,
-    life_panel,
-    settings_panel,
-    statistics_panel,
-)
+from jostle_lab.panels import files_panel, life_panel, settings_panel, statistics_panel
 from jostle_lab.panels import widgets as ui
 from jostle_lab.session import Session
 from jostle_lab.simulate.settings import METHODS

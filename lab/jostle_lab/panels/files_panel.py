@@ -1,7 +1,5 @@
 """The list of scenes; and files: save, load, record, export."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from imgui_bundle import imgui, imgui_ctx

@@ -1,7 +1,5 @@
 """Particle life: the matrix of the attractions between kinds; and the collision filter."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -4,8 +4,6 @@ Of a particle: commands on it, or on the selection that contains it. Of the back
 all particles.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

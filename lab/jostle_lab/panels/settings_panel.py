@@ -1,7 +1,5 @@
 """The settings: search for pairs, sliders of particles, tree, world and time, and the display."""
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The statistics panel: times of the stages, tested pairs, energy and momentum, with plots."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial

@@ -1,7 +1,5 @@
 """The widgets of all panels in one style: label, control, number; sliders."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager

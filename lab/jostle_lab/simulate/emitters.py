@@ -1,7 +1,5 @@
 """Emitters that add particles to a world, and a limit above which the oldest are removed."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -8,8 +8,6 @@ the present one is shown.
 An error of a step, such as a speed beyond the limits, is kept in `error`.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable
@@ -219,12 +217,7 @@ class Engine:
         return self._job is not None and not self._job.done()
 
     def edit(
-        self,
-        work: Edit,
-        *,
-        changes: bool = True,
-        then: Then | None = None,
-        key: str | None = None,
+        self, work: Edit, *, changes: bool = True, then: Then | None = None, key: str | None = None
     ) -> None:
         """Change the simulation after the current job; a later frame shows it.
 

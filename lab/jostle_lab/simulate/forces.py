@@ -4,8 +4,6 @@ Forces act between kinds of particles, on walls, and towards attractors of the u
 segments inside the container, which a scene, a file or a user adds.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace

@@ -4,8 +4,6 @@ A particle's tag is its id in the world. Rows change when particles are removed 
 not.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -87,12 +85,18 @@ class StepStats:
 
 
 @dataclass(frozen=True)
-class Frame:
-    """One state, as copies that cannot be changed: threads share them.
+class Attractor:
+    """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
 
-    A particle's *tag* is its number in the order of adding over the whole run. Rows change when
-    others are removed; tags do not.
-    """
+    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
+    point: Point | None = limited(or_none(VECTOR), None)
+    tag: int | None = limited(or_none(whole(0, 2**62)), None)
+    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One state, as copies that cannot be changed: threads share them."""
 
     positions: NDArray[np.float32]  # (n, 2), world units
     velocities: NDArray[np.float32]  # (n, 2), world units per second
@@ -136,16 +140,6 @@ class Frame:
     def rows(self, tags: ArrayLike) -> NDArray[np.intp]:
         """Return the rows of the tags that exist."""
         return find(self.tags, tags)[0]
-
-
-@dataclass(frozen=True)
-class Attractor:
-    """An attractor of the user, at a point or a particle: acceleration = strength × distance."""
-
-    strength: float = limited(real(-STRONGEST, STRONGEST))  # 1/s²
-    point: Point | None = limited(or_none(VECTOR), None)
-    tag: int | None = limited(or_none(whole(0, 2**62)), None)
-    passing: bool = limited(TRUTH, False)  # whether it ends when a key is released
 
 
 Forces = tuple[Any, ...]

@@ -5,8 +5,6 @@ from the snapshot before them, which gives the same bits. After an edit by the u
 possible, so these moments have a snapshot or are not stored.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from dataclasses import dataclass
 

@@ -4,16 +4,11 @@ The format is a first line with the kind, a JSON header with the values and the 
 parts, then the parts. A checksum finds damage, but not wrong values, so these are checked.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import zlib
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from jostle_lab.simulate.frame import Attractor
 from jostle_lab.simulate.validation import Many, fields_of, whole
@@ -71,9 +66,3 @@ def is_of(kind: str, data: bytes) -> bool:
 
 def _first_line(kind: str) -> bytes:
     return _FIRST + f"{kind} {_VERSION}\n".encode()
-
-
-def within(name: str, array: NDArray[Any], low: float, high: float) -> None:
-    """Raise a ValueError with the first number of a column that is outside the limits."""
-    for row in np.flatnonzero(~((array >= low) & (array <= high)))[:1]:
-        raise ValueError(f"{name}[{row}] is {array[row]}; it must be from {low:g} to {high:g}")

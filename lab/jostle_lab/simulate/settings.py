@@ -3,8 +3,6 @@
 The same declarations check the command line, TOML files, scene files and panels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args

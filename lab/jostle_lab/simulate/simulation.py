@@ -32,13 +32,7 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
-from jostle_lab.simulate.packing import (
-    ATTRACTORS,
-    COUNT,
-    pack,
-    unpack,
-    within,
-)
+from jostle_lab.simulate.packing import ATTRACTORS, COUNT, pack, unpack
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
 
@@ -316,17 +310,13 @@ class Simulation:
         if not len(rows) or not self._columns.movable[rows[0]]:
             return
         dt, disc = self.time_step, self.world.read(tag)
-        rate = DRAG_RATE * self._response(disc.masses)
+        share = self._columns.usual_mass(self.world) / disc.masses
+        rate = DRAG_RATE * min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
         offset = minimum_image(self.world.container, np.array(point) - disc.positions)
         dragged = disc.velocities + dt * rate * (rate * offset + 2 * np.array(velocity))
         dragged /= (1 + dt * rate) ** 2
         limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
         self.world.set(tag, velocities=dragged * min(1.0, limit / max(speed, limit)))
-
-    def _response(self, mass: float) -> float:
-        """Return the factor of the rate for a particle: 1, or less for a heavy one."""
-        share = self._columns.usual_mass(self.world) / mass
-        return min(max(math.sqrt(math.sqrt(share)), LEAST_RESPONSE), 1.0)
 
     def save(self) -> bytes:
         """Return the state; after `load` the simulation continues with the same bits."""
@@ -357,17 +347,15 @@ class Simulation:
         if len(times) != 8 * len(world):
             raise ValueError(f"born has {len(times)} bytes; it must have {8 * len(world)}")
         born = np.frombuffer(times, "<f8")
-        within("born", born, -FARTHEST, FARTHEST)
-        emitters = _emitters_of(facts["emitters"], initial.n, settings)
+        for row in np.flatnonzero(~(np.abs(born) <= FARTHEST))[:1]:
+            limits = f"from {-FARTHEST:g} to {FARTHEST:g}"
+            raise ValueError(f"born[{row}] is {born[row]}; it must be {limits}")
+        drops = facts["emitters"]
+        if (drops is None) != (settings.scene != "emitters"):
+            raise ValueError(f"emitters is {shown(drops)} in the scene {shown(settings.scene)}")
+        emitters = None if drops is None else Emitters(initial.n, settings.seed, drops)
         columns = ParticleTable(world, born)
         self._attractions = AttractorForces(world, columns, facts["own_forces"], facts["pulls"])
         self._segments = WallSegments(world, facts["own_walls"])
         self.settings, self.view, self._initial = settings, facts["view"], initial
         self.world, self._columns, self.emitters = world, columns, emitters
-
-
-def _emitters_of(state: Any, n: int | None, settings: Settings) -> Emitters | None:
-    """Return the emitters in a state, for the scene's initial number of particles."""
-    if (state is None) != (settings.scene != "emitters"):
-        raise ValueError(f"emitters is {shown(state)} in the scene {shown(settings.scene)}")
-    return None if state is None else Emitters(n, settings.seed, state)

@@ -1,7 +1,5 @@
 """Making a simulation from settings: the scene, and the walls and particles of a file."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -61,16 +61,12 @@ def limited(rule: AnyRule, default: Any = dataclasses.MISSING) -> Any:
     return dataclasses.field(default=default, metadata={"rule": rule})
 
 
-def rules_of(kind: Any) -> dict[str, AnyRule]:
-    return {field.name: field.metadata["rule"] for field in dataclasses.fields(kind)}
-
-
 def fields_of(kind: Any, what: str = "a field", words: str = "a table", **more: Any) -> Fields:
     """Return the table of the fields of a dataclass; it is read as an object of that class."""
-    required = [
-        field.name for field in dataclasses.fields(kind) if field.default is dataclasses.MISSING
-    ]
-    return Fields(rules_of(kind), what, words, required, kind, **more)
+    fields = dataclasses.fields(kind)
+    rules = {field.name: field.metadata["rule"] for field in fields}
+    required = [field.name for field in fields if field.default is dataclasses.MISSING]
+    return Fields(rules, what, words, required, kind, **more)
 
 
 def check(name: str, value: object, rule: AnyRule) -> str | None:

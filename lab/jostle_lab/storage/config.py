@@ -4,8 +4,6 @@ Entries that are unknown or wrong are refused with name and line. Reading a file
 proportional to its length, and finding a line that of reading it some ten times: it is a bisection.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from bisect import bisect_left
@@ -16,13 +14,7 @@ from typing import Any
 
 from jostle_lab.draw.camera import Size
 from jostle_lab.draw.view_options import OPTION_RULES
-from jostle_lab.simulate.settings import (
-    RENDERERS,
-    RULES,
-    SETTINGS,
-    Settings,
-    unknown_scene,
-)
+from jostle_lab.simulate.settings import RENDERERS, RULES, SETTINGS, Settings, unknown_scene
 from jostle_lab.simulate.validation import (
     Fields,
     Key,

@@ -1,7 +1,5 @@
 """Names of new files; states as tables (CSV) and trajectories (GSD), for other programs."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import time

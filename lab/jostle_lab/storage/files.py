@@ -4,8 +4,6 @@ New files are in one folder, each with a new name, which a message shows. An err
 message, too, and does not change the session.
 """
 
-from __future__ import annotations
-
 import contextlib
 import copy
 from collections.abc import Callable

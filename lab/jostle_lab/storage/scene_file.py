@@ -1,7 +1,5 @@
 """A scene in a file, `.jostle`: state, settings, camera and view options."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum

@@ -1,7 +1,5 @@
 """The command `jostle sweep`: a progress bar, and a file of results."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from rich.console import Console

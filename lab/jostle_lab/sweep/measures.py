@@ -1,7 +1,5 @@
 """What is measured in a run: a measure reads the world after each step and returns a number."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import Protocol

@@ -1,12 +1,12 @@
 """The plan of a sweep: its runs, from settings with their values."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import jostle
+from jostle_lab.simulate.settings import RULES
+from jostle_lab.simulate.validation import check
 
 #: What a setting changes in the world of a scene.
 SETTINGS = {
@@ -71,10 +71,34 @@ def parse(text: str) -> tuple[str, list[float]]:
         rule = "the values are FIRST:LAST:COUNT, or numbers with commas between them"
         raise PlanError(f"--set is {text!r}; {rule}") from None
     if name in _WHOLE:
-        if any(value != int(value) or value < 1 for value in values):
+        if not all(value.is_integer() and value >= 1 for value in values):
             raise PlanError(f"--set is {text!r}; {name} must be whole numbers above 0")
-        return name, [int(value) for value in values]
+        values = [int(value) for value in values]
+    for value in values:
+        if refusal := _refusal(name, value):
+            raise PlanError(f"--set is {text!r}; {refusal}")
     return name, values
+
+
+def _refusal(name: str, value: float) -> str | None:
+    """Return why no world can have a value, or None."""
+    if name == "n":
+        return check("n", value, RULES["n"])
+    try:
+        apply(jostle.World([(0, 0)], [(1, 1)], 1), name, value)
+    except (ValueError, OverflowError) as error:
+        return str(error)
+    return None
+
+
+def apply(world: jostle.World, name: str, value: float) -> None:
+    """Change a setting of a world."""
+    if name == "gravity":
+        world.gravity = (0.0, value)
+    elif name == "speed":
+        world.velocities = world.velocities * value
+    elif name != "n":
+        setattr(world, name, value)
 
 
 def _between(first: float, last: float, count: int) -> list[float]:

@@ -1,13 +1,11 @@
 """One run of a sweep."""
 
-from __future__ import annotations
-
 import time
 
 import jostle
 
 from .measures import MEASURES
-from .plan import Run
+from .plan import Run, apply
 
 #: Duration of a step, as of all scenes.
 _DT = 1 / 60
@@ -20,7 +18,7 @@ def do(run: Run) -> dict[str, str]:
     # Each process has one thread, because there is a process for each core.
     world.threads = 1
     for name, value in run.settings:
-        _set(world, name, value)
+        apply(world, name, value)
     world.step(_DT, run.warm_up)
     measures = {name: MEASURES[name][0]() for name in run.measures}
     for step in range(run.steps):
@@ -30,14 +28,3 @@ def do(run: Run) -> dict[str, str]:
     found = {name: repr(float(measure.value())) for name, measure in measures.items()}
     seconds = f"{time.perf_counter() - start:.3f}"
     return {**run.key, **found, "hash": f"{world.state_hash():016x}", "seconds": seconds}
-
-
-def _set(world: jostle.World, name: str, value: float) -> None:
-    if name == "gravity":
-        world.gravity = (0.0, value)
-    elif name == "speed":
-        world.velocities = world.velocities * value
-    elif name == "friction":
-        world.friction = value
-    elif name != "n":
-        setattr(world, name, value)

@@ -1,7 +1,5 @@
 """The table of results: a CSV file with one row for each run, which a later sweep continues."""
 
-from __future__ import annotations
-
 import csv
 import io
 import os

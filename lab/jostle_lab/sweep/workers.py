@@ -1,7 +1,5 @@
 """The processes of a sweep: those of this machine, or the ranks that mpirun has started."""
 
-from __future__ import annotations
-
 import gc
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """The command `jostle tune`: a progress bar, a small table, and the picture."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from rich import box

@@ -1,7 +1,5 @@
 """The picture of maps: milliseconds over leaf capacity and maximum depth."""
 
-from __future__ import annotations
-
 import io
 import math
 from collections.abc import Sequence
@@ -59,7 +57,7 @@ def draw(maps: Sequence[Map], path: Path) -> None:
     bar.outline.set_visible(False)  # type: ignore[operator]
     _texts(figure, maps)
     data = io.BytesIO()
-    figure.savefig(data, format="png")
+    figure.savefig(data, format=path.suffix[1:].lower())
     write(path, data.getvalue())
 
 

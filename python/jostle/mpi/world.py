@@ -18,15 +18,7 @@ import jostle
 from . import edits, state
 from .attributes import Column, Setting
 from .events import events_of, new_ids
-from .exchange import (
-    duplicate_of,
-    first_id,
-    from_all,
-    joined,
-    passed_on,
-    together,
-    totals,
-)
+from .exchange import duplicate_of, first_id, from_all, joined, passed_on, together, totals
 from .interrupts import collective, held
 from .messages import Messages
 from .storage import read, write

