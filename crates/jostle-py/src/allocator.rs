@@ -1,7 +1,7 @@
 //! The allocator of the extension module.
 //!
 //! A failed small allocation aborts the process. Near the limit of memory it may fail only because
-//! another thread briefly has a large allocation that it will free (see `jostle::memory`). So small
+//! another thread briefly has a large allocation that it will free (see `jostle_base::memory`). So small
 //! allocations are retried.
 //!
 //! Large allocations request huge pages, as NumPy does for its arrays. A search among millions of

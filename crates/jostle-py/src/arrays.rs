@@ -9,8 +9,8 @@ mod results;
 mod scalars;
 mod shapes;
 
-use jostle::Scalar;
-use jostle::shapes::MAX_ROWS;
+use jostle_index::Scalar;
+use jostle_index::shapes::MAX_ROWS;
 use numpy::{
     Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
     PyUntypedArrayMethods, dtype,

@@ -1,6 +1,7 @@
 //! Messages between ranks, by an object of `jostle.mpi`.
 
-use jostle::{Communicator, Error, Result};
+use jostle_base::{Error, Result};
+use jostle_world::Communicator;
 use pyo3::create_exception;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::intern;

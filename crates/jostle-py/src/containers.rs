@@ -1,6 +1,6 @@
 //! `jostle.Box`, `jostle.Circle` and `jostle.Torus`: the containers of a world.
 
-use jostle::Container;
+use jostle_world::Container;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 

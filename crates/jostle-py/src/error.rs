@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use jostle::Error;
+use jostle_base::Error;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;

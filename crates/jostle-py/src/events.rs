@@ -1,6 +1,6 @@
 //! `jostle.Events`.
 
-use jostle::space::{Events, Id};
+use jostle_space::{Events, Id};
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -2,8 +2,9 @@
 
 use std::sync::{Mutex, TryLockError};
 
-use jostle::pairs::FindScratch;
-use jostle::{Method, Period, Scalar, pairs};
+use jostle_index::pairs::FindScratch;
+use jostle_base::Method;
+use jostle_index::{Period, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;
 
@@ -159,7 +160,7 @@ struct Search {
 }
 
 impl Search {
-    fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle::Result<Vec<[i64; 2]>> {
+    fn run<T: Kept + Element>(&self, rows: Rows<T>) -> jostle_base::Result<Vec<[i64; 2]>> {
         let shapes = rows.checked()?.grown(T::from_f64(self.distance))?;
         let shapes = shapes.in_period(settings::period_in(self.period)?);
         with_kept(|scratch| {

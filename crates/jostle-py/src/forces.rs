@@ -10,7 +10,7 @@ mod springs;
 mod thermal_walls;
 mod thermostat;
 
-use jostle::Force;
+use jostle_world::Force;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 

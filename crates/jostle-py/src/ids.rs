@@ -1,6 +1,7 @@
 //! Ids as arguments: one or many, of shapes or of particles.
 
-use jostle::{Each, Id};
+use jostle_base::Id;
+use jostle_index::Each;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
 
@@ -32,7 +33,7 @@ impl Ids {
     }
 
     /// As [`result_of`](crate::queries::result_of).
-    pub fn result_of<V>(&self, result: jostle::Result<V>) -> PyResult<V> {
+    pub fn result_of<V>(&self, result: jostle_base::Result<V>) -> PyResult<V> {
         result_of(result, self.single)
     }
 }

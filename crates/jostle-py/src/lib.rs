@@ -66,24 +66,24 @@ mod _core {
     /// Lets small calls wake other threads. For tests.
     #[pyfunction]
     fn wake_threads_always(always: bool) {
-        jostle::parallel::wake_always(always);
+        jostle_base::parallel::wake_always(always);
     }
 
     /// The vector instructions that searches and steps use on this processor: "AVX-512", "AVX2" or
     /// "baseline", those of every processor of the architecture. Results do not depend on them.
     #[pyfunction]
     fn instructions() -> &'static str {
-        match jostle::simd::widest() {
-            jostle::simd::Instructions::Avx512 => "AVX-512",
-            jostle::simd::Instructions::Avx2 => "AVX2",
-            jostle::simd::Instructions::Portable => "baseline",
+        match jostle_simd::widest() {
+            jostle_simd::Instructions::Avx512 => "AVX-512",
+            jostle_simd::Instructions::Avx2 => "AVX2",
+            jostle_simd::Instructions::Portable => "baseline",
         }
     }
 
     /// Abandons the threads of the parent process, which do not exist in a forked process.
     #[pyfunction]
     fn abandon_threads() {
-        jostle::parallel::abandon_threads();
+        jostle_base::parallel::abandon_threads();
     }
 
     /// Adds the version, and the functions of `jostle.scenes`, which renames them.

@@ -1,7 +1,9 @@
 //! Columns of particles as arguments of a world.
 
-use jostle::particles::MASS_RANGE;
-use jostle::{Changes, Defaults, Each, Error, Filter, Particles};
+use jostle_world::particles::MASS_RANGE;
+use jostle_base::Error;
+use jostle_index::{Each, Filter};
+use jostle_world::{Changes, Defaults, Particles};
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Maybe, reals};
@@ -133,7 +135,7 @@ impl Draft {
     }
 
     /// New particles with these columns; omitted ones get their defaults. Without the GIL.
-    pub fn particles(self, len: usize, defaults: &Defaults) -> jostle::Result<Particles> {
+    pub fn particles(self, len: usize, defaults: &Defaults) -> jostle_base::Result<Particles> {
         let Self { mut columns, densities } = self;
         // Checked before the masses that follow from them.
         columns.validate(len)?;
@@ -180,13 +182,13 @@ pub fn only_vector(
 
 fn check_column(
     column: Option<&Each<f32>>,
-    check: impl Fn(&[f32]) -> jostle::Result<()>,
-) -> jostle::Result<()> {
+    check: impl Fn(&[f32]) -> jostle_base::Result<()>,
+) -> jostle_base::Result<()> {
     column.map_or(Ok(()), |column| column.check(check))
 }
 
 /// As [`check_masses`], for masses that follow from densities and radii.
-fn check_own_masses(particles: &Particles) -> jostle::Result<()> {
+fn check_own_masses(particles: &Particles) -> jostle_base::Result<()> {
     let Particles { masses, radii, .. } = particles;
     let [min, max] = MASS_RANGE;
     match masses.iter().position(|mass| !(min..=max).contains(mass)) {
@@ -203,7 +205,7 @@ fn check_own_masses(particles: &Particles) -> jostle::Result<()> {
 }
 
 /// Refuses invalid densities. The core has masses only.
-fn check_densities(densities: &[f32]) -> jostle::Result<()> {
+fn check_densities(densities: &[f32]) -> jostle_base::Result<()> {
     match densities.iter().position(|d| !(*d > 0.0 && d.is_finite())) {
         Some(index) => {
             let rule = "a density must be finite and above 0";

@@ -15,7 +15,9 @@ mod pairs;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use jostle::{Period, Scalar, Settings, Stats};
+use jostle_base::Settings;
+use jostle_index::{Period, Scalar};
+use jostle_world::Stats;
 use numpy::Element;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -120,8 +122,8 @@ pub struct PyQuadtree {
 
 /// The core's tree, in the precision of its shapes.
 enum Tree {
-    Single(jostle::Quadtree<f32>),
-    Double(jostle::Quadtree<f64>),
+    Single(jostle_index::Quadtree<f32>),
+    Double(jostle_index::Quadtree<f64>),
 }
 
 /// [`with_tree!`] with the tree as the [`Index`] of queries.
@@ -145,13 +147,13 @@ query_methods!(
 
 impl PyQuadtree {
     /// A tree of the core.
-    pub fn of(tree: jostle::Quadtree<f32>) -> Self {
+    pub fn of(tree: jostle_index::Quadtree<f32>) -> Self {
         Self { tree: Tree::Single(tree), tests: AtomicU64::new(0) }
     }
 }
 
 impl Tree {
-    fn build(shapes: Shapes, settings: Settings, period: Period<f64>) -> jostle::Result<Self> {
+    fn build(shapes: Shapes, settings: Settings, period: Period<f64>) -> jostle_base::Result<Self> {
         Ok(match shapes {
             Shapes::Single(rows) => Self::Single(build(rows, settings, period)?),
             Shapes::Double(rows) => Self::Double(build(rows, settings, period)?),
@@ -170,8 +172,8 @@ fn build<T: Scalar + Element>(
     rows: Rows<T>,
     settings: Settings,
     period: Period<f64>,
-) -> jostle::Result<jostle::Quadtree<T>> {
-    jostle::Quadtree::new(&rows.checked()?.in_period(settings::period_in(period)?), settings)
+) -> jostle_base::Result<jostle_index::Quadtree<T>> {
+    jostle_index::Quadtree::new(&rows.checked()?.in_period(settings::period_in(period)?), settings)
 }
 
 #[pymethods]

@@ -1,7 +1,8 @@
 //! Conversion of the arguments of queries, each one query or many, and of their results.
 
-use jostle::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
-use jostle::{Each, Error, Scalar};
+use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
+use jostle_base::Error;
+use jostle_index::{Each, Scalar};
 use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
@@ -17,7 +18,7 @@ pub type Asked<'a, 'py> = &'a Bound<'py, PyAny>;
 pub use crate::arrays::Maybe;
 
 /// The result of a search; a Python error if it could not start.
-pub type Answer<R> = PyResult<jostle::Result<R>>;
+pub type Answer<R> = PyResult<jostle_base::Result<R>>;
 
 /// The categories of a query; None for all shapes, also those without categories.
 pub fn mask(value: Maybe<'_, '_>) -> PyResult<Option<u32>> {
@@ -45,7 +46,7 @@ fn max_distances<T: Scalar + Element>(
 
 /// The result of a call as a Python result. If the argument was a single id or query, an error
 /// names no row.
-pub fn result_of<V>(result: jostle::Result<V>, single: bool) -> PyResult<V> {
+pub fn result_of<V>(result: jostle_base::Result<V>, single: bool) -> PyResult<V> {
     result.map_err(|error| if single { error.without_row() } else { error }).map_err(refused)
 }
 
@@ -53,7 +54,7 @@ pub fn result_of<V>(result: jostle::Result<V>, single: bool) -> PyResult<V> {
 fn region<'py, R: Send, I: Send + Into<i64>>(
     py: Python<'py>,
     many: bool,
-    regions: impl FnOnce() -> jostle::Result<Vec<R>> + Send,
+    regions: impl FnOnce() -> jostle_base::Result<Vec<R>> + Send,
     search: impl FnOnce(&[R]) -> Answer<Hits<I>> + Send,
 ) -> PyResult<Bound<'py, PyAny>> {
     let answer = || -> Answer<Hits<i64>> {

@@ -1,12 +1,13 @@
 //! Results of several arrays, as named tuples of `jostle.results`.
 
-use jostle::interrupt::Pulse;
-use jostle::pairs::Overlaps;
-use jostle::query::{Hits, Neighbors, RayHits};
-use jostle::scenes::{Emitter, GaltonBoard};
-use jostle::{
-    Collisions, Filter, Id, Particles, Scalar, Slides, Spin, Touch, TouchEvents, WallTouch, memory,
-};
+use jostle_base::interrupt::Pulse;
+use jostle_index::pairs::Overlaps;
+use jostle_index::query::{Hits, Neighbors, RayHits};
+use jostle_scenes::{Emitter, GaltonBoard};
+use jostle_base::{Id, memory};
+use jostle_index::{Filter, Scalar};
+use jostle_space::Slides;
+use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -148,10 +149,10 @@ pub fn world_collisions(py: Python<'_>, all: Collisions) -> PyResult<Bound<'_, P
 /// `jostle.Nodes`.
 pub fn nodes<'py, T: Scalar>(
     py: Python<'py>,
-    tree: &jostle::Quadtree<T>,
+    tree: &jostle_index::Quadtree<T>,
 ) -> PyResult<Bound<'py, PyAny>> {
     static NODES: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let columns = detached(py, || -> jostle::Result<_> {
+    let columns = detached(py, || -> jostle_base::Result<_> {
         let all = tree.boxes()?;
         let depths = memory::collect(all.iter().map(|one| one.depth as i64))?;
         let counts = memory::collect(all.iter().map(|one| one.count as i64))?;
@@ -164,22 +165,22 @@ pub fn nodes<'py, T: Scalar>(
 }
 
 /// `jostle.Stats`.
-pub fn stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
+pub fn stats(py: Python<'_>, all: jostle_world::Stats) -> PyResult<Bound<'_, PyAny>> {
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (all.nodes, all.leaves, all.depth, all.tests);
     STATS.import(py, "jostle.results", "Stats")?.call1(fields)
 }
 
 /// `jostle.WorldStats`.
-pub fn world_stats(py: Python<'_>, all: jostle::Stats) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_stats(py: Python<'_>, all: jostle_world::Stats) -> PyResult<Bound<'_, PyAny>> {
     static STATS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
-    let jostle::Stats { nodes, leaves, depth, tests, unresolved, substeps, collapsed } = all;
+    let jostle_world::Stats { nodes, leaves, depth, tests, unresolved, substeps, collapsed } = all;
     let fields = (nodes, leaves, depth, tests, unresolved, substeps, collapsed);
     STATS.import(py, "jostle.results", "WorldStats")?.call1(fields)
 }
 
 /// The same with 64-bit ids; without the GIL.
-pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle::Result<Hits<i64>> {
+pub fn with_long_ids<I: Into<i64>>(all: Hits<I>) -> jostle_base::Result<Hits<i64>> {
     let Hits { offsets, ids, tests } = all;
     if size_of::<I>() == size_of::<i64>() {
         // Converted in place.
@@ -244,7 +245,7 @@ pub fn ray_hit_lists<T: Element>(py: Python<'_>, all: RayHits<T>) -> PyResult<Bo
 /// `jostle.Separated`.
 pub fn separated<T: Element>(
     py: Python<'_>,
-    all: jostle::Separated<T>,
+    all: jostle_separate::Separated<T>,
 ) -> PyResult<Bound<'_, PyAny>> {
     static SEPARATED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let fields = (table(py, all.centers)?, all.rounds, all.overlaps);

@@ -1,6 +1,6 @@
 //! `jostle.scenes`.
 
-use jostle::scenes::{self, SCENES, find};
+use jostle_scenes::{self, SCENES, find};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -324,7 +324,7 @@ pub fn wall<'py>(
     table(py, centers.map_err(refused)?)
 }
 
-fn scene(name: &Bound<'_, PyAny>) -> PyResult<&'static jostle::scenes::Scene> {
+fn scene(name: &Bound<'_, PyAny>) -> PyResult<&'static jostle_scenes::Scene> {
     let Ok(found) = name.extract::<String>() else {
         return Err(type_error("name", "the name of a scene", name));
     };

@@ -1,7 +1,8 @@
 //! `jostle.separate`.
 
-use jostle::separate::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE};
-use jostle::{Each, Scalar, Separation};
+use jostle_separate::separate::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE};
+use jostle_index::{Each, Scalar};
+use jostle_separate::Separation;
 use numpy::Element;
 use pyo3::prelude::*;
 
@@ -191,7 +192,7 @@ impl Rules<'_> {
             tolerance: T::from_f64(self.tolerance),
             threads: self.threads,
         };
-        let apart = detached(py, || jostle::separate(&rows.checked()?, &rules))?;
+        let apart = detached(py, || jostle_separate::separate(&rows.checked()?, &rules))?;
         results::separated(py, apart.map_err(refused)?)
     }
 }

@@ -1,7 +1,9 @@
 //! Arguments that several calls have, and their defaults.
 
-use jostle::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
-use jostle::{Each, Method, OnTouch, Period, Scalar, Settings};
+use jostle_base::settings::{DEFAULT_LEAF_CAPACITY, DEFAULT_MAX_DEPTH, DEFAULT_MAX_PAIRS};
+use jostle_base::{Method, Settings};
+use jostle_index::{Each, Period, Scalar};
+use jostle_world::OnTouch;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
@@ -38,7 +40,7 @@ pub fn period(value: Maybe<'_, '_>) -> PyResult<Period<f64>> {
 }
 
 /// The same period in another precision.
-pub fn period_in<T: Scalar>(period: Period<f64>) -> jostle::Result<Period<T>> {
+pub fn period_in<T: Scalar>(period: Period<f64>) -> jostle_base::Result<Period<T>> {
     Period::new(period.sides().map(T::from_f64))
 }
 

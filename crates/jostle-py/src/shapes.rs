@@ -1,7 +1,7 @@
 //! Shapes as arguments: centres or boxes, radii, half sizes and filters, copied in one precision.
 
-use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
-use jostle::{Each, Scalar};
+use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use jostle_index::{Each, Scalar};
 use numpy::Element;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -138,10 +138,10 @@ impl<T: Scalar> Positions<T> {
         radii: Each<T>,
         half_sizes: Option<Each<[T; 2]>>,
         filters: Option<[Each<u32>; 2]>,
-    ) -> jostle::Result<jostle::Shapes<T>> {
+    ) -> jostle_base::Result<jostle_index::Shapes<T>> {
         match self {
-            Self::Centers(centers) => jostle::Shapes::new(centers, radii, half_sizes, filters),
-            Self::Boxes(boxes) => jostle::Shapes::from_boxes(boxes, radii, filters),
+            Self::Centers(centers) => jostle_index::Shapes::new(centers, radii, half_sizes, filters),
+            Self::Boxes(boxes) => jostle_index::Shapes::from_boxes(boxes, radii, filters),
         }
     }
 }
@@ -215,7 +215,7 @@ impl<T: Scalar + Element> Rows<T> {
     }
 
     /// The shapes of the core, with checked values; without the GIL.
-    pub fn checked(self) -> jostle::Result<jostle::Shapes<T>> {
+    pub fn checked(self) -> jostle_base::Result<jostle_index::Shapes<T>> {
         self.positions.shapes(self.radii, self.half_sizes, self.filters)
     }
 }

@@ -16,7 +16,8 @@ mod saved;
 mod searching;
 mod walking;
 
-use jostle::{Period, Scalar, Space};
+use jostle_index::{Period, Scalar};
+use jostle_space::Space;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
@@ -171,9 +172,9 @@ fn shared<T>(space: Space<T>) -> Shared<Space<T>> {
 }
 
 fn empty<T: Scalar>(
-    settings: jostle::Settings,
+    settings: jostle_base::Settings,
     period: Period<f64>,
-) -> jostle::Result<Shared<Space<T>>> {
+) -> jostle_base::Result<Shared<Space<T>>> {
     Ok(shared(Space::with_period(settings, settings::period_in(period)?)?))
 }
 

@@ -1,6 +1,8 @@
 //! The walls of a world as arrays.
 
-use jostle::{Each, Error, Wall};
+use jostle_base::Error;
+use jostle_index::Each;
+use jostle_world::Wall;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 

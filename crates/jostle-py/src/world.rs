@@ -14,7 +14,8 @@ mod touches;
 
 use std::time::Duration;
 
-use jostle::{Defaults, Each, Stage, World, WorldSettings};
+use jostle_index::Each;
+use jostle_world::{Defaults, Stage, World, WorldSettings};
 use pyo3::prelude::*;
 
 use crate::arrays::{Given, number, point, reals};

@@ -8,8 +8,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use jostle::scenes::random::Random;
-use jostle::{Each, Separated, Separation, Shapes, separate};
+use jostle_scenes::random::Random;
+use jostle_index::{Each, Shapes};
+use jostle_separate::{Separated, Separation, separate};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -3,8 +3,9 @@
 
 use std::time::Instant;
 
-use jostle::scenes::{STEP, find};
-use jostle::{Settings, World, WorldSettings};
+use jostle_scenes::{STEP, find};
+use jostle_base::Settings;
+use jostle_world::{World, WorldSettings};
 
 fn main() {
     let numbers: Vec<usize> =

@@ -5,10 +5,10 @@
 
 use std::time::Instant;
 
-use jostle::forces::Gravitation;
-use jostle::scenes::random::Random;
-use jostle::world::DEFAULT_SUBSTEPS;
-use jostle::{Force, Particles, World, WorldSettings};
+use jostle_world::forces::Gravitation;
+use jostle_scenes::random::Random;
+use jostle_world::world::DEFAULT_SUBSTEPS;
+use jostle_world::{Force, Particles, World, WorldSettings};
 
 const COUNTS: [usize; 6] = [256, 512, 1024, 2048, 10_000, 100_000];
 

@@ -7,8 +7,8 @@
 
 use std::time::Instant;
 
-use jostle::scenes::{self, STEP};
-use jostle::{Stage, World};
+use jostle_scenes::{self, STEP};
+use jostle_world::{Stage, World};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

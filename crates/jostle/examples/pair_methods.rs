@@ -7,10 +7,11 @@
 
 use std::time::Instant;
 
-use jostle::pairs::{self, FindScratch};
-use jostle::scenes::random::Random;
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{Each, Method, Scalar, Shapes};
+use jostle_index::pairs::{self, FindScratch};
+use jostle_scenes::random::Random;
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::Method;
+use jostle_index::{Each, Scalar, Shapes};
 
 /// Share of the area that the shapes cover, if nothing else is said.
 const COVERED: f64 = 0.4;

@@ -6,9 +6,10 @@
 
 use std::time::Instant;
 
-use jostle::pairs::{self, LEAF_CAPACITY};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{Each, Quadtree, Settings, Shapes};
+use jostle_index::pairs::{self, LEAF_CAPACITY};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::Settings;
+use jostle_index::{Each, Quadtree, Shapes};
 
 /// Numbers of an array that is copied: 512 MiB, more than a cache.
 const COPIED: usize = 1 << 26;

@@ -6,8 +6,9 @@
 
 use std::time::Instant;
 
-use jostle::scenes::STEP;
-use jostle::{Container, Particles, Settings, World, WorldSettings};
+use jostle_scenes::STEP;
+use jostle_base::Settings;
+use jostle_world::{Container, Particles, World, WorldSettings};
 
 /// Rows of discs that lie on each other.
 const ROWS: usize = 20;

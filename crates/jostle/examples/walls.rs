@@ -9,8 +9,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Particles, Stage, Wall, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_world::{Container, Particles, Stage, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 

@@ -4,11 +4,11 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use jostle::scenes::{self, STEP};
-use jostle::{
-    Changes, Container, Each, Particles, Separation, Settings, Shapes, World, WorldSettings,
-    separate,
-};
+use jostle_scenes::{self, STEP};
+use jostle_base::Settings;
+use jostle_index::{Each, Shapes};
+use jostle_separate::{Separation, separate};
+use jostle_world::{Changes, Container, Particles, World, WorldSettings};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };

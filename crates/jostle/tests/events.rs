@@ -2,11 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use jostle::scenes::random::Random;
-use jostle::{
-    Collisions, Container, Id, Method, OnTouch, Particles, Settings, TouchEvents, World,
-    WorldSettings,
-};
+use jostle_scenes::random::Random;
+use jostle_base::{Id, Method, Settings};
+use jostle_world::{Collisions, Container, OnTouch, Particles, TouchEvents, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 

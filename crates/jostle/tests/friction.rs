@@ -1,7 +1,7 @@
 //! Friction and spin, against analysis and conservation laws.
 
-use jostle::scenes::{STEP, random::Random};
-use jostle::{Container, Particles, Spin, World, WorldSettings};
+use jostle_scenes::{STEP, random::Random};
+use jostle_world::{Container, Particles, Spin, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")
@@ -279,7 +279,7 @@ fn merged_discs_keep_angular_momentum() {
         1.0,
     );
     all.spins = vec![spin(0.2, 1.0), spin(0.6, 2.0), Spin::default(), Spin::default()];
-    let settings = WorldSettings { on_touch: jostle::OnTouch::Merge, ..WorldSettings::default() };
+    let settings = WorldSettings { on_touch: jostle_world::OnTouch::Merge, ..WorldSettings::default() };
     let mut world = world(all.clone(), settings);
     run(&mut world, 0.1, 20);
     let merged = world.particles();
@@ -407,7 +407,7 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
 /// The forces of contacts and walls on each disc in a step.
 fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
     let mut forces = vec![[0.0; 2]; world.len()];
-    let mut add = |id: jostle::Id, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
+    let mut add = |id: jostle_base::Id, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
         let [x, y] = [x, y].map(f64::from);
         let [normal, friction] = [normal, friction].map(f64::from);
         let force = &mut forces[id as usize];
@@ -453,7 +453,7 @@ fn contacts_carry_the_weight_of_discs_at_rest() {
 #[test]
 fn the_walls_carry_the_weight_of_a_pile() {
     for friction in [0.0, 0.5] {
-        let mut world = jostle::scenes::find("pile").unwrap().create(Some(500), 0).unwrap();
+        let mut world = jostle_scenes::find("pile").unwrap().create(Some(500), 0).unwrap();
         // Asleep it has the impulses of the step in which it fell asleep.
         world.configure(WorldSettings { sleeping: false, ..*world.settings() }).unwrap();
         let roughen = |all: &mut Particles| {
@@ -465,7 +465,7 @@ fn the_walls_carry_the_weight_of_a_pile() {
         let masses: f64 = world.masses().iter().map(|&mass| f64::from(mass)).sum();
         let weight = masses * f64::from(world.settings().gravity[1]);
         // With friction the side walls carry a part (H. A. Janssen, 1895).
-        let upwards = |touch: &jostle::WallTouch| {
+        let upwards = |touch: &jostle_world::WallTouch| {
             let [x, y] = touch.normal.map(f64::from);
             let [normal, friction] = [touch.normal_impulse, touch.friction_impulse].map(f64::from);
             -(normal * y + friction * x)

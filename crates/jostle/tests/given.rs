@@ -1,7 +1,8 @@
 //! Accelerations and forces of the caller.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, OnTouch, Particles, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 

@@ -2,15 +2,15 @@
 
 use std::cell::Cell;
 
-use jostle::forces::{Flocking, Force, Gravitation};
-use jostle::interrupt::watch;
-use jostle::pairs::FindScratch;
-use jostle::query::{Circle, Ray};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{
-    Each, Error, Method, OnTouch, Particles, Quadtree, Result, Settings, Shapes, Space, World,
-    WorldSettings, pairs, query,
-};
+use jostle_world::forces::{Flocking, Force, Gravitation};
+use jostle_base::interrupt::watch;
+use jostle_index::pairs::FindScratch;
+use jostle_index::query::{Circle, Ray};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::{Error, Method, Result, Settings};
+use jostle_index::{Each, Quadtree, Shapes, pairs, query};
+use jostle_space::Space;
+use jostle_world::{OnTouch, Particles, World, WorldSettings};
 
 thread_local! {
     /// Polls that do not stop.

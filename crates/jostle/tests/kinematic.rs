@@ -1,7 +1,8 @@
 //! Kinematic discs: immovable ones with a velocity, which push and are not pushed.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Spin, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;

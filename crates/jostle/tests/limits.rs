@@ -4,11 +4,10 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use jostle::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
-use jostle::interrupt::watch;
-use jostle::{
-    Container, Error, Id, Method, OnTouch, Particles, Settings, Stage, Wall, World, WorldSettings,
-};
+use jostle_world::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
+use jostle_base::interrupt::watch;
+use jostle_base::{Error, Id, Method, Settings};
+use jostle_world::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
@@ -162,7 +161,7 @@ fn an_interrupted_step_is_undone_wherever_it_stops() {
             LEFT.set(checks);
             let stepped = watch(poll, || world.step(1.0 / 60.0, 1));
             let Err(error) = stepped else { break };
-            assert_eq!(error, jostle::Error::Interrupted);
+            assert_eq!(error, jostle_base::Error::Interrupted);
             assert_eq!(state(&world), before, "{name} stopped at check {checks}");
             assert!(checks < 10_000);
         }

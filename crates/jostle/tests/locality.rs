@@ -1,7 +1,8 @@
 //! Nothing that never touches a particle changes a bit of it.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Filter, Particles, Wall, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_index::Filter;
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 /// What the particles of a scene touch, and what none of them touches.
 const OWN: Filter = Filter { category: 1, mask: 1 };

@@ -1,8 +1,9 @@
 //! What becomes of particles that touch: they merge, or nothing happens.
 
-use jostle::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
-use jostle::scenes::random::Random;
-use jostle::{Container, Force, Id, Method, OnTouch, Particles, World, WorldSettings};
+use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
+use jostle_scenes::random::Random;
+use jostle_base::{Id, Method};
+use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")

@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use jostle::forces::{Force, Motor};
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
+use jostle_world::forces::{Force, Motor};
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 

@@ -2,9 +2,10 @@
 
 use std::cell::Cell;
 
-use jostle::interrupt::watch;
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Spin, Wall, World, WorldSettings};
+use jostle_base::interrupt::watch;
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, Particles, Spin, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;

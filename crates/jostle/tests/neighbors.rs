@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use jostle::forces::{self, Bodies, Flocking, PairForce, PairTable};
-use jostle::scenes::random::Random;
-use jostle::simd::{self, Instructions};
-use jostle::{Container, Force, Method, OnTouch, Particles, World, WorldSettings};
+use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
+use jostle_scenes::random::Random;
+use jostle_simd::{self, Instructions};
+use jostle_base::Method;
+use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 
 const TORUS: Container = Container::Torus { size: [100.0, 80.0] };
@@ -380,7 +381,7 @@ fn a_merged_particle_has_the_kind_of_the_heaviest() {
 #[test]
 fn a_snapshot_continues_with_the_same_bits() {
     for name in ["life", "flock", "fluid"] {
-        let scene = jostle::scenes::find(name).unwrap();
+        let scene = jostle_scenes::find(name).unwrap();
         let mut world = scene.create(Some(300), 3).unwrap();
         world.step(1.0 / 60.0, 20).unwrap();
         let mut again = World::restore(&world.snapshot()).unwrap();
@@ -414,7 +415,7 @@ fn coincident_particles_that_differ_in_kind_have_one_order() {
 
 #[test]
 fn a_flock_keeps_its_limits_of_speed() {
-    let scene = jostle::scenes::find("flock").unwrap();
+    let scene = jostle_scenes::find("flock").unwrap();
     let mut world = scene.create(Some(500), 0).unwrap();
     for _ in 0..60 {
         world.step(1.0 / 60.0, 1).unwrap();
@@ -443,7 +444,7 @@ fn forces_that_do_not_fit_are_refused() {
         "forces[0] is a force with the cutoff 4; on Torus(100, 7) a cutoff is at most 3.5"
     );
     assert_eq!(world.settings().container, Container::None);
-    let wrong = |found: jostle::Result<PairTable>| found.unwrap_err().to_string();
+    let wrong = |found: jostle_base::Result<PairTable>| found.unwrap_err().to_string();
     assert!(wrong(PairTable::new(0, vec![], 1.0, 0.0)).contains("1 to 64 kinds"));
     assert!(wrong(PairTable::new(1, vec![0.0], 1.0, 0.0)).contains("(K, K, m)"));
     assert!(

@@ -1,10 +1,12 @@
 //! Periodic planes and searches within a distance, against brute force over all images.
 
-use jostle::pairs::{self, Filters, JoinScratch};
-use jostle::query::{self, Circle, Point, Polygon, Ray, Rect, Region};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::space::Wanted;
-use jostle::{Each, Method, Period, Quadtree, Scalar, Settings, Shapes, Space};
+use jostle_index::pairs::{self, Filters, JoinScratch};
+use jostle_index::query::{self, Circle, Point, Polygon, Ray, Rect, Region};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_space::Wanted;
+use jostle_base::{Method, Settings};
+use jostle_index::{Each, Period, Quadtree, Scalar, Shapes};
+use jostle_space::Space;
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, coordinate, settings, shapes, size};
@@ -31,7 +33,7 @@ fn gap<T: Scalar>(shapes: &Shapes<T>, [i, j]: [usize; 2], axis: usize, side: T) 
     let (a, b) = (shapes.shape(i), shapes.shape(j));
     let half_sum = a.half_size[axis] + b.half_size[axis];
     let of = |a: [T; 2], b: [T; 2]| (b[0] - a[1]).max(a[0] - b[1]) - half_sum;
-    let ends = |shape: &jostle::Shape<T>| [shape.min[axis], shape.max[axis]];
+    let ends = |shape: &jostle_index::Shape<T>| [shape.min[axis], shape.max[axis]];
     let direct = of(ends(&a), ends(&b));
     if side == T::ZERO {
         return direct;

@@ -1,11 +1,11 @@
 //! The gates of the world's physics, each against an answer that does not come
 //! from the world: analysis, conservation laws, geometry.
 
-use jostle::scenes::{STEP, random::Random};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::{
-    Columns, Container, Each, Particles, Settings, Shapes, World, WorldSettings, geometry, pairs,
-};
+use jostle_scenes::{STEP, random::Random};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::Settings;
+use jostle_index::{Columns, Each, Shapes, geometry, pairs};
+use jostle_world::{Container, Particles, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {
     World::new(particles, settings).expect("the test's particles are valid")
@@ -187,7 +187,7 @@ fn momentum_of_a_closed_system_stays() {
 
 #[test]
 fn an_elastic_gas_keeps_its_energy() {
-    let mut world = jostle::scenes::find("gas").unwrap().create(Some(4000), 3).unwrap();
+    let mut world = jostle_scenes::find("gas").unwrap().create(Some(4000), 3).unwrap();
     let start = world.kinetic_energy();
     for _ in 0..10 {
         run(&mut world, STEP, 100);
@@ -231,7 +231,7 @@ fn deepest_overlap(particles: &Particles) -> f32 {
 #[test]
 fn a_pile_comes_to_rest_and_stays() {
     for (seed, times) in [(0, [20, 25, 30]), (1, [5, 10, 15])] {
-        let mut world = jostle::scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
+        let mut world = jostle_scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
         for seconds in times {
             let missing = f64::from(seconds) - world.time();
             run(&mut world, STEP, (missing * 60.0).round() as usize);
@@ -428,7 +428,7 @@ fn pairs_across_the_seams_of_a_torus_collide() {
 
 #[test]
 fn a_swirl_in_a_round_container_keeps_its_spin() {
-    let mut world = jostle::scenes::find("orbit").unwrap().create(Some(500), 7).unwrap();
+    let mut world = jostle_scenes::find("orbit").unwrap().create(Some(500), 7).unwrap();
     let spin = |world: &World| -> f64 {
         let all = world.particles();
         let each = all.positions.iter().zip(&all.velocities).zip(&all.masses);
@@ -559,7 +559,7 @@ fn removing_particles_keeps_the_contacts_of_the_others() {
 
 #[test]
 fn a_pile_rests_on_while_its_top_is_taken_away() {
-    let mut world = jostle::scenes::find("pile").unwrap().create(Some(300), 0).unwrap();
+    let mut world = jostle_scenes::find("pile").unwrap().create(Some(300), 0).unwrap();
     run(&mut world, STEP, 900);
     for _ in 0..50 {
         let all = world.positions();

@@ -1,8 +1,9 @@
 //! Crowds of discs that walls and kinematic discs push: no disc ends on the other side.
 
-use jostle::forces::{Force, Motor};
-use jostle::scenes::random::Random;
-use jostle::{Container, Error, Method, Particles, Wall, World, WorldSettings};
+use jostle_world::forces::{Force, Motor};
+use jostle_scenes::random::Random;
+use jostle_base::{Error, Method};
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];

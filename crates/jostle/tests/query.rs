@@ -1,10 +1,11 @@
 //! Every query of a tree against brute force, on hard cases.
 
-use jostle::query::{
+use jostle_index::query::{
     self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, Rect, Region,
 };
-use jostle::simd::{self, Instructions};
-use jostle::{Each, Quadtree, Scalar, Settings, Shapes};
+use jostle_simd::{self, Instructions};
+use jostle_base::Settings;
+use jostle_index::{Each, Quadtree, Scalar, Shapes};
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, coordinate, settings, shapes, size};
@@ -200,7 +201,7 @@ fn a_small_window_looks_at_few_shapes() {
 
 #[test]
 fn refusals_name_argument_index_and_value() {
-    let said = |error: jostle::Error| error.to_string();
+    let said = |error: jostle_base::Error| error.to_string();
     let upside_down = [[0.0, 0.0, 1.0, 1.0], [3.0, 0.0, 2.0, 1.0]];
     assert!(said(Rect::all(&upside_down).unwrap_err()).starts_with("rect[1] is (3, 0, 2, 1); "));
     let nowhere = [[0.0, f64::NAN]];

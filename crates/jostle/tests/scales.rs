@@ -1,7 +1,7 @@
 //! Contacts at all scales: small discs and large ones, long walls, slow and fast, near the origin and
 //! far from it. The answers are analytic.
 
-use jostle::{Container, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 /// What the small disc, of radius 1, meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -392,7 +392,7 @@ fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 
 /// Pieces of 0.25 radii, 190 joints.
 #[test]
 fn a_disc_rolls_over_pieces_that_miss_each_other() {
-    let mut random = jostle::scenes::random::Random::new(3);
+    let mut random = jostle_scenes::random::Random::new(3);
     for exponent in 0..=5 {
         let size = 1e-3 * 10f64.powi(-exponent);
         for (kind, is_random) in [(0, false), (1, false), (2, false), (3, true), (4, true)] {
@@ -427,7 +427,7 @@ fn a_disc_rolls_over_pieces_that_miss_each_other() {
 #[ignore = "it takes a minute"]
 fn many_scales() {
     let others: Vec<Other> = others().collect();
-    let mut random = jostle::scenes::random::Random::new(7);
+    let mut random = jostle_scenes::random::Random::new(7);
     for _ in 0..100 {
         let other = others[random.whole(0, others.len() as u32 - 1) as usize];
         let substeps = [1, 2, 4, 8][random.whole(0, 3) as usize];

@@ -1,7 +1,8 @@
 //! `separate` against brute force and its promises, for shapes made to break it.
 
-use jostle::geometry::{Shape, overlap};
-use jostle::{Each, Scalar, Separated, Separation, Shapes, separate};
+use jostle_index::geometry::{Shape, overlap};
+use jostle_index::{Each, Scalar, Shapes};
+use jostle_separate::{Separated, Separation, separate};
 use proptest::prelude::*;
 
 /// x, y, radius, half width, half height, weight, whether it is fixed.

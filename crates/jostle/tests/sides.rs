@@ -1,7 +1,7 @@
 //! Coefficients of restitution of the sides of the container.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, OnTouch, Particles, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 const BOX: Container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
@@ -109,7 +109,7 @@ fn they_outlast_new_walls_and_snapshots() {
     let mut expected = rain(settings);
     let mut world = rain(WorldSettings { container_restitution: [1.0; 4], ..settings });
     world.configure(*expected.settings()).unwrap();
-    world.set_walls(vec![jostle::Wall::new([[0.0, 0.0], [1.0, 0.0]])]).unwrap();
+    world.set_walls(vec![jostle_world::Wall::new([[0.0, 0.0], [1.0, 0.0]])]).unwrap();
     world.set_walls(Vec::new()).unwrap();
     let mut again = World::restore(&expected.snapshot()).unwrap();
     assert_eq!(again.settings(), expected.settings());

@@ -2,12 +2,11 @@
 
 use std::sync::atomic::{AtomicI32, Ordering};
 
-use jostle::bytes::{HEAD, checksum};
-use jostle::forces::Thermostat;
-use jostle::scenes::random::Random;
-use jostle::{
-    Container, Force, Method, OnTouch, Particles, Settings, Stage, Stats, World, WorldSettings,
-};
+use jostle_base::bytes::{HEAD, checksum};
+use jostle_world::forces::Thermostat;
+use jostle_scenes::random::Random;
+use jostle_base::{Method, Settings};
+use jostle_world::{Container, Force, OnTouch, Particles, Stage, Stats, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 
@@ -152,10 +151,10 @@ fn nothing_sleeps_where_nothing_rests() {
     run(&mut mixed, 120);
     assert_eq!(mixed.asleep(), [false, true]);
     let thermostat = Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
-    let attractor = jostle::forces::Attractor {
-        pole: jostle::forces::Pole::Point([0.0, 9.0]),
+    let attractor = jostle_world::forces::Attractor {
+        pole: jostle_world::forces::Pole::Point([0.0, 9.0]),
         strength: 1e-9,
-        law: jostle::forces::Law::Harmonic,
+        law: jostle_world::forces::Law::Harmonic,
     };
     for (force, expected) in [(thermostat, 2), (Force::Attractor(attractor), 0)] {
         let mut world = world(lone());
@@ -226,7 +225,7 @@ fn a_disc_that_falls_slowly_in_a_viscous_medium_does_not_sleep() {
 
 #[test]
 fn a_pile_without_friction_falls_asleep_in_spite_of_its_vibrations() {
-    let mut world = jostle::scenes::find("pile").unwrap().create(Some(200), 1).unwrap();
+    let mut world = jostle_scenes::find("pile").unwrap().create(Some(200), 1).unwrap();
     run(&mut world, 600);
     assert_eq!(count(&world), 200);
 }
@@ -467,7 +466,7 @@ fn ids_stay_when_particles_are_removed() {
     assert_eq!(world.asleep(), [false, false, true, true, true, true, true, true, false]);
     let rows = [1, 2, 3, 4, 5, 6, 7, 8, 10];
     let row_of = |world: &World, id| world.rows_of(&[id]).unwrap()[0] as usize;
-    assert_eq!(world.ids(), rows.map(|row| row as jostle::Id));
+    assert_eq!(world.ids(), rows.map(|row| row as jostle_base::Id));
     assert_eq!(world.positions(), rows.map(|row| before.positions[row]));
     for touch in world.contacts().unwrap() {
         let [a, b] = touch.pair.map(|id| world.positions()[row_of(&world, id)]);
@@ -500,7 +499,7 @@ fn a_failed_step_leaves_all_asleep() {
         LEFT.store(interrupted, Ordering::Relaxed);
         let poll = || LEFT.fetch_sub(1, Ordering::Relaxed) <= 0;
         let step = || world.step(STEP, 1);
-        if jostle::interrupt::watch(poll, step).is_ok() {
+        if jostle_base::interrupt::watch(poll, step).is_ok() {
             break;
         }
         assert_eq!((world.snapshot(), world.asleep()), before);

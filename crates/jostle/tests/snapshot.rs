@@ -2,10 +2,11 @@
 
 use std::sync::LazyLock;
 
-use jostle::bytes::{HEAD, checksum};
-use jostle::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use jostle::scenes::{SCENES, STEP, random::Random};
-use jostle::{Container, Force, Method, OnTouch, Particles, Settings, Wall, World, WorldSettings};
+use jostle_base::bytes::{HEAD, checksum};
+use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
+use jostle_scenes::{SCENES, STEP, random::Random};
+use jostle_base::{Method, Settings};
+use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 fn run(world: &mut World, steps: usize) {
@@ -32,7 +33,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
 /// Every kind of force; the first spring breaks soon.
 fn forces(count: u32) -> Vec<Force> {
     let tie = |i: u32| Spring {
-        pair: [i, (i * 7 + 1) % count].map(jostle::Id::from),
+        pair: [i, (i * 7 + 1) % count].map(jostle_base::Id::from),
         length: 3.0,
         stiffness: 20.0,
         damping: 0.1,

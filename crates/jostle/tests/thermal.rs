@@ -1,11 +1,10 @@
 //! Walls and a bath at a temperature.
 
-use jostle::forces::chance::Chance;
-use jostle::forces::{Andersen, ThermalWalls};
-use jostle::scenes::random::Random;
-use jostle::{
-    Container, Force, Method, OnTouch, Particles, Settings, Wall, World, WorldSettings, forces,
-};
+use jostle_world::forces::chance::Chance;
+use jostle_world::forces::{Andersen, ThermalWalls};
+use jostle_scenes::random::Random;
+use jostle_base::{Method, Settings};
+use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings, forces};
 
 const STEP: f64 = 1.0 / 60.0;
 const KT: f32 = 4.0;

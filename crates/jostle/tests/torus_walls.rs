@@ -1,7 +1,8 @@
 //! Walls on a torus: they act as copies of them that fill the plane.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;
 

@@ -1,9 +1,10 @@
 //! The tree against brute force, on shapes made to break it.
 
-use jostle::pairs::{Filters, JoinScratch};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::simd::{self, Instructions};
-use jostle::{Columns, Each, Error, Method, Quadtree, Scalar, Settings, Shapes, pairs};
+use jostle_index::pairs::{Filters, JoinScratch};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_simd::{self, Instructions};
+use jostle_base::{Error, Method, Settings};
+use jostle_index::{Columns, Each, Quadtree, Scalar, Shapes, pairs};
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, settings, shapes};

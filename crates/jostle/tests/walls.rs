@@ -1,7 +1,8 @@
 //! Walls: line segments that nothing crosses, from both sides, with ends.
 
-use jostle::scenes::random::Random;
-use jostle::{Container, Method, Particles, Wall, World, WorldSettings};
+use jostle_scenes::random::Random;
+use jostle_base::Method;
+use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 const STEP: f64 = 1.0 / 60.0;

@@ -1,7 +1,7 @@
 //! Results as arrays; vectors become arrays without a copy.
 
-use jostle::interrupt::Pulse;
-use jostle::memory;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
 use numpy::ndarray::{Array2, Dimension};
 use numpy::{Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -41,7 +41,7 @@ pub fn matrix<V: Element>(
 
 /// Ids or pairs of ids as signed 64-bit integers, so that differences do not overflow; without the
 /// GIL.
-pub fn long<I: Widen>(ids: &[I]) -> jostle::Result<Vec<I::Long>> {
+pub fn long<I: Widen>(ids: &[I]) -> jostle_base::Result<Vec<I::Long>> {
     let mut long = memory::with_capacity(ids.len())?;
     let mut pulse = Pulse::current();
     for some in ids.chunks(AT_A_TIME) {

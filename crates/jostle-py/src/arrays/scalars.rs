@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use jostle::Each;
+use jostle_index::Each;
 use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

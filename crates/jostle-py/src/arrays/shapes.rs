@@ -1,6 +1,7 @@
 //! Array arguments by their shape: one row or many, pairs, boxes, segments, matrices.
 
-use jostle::{Each, Id, Scalar};
+use jostle_base::Id;
+use jostle_index::{Each, Scalar};
 use numpy::{Element, PyArrayDescrMethods, PyUntypedArrayMethods, dtype};
 use pyo3::prelude::*;
 

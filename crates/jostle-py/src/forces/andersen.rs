@@ -1,6 +1,6 @@
 //! `jostle.AndersenThermostat`.
 
-use jostle::forces;
+use jostle_world::forces;
 use pyo3::prelude::*;
 
 use super::read_seed;

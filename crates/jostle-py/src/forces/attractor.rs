@@ -1,7 +1,7 @@
 //! `jostle.Attractor`.
 
-use jostle::Id;
-use jostle::forces::{self, Law, Pole};
+use jostle_base::Id;
+use jostle_world::forces::{self, Law, Pole};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};

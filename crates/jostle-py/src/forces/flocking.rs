@@ -1,6 +1,6 @@
 //! `jostle.Flocking`.
 
-use jostle::forces::Flocking;
+use jostle_world::forces::Flocking;
 use pyo3::prelude::*;
 
 use super::real_or;

@@ -1,6 +1,6 @@
 //! `jostle.Gravitation`.
 
-use jostle::forces;
+use jostle_world::forces;
 use pyo3::prelude::*;
 
 use super::real_or;

@@ -1,7 +1,7 @@
 //! `jostle.Motor`.
 
-use jostle::Id;
-use jostle::forces::Motor;
+use jostle_base::Id;
+use jostle_world::forces::Motor;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
@@ -173,7 +173,7 @@ impl PyMotor {
 /// The indices of walls as u32.
 pub fn wall_numbers(all: &[i64]) -> PyResult<Vec<u32>> {
     let number = |(index, &wall): (usize, &i64)| {
-        let refusal = || jostle::Error::at("walls", index, wall, "no wall has this index");
+        let refusal = || jostle_base::Error::at("walls", index, wall, "no wall has this index");
         u32::try_from(wall).map_err(|_| refused(refusal()))
     };
     all.iter().enumerate().map(number).collect()

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use jostle::Error;
-use jostle::error::counted;
-use jostle::forces::pair::{MAX_KINDS, check_kinds};
-use jostle::forces::{PairForce, PairTable};
+use jostle_base::Error;
+use jostle_base::error::counted;
+use jostle_world::forces::pair::{MAX_KINDS, check_kinds};
+use jostle_world::forces::{PairForce, PairTable};
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::prelude::*;
@@ -327,7 +327,7 @@ impl PyPairForce {
 }
 
 impl PyPairForce {
-    fn of(kinds: Vec<u8>, table: jostle::Result<PairTable>) -> PyResult<Self> {
+    fn of(kinds: Vec<u8>, table: jostle_base::Result<PairTable>) -> PyResult<Self> {
         let table = table.map_err(refused)?;
         check_kinds(&kinds, table.kinds()).map_err(refused)?;
         Ok(Self(PairForce { kinds, table: Arc::new(table) }))

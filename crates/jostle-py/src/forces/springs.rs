@@ -1,7 +1,7 @@
 //! `jostle.Springs`.
 
-use jostle::Each;
-use jostle::forces::{self, Spring};
+use jostle_index::Each;
+use jostle_world::forces::{self, Spring};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;

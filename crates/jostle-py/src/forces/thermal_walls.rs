@@ -1,6 +1,7 @@
 //! `jostle.ThermalWalls`.
 
-use jostle::{Error, forces};
+use jostle_base::Error;
+use jostle_world::forces;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 

@@ -1,6 +1,6 @@
 //! `jostle.Thermostat`.
 
-use jostle::forces;
+use jostle_world::forces;
 use pyo3::prelude::*;
 
 use crate::arrays::{decimal, number};

@@ -1,6 +1,7 @@
 //! The columns of a tree as arrays.
 
-use jostle::{Scalar, Shape, memory};
+use jostle_base::memory;
+use jostle_index::{Scalar, Shape};
 use numpy::Element;
 use pyo3::prelude::*;
 
@@ -61,7 +62,7 @@ impl PyQuadtree {
 /// A value of each shape, in the order of the rows.
 fn read<T: Scalar, V: Clone + Default + Send>(
     py: Python<'_>,
-    tree: &jostle::Quadtree<T>,
+    tree: &jostle_index::Quadtree<T>,
     of: impl Fn(Shape<T>) -> V + Send,
 ) -> PyResult<Vec<V>> {
     detached(py, move || {
@@ -76,7 +77,7 @@ fn read<T: Scalar, V: Clone + Default + Send>(
 
 fn table_of<'py, T: Scalar + Element, const W: usize>(
     py: Python<'py>,
-    tree: &jostle::Quadtree<T>,
+    tree: &jostle_index::Quadtree<T>,
     of: impl Fn(Shape<T>) -> [T; W] + Send,
 ) -> PyResult<Bound<'py, PyAny>>
 where

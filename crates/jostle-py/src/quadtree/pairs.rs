@@ -2,8 +2,8 @@
 
 use std::sync::atomic::Ordering;
 
-use jostle::Scalar;
-use jostle::pairs::{self, Overlaps};
+use jostle_index::Scalar;
+use jostle_index::pairs::{self, Overlaps};
 use numpy::{Element, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -191,7 +191,7 @@ impl PyQuadtree {
     fn overlaps<'py, T: Scalar + Element>(
         &self,
         py: Python<'py>,
-        search: impl FnOnce() -> jostle::Result<Overlaps<T, u32>> + Send,
+        search: impl FnOnce() -> jostle_base::Result<Overlaps<T, u32>> + Send,
     ) -> PyResult<Bound<'py, PyAny>> {
         let found = detached(py, search)?.map_err(refused)?;
         self.tests.store(found.tests, Ordering::Relaxed);
@@ -222,11 +222,11 @@ impl PyQuadtree {
 }
 
 impl Tree {
-    fn single(&self) -> Option<&jostle::Quadtree<f32>> {
+    fn single(&self) -> Option<&jostle_index::Quadtree<f32>> {
         if let Self::Single(tree) = self { Some(tree) } else { None }
     }
 
-    fn double(&self) -> Option<&jostle::Quadtree<f64>> {
+    fn double(&self) -> Option<&jostle_index::Quadtree<f64>> {
         if let Self::Double(tree) = self { Some(tree) } else { None }
     }
 }

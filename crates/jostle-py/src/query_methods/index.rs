@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use jostle::query::{self, Hits, Neighbors, Ray, RayHits, Region};
-use jostle::{Each, Quadtree, Scalar, Space};
+use jostle_index::query::{self, Hits, Neighbors, Ray, RayHits, Region};
+use jostle_index::{Each, Quadtree, Scalar};
+use jostle_space::Space;
 
 use crate::lock::Shared;
 use crate::queries::Answer;
@@ -38,7 +39,7 @@ pub struct CountedTree<'a, T> {
 }
 
 impl<T> CountedTree<'_, T> {
-    fn count<R>(&self, found: jostle::Result<R>, tests: impl Fn(&R) -> u64) -> Answer<R> {
+    fn count<R>(&self, found: jostle_base::Result<R>, tests: impl Fn(&R) -> u64) -> Answer<R> {
         self.tests.store(found.as_ref().map_or(0, tests), Ordering::Relaxed);
         Ok(found)
     }
@@ -74,7 +75,7 @@ impl<T: Scalar> Index<T> for CountedTree<'_, T> {
 }
 
 impl<T: Scalar> Index<T> for Shared<Space<T>> {
-    type Id = jostle::Id;
+    type Id = jostle_base::Id;
 
     fn search<R: Region<T>>(&self, regions: &[R], mask: Option<u32>) -> Answer<Hits<Self::Id>> {
         Ok(self.lock()?.search(regions, mask))

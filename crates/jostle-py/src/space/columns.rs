@@ -1,8 +1,8 @@
 //! Reading the shapes of a space.
 
-use jostle::Scalar;
-use jostle::geometry::Shape;
-use jostle::space::{Id, Space};
+use jostle_index::Scalar;
+use jostle_index::geometry::Shape;
+use jostle_space::{Id, Space};
 use numpy::{Element, PyArray1};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

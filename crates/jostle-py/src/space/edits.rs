@@ -1,7 +1,7 @@
 //! Adding, changing and removing the shapes of a space.
 
-use jostle::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
-use jostle::{Each, Scalar, Shapes};
+use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
+use jostle_index::{Each, Scalar, Shapes};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -308,7 +308,7 @@ struct Draft<T> {
 
 impl<T: Scalar> Draft<T> {
     /// The shapes of the core, with checked values; without the GIL.
-    fn shapes(self, positions: Positions<T>) -> jostle::Result<Shapes<T>> {
+    fn shapes(self, positions: Positions<T>) -> jostle_base::Result<Shapes<T>> {
         let radii = self.radii.unwrap_or(Each::One(T::ZERO));
         let filters = match self.filters {
             [None, None] => None,

@@ -1,7 +1,7 @@
 //! Copies of a space, and its contents for pickle.
 
-use jostle::space::{Saved, Space};
-use jostle::{Period, Scalar};
+use jostle_space::{Saved, Space};
+use jostle_index::{Period, Scalar};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -103,7 +103,7 @@ pub fn restore_space<'py>(
 
 fn restored<T: Scalar + Element>(
     py: Python<'_>,
-    settings: jostle::Settings,
+    settings: jostle_base::Settings,
     period: Period<f64>,
     state: &Bound<'_, PyTuple>,
 ) -> PyResult<Shared<Space<T>>> {

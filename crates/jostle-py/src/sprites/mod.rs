@@ -87,7 +87,7 @@ pub fn sprite_pairs<'py>(
     };
     match found {
         // pygame decides about sizes and positions out of the range of the core.
-        Ok(None) | Err(jostle::Error::Value { .. }) => Ok(None),
+        Ok(None) | Err(jostle_base::Error::Value { .. }) => Ok(None),
         Ok(Some(Found { pairs, sure })) => {
             Ok(Some((table(py, pairs)?, sure.map(|sure| column(py, sure)))))
         }

@@ -1,10 +1,11 @@
 //! Search of colliding pairs. The core finds candidate pairs of slightly enlarged shapes; pygame's
 //! comparison, repeated here on exact numbers, decides.
 
-use jostle::interrupt::{self, Pulse};
-use jostle::settings::DEFAULT_MAX_PAIRS;
-use jostle::sorting;
-use jostle::{Each, Result, Scalar, Shapes, pairs};
+use jostle_base::interrupt::{self, Pulse};
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::sorting;
+use jostle_base::Result;
+use jostle_index::{Each, Scalar, Shapes, pairs};
 
 use super::rules::{Circle, Edges, Kind, Rect, circles_collide};
 

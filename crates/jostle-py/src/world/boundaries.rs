@@ -1,6 +1,6 @@
 //! The container and the walls as properties.
 
-use jostle::Wall;
+use jostle_world::Wall;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 

@@ -1,6 +1,7 @@
 //! The columns of the particles as properties.
 
-use jostle::{Changes, Error, World};
+use jostle_base::Error;
+use jostle_world::{Changes, World};
 use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -326,7 +327,7 @@ impl PyWorld {
 }
 
 impl State {
-    fn write_all(&mut self, changes: Changes, found: usize) -> jostle::Result<()> {
+    fn write_all(&mut self, changes: Changes, found: usize) -> jostle_base::Result<()> {
         let expected = self.world.len();
         if found != expected {
             // Another thread has added or removed particles in the meantime.

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use jostle::{Changes, Each, Id};
+use jostle_base::Id;
+use jostle_index::Each;
+use jostle_world::Changes;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -313,7 +315,7 @@ impl State {
         draft: Draft,
         len: usize,
         kinds: Option<Vec<u8>>,
-    ) -> jostle::Result<Range<Id>> {
+    ) -> jostle_base::Result<Range<Id>> {
         let particles = draft.particles(len, &self.world.defaults())?;
         if let Some(kinds) = &kinds {
             self.world.check_kinds(kinds)?;
@@ -325,7 +327,7 @@ impl State {
         Ok(ids)
     }
 
-    fn set(&mut self, ids: &[Id], changes: &Changes, kinds: Option<&[u8]>) -> jostle::Result<()> {
+    fn set(&mut self, ids: &[Id], changes: &Changes, kinds: Option<&[u8]>) -> jostle_base::Result<()> {
         if let Some(kinds) = kinds {
             self.world.check_kinds(kinds)?;
         }

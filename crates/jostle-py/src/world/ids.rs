@@ -1,6 +1,6 @@
 //! Ids of particles, and the rows of these.
 
-use jostle::Id;
+use jostle_base::Id;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

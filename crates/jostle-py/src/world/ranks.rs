@@ -1,7 +1,7 @@
 //! The part of a distributed world that one rank has, for `jostle.mpi`.
 
-use jostle::StateHash;
-use jostle::ranks::{Traffic, read_records};
+use jostle_world::StateHash;
+use jostle_world::ranks::{Traffic, read_records};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -202,7 +202,7 @@ impl PyWorld {
 /// The checksum of bytes in files. For `jostle.mpi`.
 #[pyfunction]
 pub fn checksum(bytes: &[u8]) -> u64 {
-    jostle::bytes::checksum(bytes)
+    jostle_base::bytes::checksum(bytes)
 }
 
 /// Begin the hash of the state of `total` particles. For `jostle.mpi`.
@@ -235,5 +235,5 @@ pub fn record_fields() -> Vec<(&'static str, String)> {
         };
         (name, if count == 1 { number.to_string() } else { format!("({count},){number}") })
     };
-    jostle::ranks::record_fields().into_iter().map(format).collect()
+    jostle_world::ranks::record_fields().into_iter().map(format).collect()
 }

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use jostle::{Error, World};
+use jostle_base::Error;
+use jostle_world::World;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyType};

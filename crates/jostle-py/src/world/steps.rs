@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use jostle::Stage;
+use jostle_world::Stage;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -120,7 +120,7 @@ impl PyWorld {
 
 impl State {
     /// Begins a call of `step`.
-    pub(super) fn begin(&mut self, dt: f64) -> jostle::Result<()> {
+    pub(super) fn begin(&mut self, dt: f64) -> jostle_base::Result<()> {
         self.world.step(dt, 0)?;
         self.world.begin_record();
         Ok(())
@@ -128,7 +128,7 @@ impl State {
 
     /// Does some of the steps, and returns how many are left. If one is refused, those before are
     /// done.
-    pub(super) fn step(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+    pub(super) fn step(&mut self, dt: f64, left: usize) -> jostle_base::Result<usize> {
         let left = self.step_within_call(dt, left);
         if matches!(left, Ok(0)) {
             self.world.clear_accelerations();
@@ -137,13 +137,13 @@ impl State {
     }
 
     /// As [`State::step`], but given accelerations act on in the next steps.
-    pub(super) fn step_within_call(&mut self, dt: f64, left: usize) -> jostle::Result<usize> {
+    pub(super) fn step_within_call(&mut self, dt: f64, left: usize) -> jostle_base::Result<usize> {
         let left = self.step_for_a_while(dt, left);
         self.world.end_record()?;
         left
     }
 
-    fn step_for_a_while(&mut self, dt: f64, mut left: usize) -> jostle::Result<usize> {
+    fn step_for_a_while(&mut self, dt: f64, mut left: usize) -> jostle_base::Result<usize> {
         let start = Instant::now();
         while left > 0 {
             let mut profile = <[Duration; Stage::ALL.len()]>::default();

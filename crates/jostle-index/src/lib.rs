@@ -1,0 +1,21 @@
+//! A quadtree over discs, boxes and rounded boxes: exact pairs, contacts and queries.
+
+#![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
+
+#[allow(unused_imports)]
+use jostle_base::{bytes, cache, disjoint_sets, error, interrupt, memory, morton, parallel, settings, sorting, table, ids};
+use jostle_simd as simd;
+
+pub mod geometry;
+pub mod period;
+pub mod shapes;
+pub mod columns;
+pub mod quadtree;
+pub mod pairs;
+pub mod query;
+
+pub use columns::Columns;
+pub use geometry::{Bounds, Scalar, Shape};
+pub use period::Period;
+pub use quadtree::{Node, Quadtree};
+pub use shapes::{Each, Filter, Shapes};

@@ -1,0 +1,209 @@
+//! Changes of the pairs since the last update.
+//!
+//! Only pairs with a shape that changed can have entered or left. The current ones come from a join
+//! of the layer of these shapes with all, and are compared with those of the last update.
+
+use super::Space;
+use super::keys::{Key, slots_of};
+use super::layers::Layers;
+use crate::ids::Id;
+use super::touching::MAX_PAIRS;
+use crate::error::{Error, Result};
+use crate::geometry::Scalar;
+use crate::interrupt::Pulse;
+use crate::memory;
+use jostle_index::pairs::JoinScratch;
+use crate::sorting;
+
+/// Pairs converted to ids between two checks for an interruption.
+const CHUNK: usize = 1 << 14;
+
+/// Pairs of ids, the smaller first, sorted by first, then by second.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Events {
+    /// Pairs that overlap and did not overlap at the update before.
+    pub entered: Vec<[Id; 2]>,
+    /// Pairs that overlapped at the update before and do not overlap now, or a shape of which was
+    /// removed.
+    pub left: Vec<[Id; 2]>,
+    /// The number of the update of its space.
+    update: u64,
+}
+
+/// Slots that changed since the last update, and memory for their pairs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Changes {
+    slots: Vec<u32>,
+    /// Whether each slot is in `slots`.
+    changed: Vec<bool>,
+    /// Slots that are removed and still in a pair of the last update.
+    pub(super) leaving: Vec<u32>,
+    /// Number of updates.
+    updates: u64,
+    /// Memory for the pairs that are found.
+    found: Vec<[u32; 2]>,
+}
+
+impl<T: Scalar> Space<T> {
+    /// The pairs that entered and left since the last update. If the shapes that changed have
+    /// more than `max_pairs` pairs, nothing is done.
+    pub fn update(&mut self, max_pairs: usize) -> Result<Events> {
+        let max_pairs = max_pairs.min(MAX_PAIRS);
+        let any_removed = self.slots.len() < self.slots.count();
+        let present = self.changes.present(&self.layers, any_removed)?;
+        let front = match self.layers.common_layer(&present) {
+            Some(layer) => Some(layer),
+            None => {
+                // Fresh shapes have changed; usually no other shapes have changed.
+                if self.layers.fresh_len() < present.len() {
+                    self.layers.reserve_fresh(present.len())?;
+                    present.iter().for_each(|&slot| self.layers.freshen(slot));
+                }
+                self.layers.fold(&self.slots, self.settings)?
+            }
+        };
+        let found = match self.pairs_with_changed(front, &present, max_pairs) {
+            Err(Error::TooManyPairs { .. }) => {
+                // Shapes that have left their layers or are unchanged may have been counted; they
+                // are excluded here.
+                let front = self.layers.part(&present, &self.slots, self.settings)?;
+                self.pairs_with_changed(front, &present, max_pairs)?
+            }
+            found => found?,
+        };
+        let events = self.take_over(&found)?;
+        // Memory is freed if much more is allocated than needed.
+        let is_wasteful = found.capacity() > 4 * found.len();
+        self.changes.found = if is_wasteful { Vec::new() } else { found };
+        Ok(events)
+    }
+
+    /// Overlapping pairs of slots, at least one of which changed. All changed slots, `present`, are
+    /// in the layer `front`.
+    fn pairs_with_changed(
+        &mut self,
+        front: Option<usize>,
+        present: &[u32],
+        most: usize,
+    ) -> Result<Vec<[u32; 2]>> {
+        let mut found = Vec::new();
+        let Some(front) = front else { return Ok(found) };
+        let mut scratch = JoinScratch::default();
+        scratch.keep(std::mem::take(&mut self.changes.found));
+        let all_changed = self.layers.len_of(front) == present.len();
+        let changed = (!all_changed).then_some(&self.changes.changed[..]);
+        for other in self.layers.indices() {
+            self.layers.join_changed([front, other], changed, most, &mut scratch, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    /// Stores the current pairs of the slots that changed. All steps that can fail precede the
+    /// first change.
+    fn take_over(&mut self, found: &[[u32; 2]]) -> Result<Events> {
+        let Changes { slots, changed, leaving, updates, .. } = &self.changes;
+        let update = updates + 1;
+        let difference = self.touching.compare(slots, changed, found)?;
+        let (left, entered) =
+            (self.sorted_ids(&difference.left)?, self.sorted_ids(&difference.entered)?);
+        self.slots.reserve_free(leaving.len())?;
+        self.touching.change(difference);
+        self.changes.leaving.drain(..).for_each(|slot| self.slots.free(slot));
+        self.changes.clear();
+        Ok(Events { entered, left, update })
+    }
+
+    /// The pairs of ids, sorted, from ascending keys.
+    fn sorted_ids(&self, keys: &[Key]) -> Result<Vec<[Id; 2]>> {
+        let mut pulse = Pulse::current();
+        let mut ids = memory::with_capacity(keys.len())?;
+        let are_ids = self.slots.are_ids();
+        for some in keys.chunks(CHUNK) {
+            pulse.check(some.len())?;
+            if are_ids {
+                ids.extend(some.iter().map(|&key| slots_of(key).map(Id::from)));
+            } else {
+                ids.extend(some.iter().map(|&key| self.pair_of_ids(slots_of(key))));
+            }
+        }
+        if !are_ids {
+            sorting::sort(&mut ids, &mut pulse)?;
+        }
+        Ok(ids)
+    }
+
+    /// The pairs that overlapped at this update and at the one before, sorted; None if there was
+    /// another update after these events.
+    pub fn stayed(&self, events: &Events) -> Result<Option<Vec<[Id; 2]>>> {
+        if events.update != self.changes.updates {
+            return Ok(None);
+        }
+        let mut pairs = self.sorted_ids(&self.touching.all()?)?;
+        let mut pulse = Pulse::current();
+        let mut entered = events.entered.iter().peekable();
+        pairs.retain(|pair| !pulse.stops(1) && entered.next_if_eq(&pair).is_none());
+        pulse.check(0)?;
+        Ok(Some(pairs))
+    }
+}
+
+impl Changes {
+    /// Slots that changed since the last update.
+    pub(super) fn slots(&self) -> &[u32] {
+        &self.slots
+    }
+
+    /// Number of updates.
+    pub(super) fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Sets the number of updates.
+    pub(super) fn set_updates(&mut self, updates: u64) {
+        self.updates = updates;
+    }
+
+    /// Increases the number of slots to `slots`.
+    pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
+        memory::lengthen(&mut self.changed, slots, false)
+    }
+
+    /// Reserves memory for `more` changed slots.
+    pub(super) fn reserve(&mut self, more: usize) -> Result<()> {
+        memory::reserve(&mut self.slots, more)?;
+        memory::reserve(&mut self.leaving, more)
+    }
+
+    /// Records a slot whose shape was added, removed or changed.
+    pub(super) fn note(&mut self, slot: u32) {
+        if !std::mem::replace(&mut self.changed[slot as usize], true) {
+            self.slots.push(slot);
+        }
+    }
+
+    /// The changed slots with a shape, if `any_removed`; otherwise all changed slots.
+    fn present<T: Scalar>(&self, layers: &Layers<T>, any_removed: bool) -> Result<Vec<u32>> {
+        if !any_removed {
+            return memory::collect(self.slots.iter().copied());
+        }
+        let mut present = memory::with_capacity(self.slots.len())?;
+        present.extend(self.slots.iter().copied().filter(|&slot| layers.has(slot)));
+        Ok(present)
+    }
+
+    fn clear(&mut self) {
+        if self.slots.len() == self.changed.len() {
+            self.changed.fill(false);
+        } else {
+            self.slots.iter().for_each(|&slot| self.changed[slot as usize] = false);
+        }
+        self.slots.clear();
+        self.updates += 1;
+    }
+
+    /// Allocated bytes, used or not.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let words = self.slots.capacity() + self.leaving.capacity();
+        4 * (words + 2 * self.found.capacity()) + self.changed.capacity()
+    }
+}

@@ -1,0 +1,69 @@
+//! The floors on which shapes stand, so that moving floors carry them.
+
+use super::saved::Saved;
+use crate::ids::Id;
+use crate::error::Result;
+use crate::geometry::Scalar;
+use crate::memory;
+
+/// A slot that is no walker.
+pub const NONE: u32 = u32::MAX;
+
+/// The floors on which shapes stood after they moved, so that moving floors carry them.
+#[derive(Clone, Debug)]
+pub struct Rides<T> {
+    /// The ride of each slot, if it has one.
+    pub all: Vec<Option<Ride<T>>>,
+    /// The row of each slot in a call; [`NONE`] between calls.
+    pub rows: Vec<u32>,
+}
+
+impl<T> Default for Rides<T> {
+    fn default() -> Self {
+        Self { all: Vec::new(), rows: Vec::new() }
+    }
+}
+
+/// The ids of each shape and its floor, and the centres of the floors.
+type SavedRides<T> = (Vec<[Id; 2]>, Vec<[T; 2]>);
+
+impl<T: Scalar> Rides<T> {
+    /// Allocated bytes.
+    pub fn memory_bytes(&self) -> usize {
+        self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
+    }
+
+    /// All rides.
+    pub fn save(&self) -> Result<SavedRides<T>> {
+        let (mut ids, mut centers) = (Vec::new(), Vec::new());
+        for ride in self.all.iter().flatten() {
+            memory::push(&mut ids, [ride.id, ride.floor])?;
+            memory::push(&mut centers, ride.center)?;
+        }
+        Ok((ids, centers))
+    }
+
+    /// The rides from the result of [`save`](Self::save). Ids of removed shapes have no effect.
+    pub fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
+        let mut rides = Self::default();
+        memory::lengthen(&mut rides.all, count, None)?;
+        for (&[id, floor], &center) in saved.rides.iter().zip(&saved.ride_centers) {
+            // The slot is in the low bits of an id.
+            if let Some(ride) = rides.all.get_mut(id as u32 as usize) {
+                *ride = Some(Ride { id, floor, center });
+            }
+        }
+        Ok(rides)
+    }
+}
+
+/// A shape, the floor on which it stood, and the centre of the floor then.
+#[derive(Clone, Copy, Debug)]
+pub struct Ride<T> {
+    /// The id of the shape.
+    pub id: Id,
+    /// The id of the floor.
+    pub floor: Id,
+    /// The centre of the floor at that time.
+    pub center: [T; 2],
+}

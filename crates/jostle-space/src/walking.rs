@@ -1,0 +1,215 @@
+//! Moving shapes that slide along others: the call and its result. `walks` computes the motions.
+
+use super::Space;
+use super::call::{Call, Moved, WALL};
+use super::motions::Walk;
+use super::rides::{NONE, Ride};
+use crate::ids::Id;
+use super::traces::CallNumber;
+use crate::error::{Error, Result};
+use crate::geometry::Scalar;
+use crate::memory;
+use crate::period::Period;
+use crate::shapes::check_finite;
+use crate::slide::SlideRules;
+
+/// With more fresh obstacles than this, a tree of them is faster than testing each.
+const FEW: usize = 64;
+
+/// The result of [`Space::move_and_slide`]; one value for each shape, in the order of the call.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Slides<T> {
+    /// The displacement that each shape has made.
+    pub displacements: Vec<[T; 2]>,
+    /// The requested displacements without their components into the obstacles met.
+    pub remaining: Vec<[T; 2]>,
+    /// Whether a floor was met.
+    pub on_floor: Vec<bool>,
+    /// Whether a wall was met.
+    pub on_wall: Vec<bool>,
+    /// Whether a ceiling was met.
+    pub on_ceiling: Vec<bool>,
+    /// The last floor met; −1 if there is none. The wall with the index k has the number −2 − k.
+    pub floors: Vec<Id>,
+    /// Index of the first hit of each shape, and the total number of hits.
+    pub offsets: Vec<usize>,
+    /// The ids of the obstacles met by each shape, in the order in which they were met, walls as
+    /// in `floors`.
+    pub ids: Vec<Id>,
+    /// The normal of each obstacle where it was met.
+    pub normals: Vec<[T; 2]>,
+}
+
+impl<T: Scalar> Space<T> {
+    /// Moves shapes by displacements; they slide along the other shapes and do not enter them.
+    ///
+    /// A shape that stood on a floor after its last motion is carried first if the floor has moved
+    /// since, and obstacles that have moved since push it. A shape that overlaps others is moved
+    /// out of them first if other shapes do not prevent it; those that it still overlaps do not
+    /// stop it. A shape given as a box is stored as its centre and half its size from then on.
+    /// Errors as in [`Space::move_to`].
+    pub fn move_and_slide(
+        &mut self,
+        ids: &[Id],
+        displacements: &[[T; 2]],
+        rules: &SlideRules<T>,
+    ) -> Result<Slides<T>> {
+        check_displacements(ids, displacements, &self.period)?;
+        let walkers = self.slots.find(ids)?;
+        self.check_widths(ids, &walkers)?;
+        self.reserve_changes(walkers.len())?;
+        memory::lengthen(&mut self.rides.all, self.slots.count(), None)?;
+        memory::lengthen(&mut self.rides.rows, self.slots.count(), NONE)?;
+        self.traces.begin_call(walkers.len(), self.slots.count())?;
+        for (row, &slot) in walkers.iter().enumerate() {
+            self.rides.rows[slot as usize] = row as u32;
+        }
+        let walks = self.walk(&walkers, displacements, rules);
+        walkers.iter().for_each(|&slot| self.rides.rows[slot as usize] = NONE);
+        self.finish(&walkers, walks?)
+    }
+
+    /// Refuses shapes that could collide with their own images.
+    fn check_widths(&self, ids: &[Id], walkers: &[u32]) -> Result<()> {
+        if self.period.is_none() {
+            return Ok(());
+        }
+        for (&slot, (row, id)) in walkers.iter().zip(ids.iter().enumerate()) {
+            let shape = self.slots.shape(slot);
+            let half = shape.core_half_size().map(|half| half + shape.radius);
+            let sides = self.period.sides();
+            let is_wide =
+                |&axis: &usize| self.period.is_along(axis) && half[axis] + half[axis] > sides[axis];
+            if let Some(axis) = (0..2).find(is_wide) {
+                let (name, side) = (["x", "y"][axis], sides[axis].to_f64());
+                let rule = format!(
+                    "a shape that moves must not be wider than the period, which is {side} along {name}"
+                );
+                return Err(Error::at("ids", row, id, &rule));
+            }
+        }
+        Ok(())
+    }
+
+    /// Computes the motions.
+    fn walk(
+        &mut self,
+        walkers: &[u32],
+        displacements: &[[T; 2]],
+        rules: &SlideRules<T>,
+    ) -> Result<Vec<Walk<T>>> {
+        let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
+        let is_walker = |slot: u32| self.rides.rows[slot as usize] != NONE;
+        fresh.extend(self.layers.fresh().filter(|&slot| !is_walker(slot)));
+        if fresh.len() > FEW {
+            self.layers.fold(&self.slots, self.settings)?;
+            fresh.clear();
+        }
+        let since = walkers.iter().map(|&slot| self.traces.since(slot)).min().unwrap_or_default();
+        let moved = self.moved_before(walkers, since, rules.mask)?;
+        let call = Call {
+            slots: &self.slots,
+            layers: &self.layers,
+            walls: &self.walls,
+            rides: &self.rides,
+            traces: &self.traces,
+            since,
+            moved,
+            period: self.period,
+            rules,
+            walkers,
+            displacements,
+            fresh: &fresh,
+        };
+        call.run(self.settings.threads)
+    }
+
+    /// The obstacles that have moved since a call.
+    fn moved_before(&self, walkers: &[u32], since: CallNumber, mask: u32) -> Result<Moved<T>> {
+        let is_obstacle = |&slot: &u32| {
+            self.slots.category(slot) & mask != 0
+                && self.rides.rows[slot as usize] == NONE
+                && self.layers.has(slot)
+        };
+        let moved = self.traces.moved_since(since).filter(is_obstacle);
+        let moved = moved.filter_map(|slot| Some((slot, self.traces.before(slot, since)?)));
+        let moved = moved.filter(|&(slot, before)| before != self.slots.center(slot));
+        Moved::new(moved, &self.slots, &self.period, (walkers.len(), self.settings))
+    }
+
+    /// The id of an obstacle that a shape has met.
+    fn id_of_met(&self, slot: u32) -> Id {
+        if slot & WALL == 0 { self.slots.id(slot) } else { -2 - Id::from(slot & !WALL) }
+    }
+
+    /// Stores the new positions; nothing fails after the first change.
+    fn finish(&mut self, walkers: &[u32], mut walks: Vec<Walk<T>>) -> Result<Slides<T>> {
+        walks.sort_unstable_by_key(|walk| walk.row);
+        let hits = walks.iter().map(|walk| walk.hits.len()).sum();
+        let mut all = Slides {
+            displacements: memory::with_capacity(walks.len())?,
+            remaining: memory::with_capacity(walks.len())?,
+            on_floor: memory::with_capacity(walks.len())?,
+            on_wall: memory::with_capacity(walks.len())?,
+            on_ceiling: memory::with_capacity(walks.len())?,
+            floors: memory::with_capacity(walks.len())?,
+            offsets: memory::with_capacity(walks.len() + 1)?,
+            ids: memory::with_capacity(hits)?,
+            normals: memory::with_capacity(hits)?,
+        };
+        all.offsets.push(0);
+        for (walk, &slot) in walks.iter().zip(walkers) {
+            let before = self.slots.center(slot);
+            if self.slots.set_center(slot, self.period.wrap(walk.center)) {
+                self.note(slot);
+                self.traces.note(slot, || before);
+            }
+            all.displacements.push(walk.moved);
+            all.remaining.push(walk.remaining);
+            let [floor, wall, ceiling] = walk.kinds;
+            all.on_floor.push(floor);
+            all.on_wall.push(wall);
+            all.on_ceiling.push(ceiling);
+            all.floors.push(walk.floor.map_or(-1, |(floor, _)| self.id_of_met(floor)));
+            all.ids.extend(walk.hits.iter().map(|hit| self.id_of_met(hit.index)));
+            all.normals.extend(walk.hits.iter().map(|hit| hit.normal));
+            all.offsets.push(all.ids.len());
+        }
+        for (walk, &slot) in walks.iter().zip(walkers) {
+            let ride = |(floor, center)| Ride {
+                id: self.slots.id(slot),
+                floor: self.slots.id(floor),
+                center,
+            };
+            let floor = walk.floor.filter(|(floor, _)| floor & WALL == 0);
+            self.rides.all[slot as usize] = floor.map(ride);
+        }
+        self.traces.end_call(walkers);
+        Ok(all)
+    }
+}
+
+/// Refuses displacements that are not finite, whose squares may overflow, or that are longer than
+/// the period.
+fn check_displacements<T: Scalar>(
+    ids: &[Id],
+    displacements: &[[T; 2]],
+    period: &Period<T>,
+) -> Result<()> {
+    const ARGUMENT: &str = "displacements";
+    if displacements.len() != ids.len() {
+        let (found, expected) = (displacements.len(), ids.len());
+        return Err(Error::Length { argument: ARGUMENT, found, expected });
+    }
+    check_finite(ARGUMENT, displacements)?;
+    let limit =
+        |axis: usize| if period.is_along(axis) { period.sides()[axis] } else { T::RADII[1] };
+    for axis in 0..2 {
+        let is_too_long = |v: &[T; 2]| v[axis].abs() > limit(axis);
+        let Some(index) = displacements.iter().position(is_too_long) else { continue };
+        let what = if period.is_along(axis) { ", the period" } else { "" };
+        let rule = format!("a component must be at most {:e}{what}", limit(axis).to_f64());
+        return Err(Error::at(ARGUMENT, index, crate::shapes::tuple(&displacements[index]), &rule));
+    }
+    Ok(())
+}

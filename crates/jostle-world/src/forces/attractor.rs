@@ -1,0 +1,101 @@
+//! Attractors: a central force towards a point or a particle.
+
+use super::{Bodies, check_number, check_pair};
+use crate::error::Result;
+use crate::parallel;
+use crate::particles::FARTHEST;
+use crate::ids::Id;
+
+/// The centre of an attraction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pole {
+    /// A fixed point.
+    Point([f32; 2]),
+    /// The particle with this id. If it is removed, the attractor is removed too.
+    Particle(Id),
+}
+
+/// Force laws: the acceleration a as a function of the distance d.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Law {
+    /// a = strength · d, as in the article.
+    #[default]
+    Harmonic,
+    /// a = strength / d². At a distance r below the radius R of the particle, a = strength · r /
+    /// R³, as inside a homogeneous ball, so that a is finite.
+    InverseSquare,
+}
+
+/// A force on all particles towards the pole, without a reaction force. With a negative strength it
+/// is repulsive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attractor {
+    /// The centre of the force.
+    pub pole: Pole,
+    /// Acceleration per unit of distance (harmonic), or G · M (inverse square).
+    pub strength: f32,
+    /// The force law.
+    pub law: Law,
+}
+
+impl Attractor {
+    /// Refuses numbers out of range.
+    pub fn validate(&self) -> Result<()> {
+        if let Pole::Point(point) = self.pole {
+            check_pair("point", point)?;
+        }
+        check_number("strength", self.strength, -FARTHEST)
+    }
+}
+
+/// Potential energy of a body of mass 1 at `offset` from the pole: 0 at the pole for the harmonic
+/// law, 0 at infinity for the inverse square law.
+pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
+    let strength = f64::from(attractor.strength);
+    let [x, y] = offset.map(f64::from);
+    let square = x * x + y * y;
+    match attractor.law {
+        Law::Harmonic => 0.5 * strength * square,
+        Law::InverseSquare => {
+            let (distance, radius) = (square.sqrt(), f64::from(radius));
+            if distance >= radius {
+                return if distance > 0.0 { -strength / distance } else { 0.0 };
+            }
+            strength * (square / (radius * radius) - 3.0) / (2.0 * radius)
+        }
+    }
+}
+
+/// Adds the acceleration by the attractor to that of every body.
+pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
+    let pole = match attractor.pole {
+        Pole::Point(point) => point,
+        Pole::Particle(row) => bodies.positions[bodies.indices[row as usize] as usize],
+    };
+    let threads = parallel::worthwhile(bodies.threads, accelerations.len());
+    parallel::for_chunks(threads, accelerations, |first, chunk| {
+        let rows = bodies.positions[first..].iter().zip(&bodies.radii[first..]);
+        for (acceleration, (position, &radius)) in chunk.iter_mut().zip(rows) {
+            let offset =
+                bodies.container.minimum_image_within([0, 1].map(|k| pole[k] - position[k]));
+            let pull = pull(attractor, offset, radius);
+            *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
+        }
+    });
+}
+
+fn pull(attractor: &Attractor, offset: [f32; 2], radius: f32) -> [f32; 2] {
+    let strength = f64::from(attractor.strength);
+    let [x, y] = offset.map(f64::from);
+    let factor = match attractor.law {
+        Law::Harmonic => strength,
+        Law::InverseSquare => {
+            let distance = (x * x + y * y).sqrt().max(f64::from(radius));
+            if distance == 0.0 {
+                return [0.0; 2];
+            }
+            strength / (distance * distance * distance)
+        }
+    };
+    [(x * factor) as f32, (y * factor) as f32]
+}

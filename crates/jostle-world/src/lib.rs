@@ -1,0 +1,36 @@
+//! Discs with mass that collide in the order of time, with forces, walls, resting contacts and sleep.
+
+#![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
+
+#[allow(unused_imports)]
+use jostle_base::{bytes, cache, disjoint_sets, error, interrupt, memory, morton, parallel, settings, sorting, table, ids};
+use jostle_simd as simd;
+#[allow(unused_imports)]
+use jostle_index::{geometry, period, shapes, columns, quadtree, pairs, query};
+
+pub mod particles;
+pub mod motion;
+pub mod flow;
+pub mod roots;
+pub mod trajectory;
+pub mod tolerance;
+pub mod container;
+pub mod walls;
+pub mod forces;
+pub mod halo;
+pub mod events;
+pub mod contacts;
+pub mod resting;
+pub mod correction;
+pub mod world;
+pub mod ranks;
+
+pub use container::Container;
+pub use forces::Force;
+pub use particles::{Changes, Particles, Spin};
+pub use ranks::{Communicator, OwnParticles, Traffic};
+pub use walls::Wall;
+pub use world::{
+    Collisions, Defaults, OnTouch, Stage, StateHash, Stats, Touch, TouchEvents, WallTouch, World,
+    WorldSettings,
+};

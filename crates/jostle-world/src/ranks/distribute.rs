@@ -1,0 +1,203 @@
+//! Makes a world the part of a distributed world that a rank has, and writes its own particles as records.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Mutex;
+
+use super::domain::Domain;
+use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
+use crate::error::{Error, Result};
+use crate::forces::{self, Force, Kinds};
+use crate::parallel::locked;
+use crate::ids::Id;
+use crate::world::World;
+use crate::world::asleep::Asleep;
+
+/// The particles of a rank.
+#[derive(Debug)]
+pub struct OwnParticles {
+    /// Their number, which is that of the first rows.
+    pub own: usize,
+    /// The ids of all rows.
+    pub ids: Vec<Id>,
+    /// The number of particles of all ranks.
+    pub total: usize,
+    /// What this rank has sent.
+    pub traffic: Traffic,
+    /// Steps that were repeated because ghosts were missing.
+    pub repeats: u64,
+    /// How often domains were chosen.
+    pub rebalances: u64,
+}
+
+impl World {
+    /// Makes this world a part of a larger one, of which each rank has a part. All ranks have the same
+    /// settings, walls and forces, and this rank's particles have these ids in the whole, ascending.
+    pub fn distribute(&mut self, communicator: Box<dyn Communicator>, ids: Vec<Id>) -> Result<()> {
+        self.check_distributable()?;
+        self.wake_all();
+        let mut group = Group::new(communicator);
+        let mut total = [ids.len() as u64];
+        group.sum(&mut total)?;
+        let (ranks, [total]) = (group.size(), total.map(|total| total as usize));
+        self.halo = Box::new(Domain {
+            group: Mutex::new(group),
+            ranks,
+            own: ids.len(),
+            ids,
+            next: total as Id,
+            total,
+            awake: total,
+            asleep: 0,
+            is_still: false,
+            sleeping: Vec::new(),
+            foreign: Asleep::default(),
+            touched: Vec::new(),
+            left: Vec::new(),
+            is_lossless: self.are_own_lossless(),
+            has_friction: true,
+            scales: Default::default(),
+            extent: None,
+            announced: Vec::new(),
+            sent: Vec::new(),
+            received: Vec::new(),
+            has_contacts: false,
+            resting: Vec::new(),
+            kept: 0,
+            has_all: false,
+            before: None,
+            sent_indices: Vec::new(),
+            ghost_indices: Vec::new(),
+            ghost_ranks: Vec::new(),
+            ghost_pairs: Vec::new(),
+            own_pairs: HashMap::new(),
+            digests: Vec::new(),
+            may_meet: Vec::new(),
+            is_sent: Vec::new(),
+            is_own: Vec::new(),
+            shared: Vec::new(),
+            far: Vec::new(),
+            steps: 0,
+            repeats: 0,
+            widening: 1.0,
+            widened: 1.0,
+            further: HashMap::new(),
+            is_static: false,
+            work: 1.0,
+            rebalance_every: None,
+            is_stale: true,
+            chosen: 0,
+            rebalances: 0,
+            usual_ghosts: 0.0,
+        });
+        Ok(())
+    }
+
+    /// Refuses what a distributed world cannot do.
+    pub fn check_distributable(&self) -> Result<()> {
+        for (index, force) in self.forces.iter().enumerate() {
+            let name = match force {
+                Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,
+                Force::Pair(_) | Force::Flocking(_) => continue,
+                Force::Attractor(_) => "an Attractor",
+                Force::Gravitation(_) => "Gravitation",
+                Force::Springs(_) => "Springs",
+                Force::Motor(_) => "a Motor",
+            };
+            let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
+                        AndersenThermostat only";
+            return Err(Error::at("forces", index, name, rule));
+        }
+        let pairs = forces::pairs(&self.forces).count();
+        if pairs <= Kinds::default().len() {
+            return Ok(());
+        }
+        let rule = "a distributed world has two at most";
+        Err(Error::of("forces", format!("of {pairs} PairForces"), rule))
+    }
+
+    /// The particles of this rank; None if the world is not distributed.
+    pub fn own_particles(&self) -> Option<OwnParticles> {
+        self.domain().map(|domain| OwnParticles {
+            own: domain.own,
+            ids: domain.ids.clone(),
+            total: domain.total,
+            traffic: locked(&domain.group).traffic,
+            repeats: domain.repeats,
+            rebalances: domain.rebalances,
+        })
+    }
+
+    /// The number of own particles, and that of all ranks.
+    pub fn own_and_all(&self) -> (usize, usize) {
+        match self.domain() {
+            None => (self.len(), self.len()),
+            Some(domain) => (domain.own, domain.total),
+        }
+    }
+
+    /// The number of own particles that are awake.
+    pub fn own_awake(&self) -> usize {
+        self.own_and_all().0 - self.asleep.len()
+    }
+
+    /// The own particles as records, see [`read_records`]; all with their rows as ids, if the world is not
+    /// distributed.
+    pub fn own_records(&self) -> Vec<u8> {
+        let Some(domain) = self.domain() else { return self.records_of(0..self.len()) };
+        let mut bytes = Vec::with_capacity(domain.own * RECORD);
+        for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
+            put_record(&mut bytes, self.name_of(domain, row), &self.particles, index);
+        }
+        let discs = &self.asleep.sleepers().discs;
+        for at in self.asleep.indices() {
+            put_record(&mut bytes, self.name_of(domain, discs.rows[at]), &discs.particles, at);
+        }
+        bytes
+    }
+
+    /// The id and the kinds of a row, for its record.
+    pub(crate) fn name_of(&self, domain: &Domain, row: u32) -> (Id, Kinds) {
+        (domain.id(row), forces::kinds_of(&self.forces, row as usize))
+    }
+
+    /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
+    pub fn part(&self, rows: Range<usize>) -> Result<Self> {
+        self.of_records(&self.records_of(rows))
+    }
+
+    fn records_of(&self, rows: Range<usize>) -> Vec<u8> {
+        let (all, mut bytes) = (self.particles(), Vec::new());
+        let name = |row: usize| (row as Id, forces::kinds_of(&self.forces, row));
+        rows.for_each(|row| put_record(&mut bytes, name(row), &all, row));
+        bytes
+    }
+
+    /// A world with the settings, walls, forces and time of this one, and the particles of some records.
+    pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
+        let (particles, _, kinds) = read_records(bytes);
+        let mut world = Self::new(particles, self.settings)?;
+        world.set_walls(self.walls().to_vec())?;
+        let mut forces = self.forces();
+        forces::set_kinds(&mut forces, &kinds);
+        world.set_forces(forces)?;
+        world.set_defaults(self.defaults)?;
+        world.time = self.time;
+        Ok(world)
+    }
+
+    /// Tells how much time this rank needs for each of its particles, from which the next domains
+    /// follow. Results do not depend on it.
+    pub fn set_work(&mut self, work: f64) {
+        if !self.halo.is_whole() && work > 0.0 && work.is_finite() {
+            self.domain_mut().work = work;
+        }
+    }
+
+    /// Chooses domains anew after so many steps, the same number on all ranks, whatever the imbalance.
+    pub fn rebalance_every(&mut self, steps: u64) {
+        if !self.halo.is_whole() {
+            self.domain_mut().rebalance_every = Some(steps.max(1));
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! Adding, removing and changing particles of a distributed world. All ranks make the same calls.
+
+use super::domain::Domain;
+use super::read_records;
+use crate::error::Result;
+use crate::parallel::locked;
+use crate::ids::Id;
+use crate::world::World;
+use crate::world::ids::Ids;
+
+/// What a rank tells the others of its changes: whether all islands wake, the immovable particles of
+/// which only the velocities change, and the names of islands that wake.
+#[derive(Debug, Default, PartialEq)]
+struct Changed {
+    wakes_all: bool,
+    driven: Vec<Id>,
+    names: Vec<Id>,
+}
+
+impl Changed {
+    fn words(&self) -> Vec<u8> {
+        let head = [Id::from(self.wakes_all), self.driven.len() as Id, self.names.len() as Id];
+        let all = head.iter().chain(&self.driven).chain(&self.names);
+        all.flat_map(|word| word.to_le_bytes()).collect()
+    }
+
+    /// Joins those of all ranks.
+    fn join(all: &[Vec<u8>]) -> Self {
+        let mut joined = Self::default();
+        for bytes in all {
+            let (words, _) = bytes.as_chunks::<8>();
+            let words: Vec<Id> = words.iter().map(|word| Id::from_le_bytes(*word)).collect();
+            let [wakes_all, driven, _] = [words[0], words[1], words[2]];
+            let (driven, names) = words[3..].split_at(driven as usize);
+            joined.wakes_all |= wakes_all > 0;
+            joined.driven.extend_from_slice(driven);
+            joined.names.extend_from_slice(names);
+        }
+        joined.driven.sort_unstable();
+        joined
+    }
+}
+
+impl Domain {
+    /// The names of islands that touch one of some particles, which are sorted.
+    fn islands_touching(&self, ids: &[Id]) -> Vec<Id> {
+        let is_one = |id: &Id| ids.binary_search(id).is_ok();
+        let touch = self.sleeping.iter().filter(|of| of.ids.iter().any(is_one));
+        touch.map(|of| of.island).collect()
+    }
+}
+
+impl World {
+    /// Wakes the islands that changes of any rank concern: `driven` are rows of immovable particles of
+    /// which only the velocities change, `changed` those of other changes.
+    pub(crate) fn wake_edited_of_ranks(&mut self, driven: &[u32], changed: &[u32]) -> Result<()> {
+        let Some(domain) = self.domain() else { return Ok(()) };
+        let (indices, awake) = (self.indices_of(changed), self.rows.len());
+        let is_fixed = |&index: &u32| self.particles.movable.get(index as usize) == Some(&false);
+        let sleeping = indices.iter().filter_map(|&index| (index as usize).checked_sub(awake));
+        let islands = self.asleep.islands_of(sleeping);
+        let own = Changed {
+            wakes_all: indices.iter().any(is_fixed),
+            driven: driven.iter().map(|&row| domain.id(row)).collect(),
+            names: self.asleep.names(&islands).collect(),
+        };
+        let Changed { wakes_all, driven, mut names } =
+            Changed::join(&locked(&domain.group).share(&own.words())?);
+        if !driven.is_empty() && !wakes_all {
+            let names_only =
+                Changed { names: domain.islands_touching(&driven), ..Changed::default() };
+            let all = locked(&domain.group).share(&names_only.words())?;
+            names.extend(Changed::join(&all).names);
+        }
+        names.sort_unstable();
+        let islands =
+            if wakes_all { self.asleep.islands().collect() } else { self.asleep.named(&names) };
+        self.wake_to_stay(&islands);
+        Ok(())
+    }
+
+    /// Adds particles to this rank, with ids among the particles of all ranks, which are above all ids
+    /// before; `count` are added on all ranks.
+    pub fn add_of_ranks(&mut self, records: Vec<u8>, ids: &[Id], count: usize) -> Result<()> {
+        self.drop_ghosts();
+        let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
+        if self.any_of_all(is_fixed)? {
+            self.wake_all();
+        }
+        let Some(domain) = self.domain() else { return Ok(()) };
+        let first = domain.own;
+        self.append_records(&[records], true);
+        let domain = self.domain_mut();
+        domain.ids[first..].copy_from_slice(ids);
+        domain.total += count;
+        domain.next += count as Id;
+        domain.is_stale = true;
+        Ok(())
+    }
+
+    /// Removes the particles with some ids, which all ranks give, each once. The islands of removed
+    /// particles wake; all wake if an immovable one is removed.
+    pub fn remove_of_ranks(&mut self, ids: &[Id]) -> Result<()> {
+        self.drop_ghosts();
+        let Some(domain) = self.domain() else { return Ok(()) };
+        let mut ids = ids.to_vec();
+        ids.sort_unstable();
+        let is_gone = |id: &Id| ids.binary_search(id).is_ok();
+        let gone: Vec<bool> = domain.ids.iter().map(is_gone).collect();
+        let rows: Vec<u32> = (0..).zip(&gone).filter(|(_, gone)| **gone).map(|of| of.0).collect();
+        self.wake_edited_of_ranks(&[], &rows)?;
+        let shifted = self.take_out(&gone);
+        let domain = self.domain_mut();
+        crate::world::edits::retain_unless(&mut domain.ids, &gone);
+        domain.own = domain.ids.len();
+        domain.total -= ids.len();
+        domain.resting.retain_mut(|of| {
+            of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(row));
+            !of.ids.iter().any(is_gone)
+        });
+        self.ids = Ids::of_rows(self.halo.own_rows() as usize);
+        let at_end = &mut self.record.at_end;
+        let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
+        self.record.gone.extend(removed);
+        self.end_given_of_none()
+    }
+
+    /// The ids of the particles of this rank, and the id that is given next.
+    pub fn own_ids(&self) -> (Vec<Id>, Id) {
+        match self.domain() {
+            Some(domain) => (domain.ids[..domain.own].to_vec(), domain.next),
+            None => (self.ids(), self.ids.parts().1),
+        }
+    }
+
+    /// Replaces the ids of all rows, ascending, and the id that is given next; in a distributed world those
+    /// of this rank. Refuses ids that no world can have.
+    pub fn set_ids(&mut self, ids: &[Id], next: Id) -> Result<()> {
+        if !self.halo.is_whole() {
+            self.domain_mut().next = next;
+            return Ok(());
+        }
+        let has_gaps = !ids.iter().copied().eq(0..next);
+        self.ids = Ids::read(has_gaps.then(|| ids.to_vec()), self.len(), next)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_of_ranks_are_joined() {
+        let one = Changed { wakes_all: false, driven: vec![9, 4], names: vec![7] };
+        let other = Changed { wakes_all: true, driven: vec![5], names: vec![2, 8] };
+        let joined = Changed::join(&[one.words(), Changed::default().words(), other.words()]);
+        assert_eq!(
+            joined,
+            Changed { wakes_all: true, driven: vec![4, 5, 9], names: vec![7, 2, 8] }
+        );
+    }
+}

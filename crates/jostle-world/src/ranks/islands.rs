@@ -1,0 +1,311 @@
+//! Distributed connected components: islands whose particles may be on several ranks.
+//!
+//! Each rank groups its particles and the ghosts that touch them. The groups with ghosts go to all ranks,
+//! with the groups that the ghosts have on their own ranks. So all ranks join the same groups, and decide
+//! the same.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::domain::Domain;
+use crate::bytes::Plain;
+use crate::contacts::Contact;
+use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
+use crate::halo::Halo;
+use crate::parallel::locked;
+use crate::ids::Id;
+use crate::world::World;
+use crate::world::sleeping::{IslandMotion, NONE, Scratch};
+
+/// Stands for no name.
+const NO_NAME: Id = Id::MAX;
+
+/// A contact of a sleeping particle, which may be with a particle of another rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SleepingContact {
+    /// The name of the island.
+    pub(crate) island: Id,
+    /// The ids of both. The first sleeps; if both do, it is the smaller one.
+    pub(crate) ids: [Id; 2],
+    /// The contact in the last step in which the island was awake. Its indices have no meaning.
+    pub(crate) contact: Contact,
+    /// Whether their surfaces touched at the end of that step, as far as this is wanted.
+    pub(crate) is_near: bool,
+}
+
+impl SleepingContact {
+    /// Bytes of a contact.
+    pub(crate) const SIZE: usize = 66;
+
+    /// A contact whose indices have these ids.
+    pub(crate) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
+        let is_first = match contact.inverse_masses.map(|inverse| inverse > 0.0) {
+            [true, true] => a < b,
+            [is_first, _] => is_first,
+        };
+        let (ids, indices) = if is_first { ([a, b], [0, 1]) } else { ([b, a], [1, 0]) };
+        let contact = Contact { indices, ..*contact }.ascending();
+        Self { island, ids, contact, is_near: false }
+    }
+
+    /// Appends it.
+    pub(crate) fn put(&self, to: &mut Vec<u8>) {
+        let start = to.len();
+        to.resize(start + Self::SIZE, 0);
+        let [first, second] = self.ids.map(|id| id as u64);
+        [first, second, self.island as u64].store(&mut to[start..start + 24]);
+        let Contact { image: [x, y], normal: [u, v], totals: [n, t], .. } = self.contact;
+        let Contact { gap, impulse, friction_impulse, touched, .. } = self.contact;
+        let numbers =
+            [x, y, u, v, gap, impulse, friction_impulse, n, t, self.contact.contact_distance];
+        numbers.store(&mut to[start + 24..start + 64]);
+        [u8::from(touched), u8::from(self.is_near)].store(&mut to[start + 64..]);
+    }
+
+    /// Reads one.
+    pub(crate) fn get(from: &[u8]) -> Self {
+        let [first, second, island] = <[u64; 3]>::load(&from[..24]).map(|id| id as Id);
+        let [x, y, u, v, gap, impulse, friction_impulse, n, t, contact_distance] =
+            <[f32; 10]>::load(&from[24..64]);
+        let [touched, is_near] = <[u8; 2]>::load(&from[64..]).map(|flag| flag > 0);
+        let contact = Contact {
+            indices: [0, 1],
+            image: [x, y],
+            normal: [u, v],
+            totals: [n, t],
+            ..Contact {
+                gap,
+                impulse,
+                friction_impulse,
+                contact_distance,
+                touched,
+                ..Contact::default()
+            }
+        };
+        Self { island, ids: [first, second], contact, is_near }
+    }
+}
+
+/// A group of particles of one rank that touch ghosts.
+struct Group {
+    /// The smallest id of its own particles.
+    label: Id,
+    motion: IslandMotion,
+    /// The labels of the groups of its ghosts on their own ranks.
+    others: Vec<Id>,
+}
+
+impl Group {
+    /// Appends the group as whole numbers.
+    fn put(&self, to: &mut Vec<u64>) {
+        let IslandMotion { squares, is_supported, all_rest, change, count } = self.motion;
+        let flags = u64::from(is_supported) | u64::from(all_rest) << 1;
+        let squares = squares.map(|square| u64::from(square.to_bits()));
+        to.extend([self.label as u64, squares[0], squares[1], flags, u64::from(count)]);
+        to.extend(change.map(|change| change as u64));
+        to.push(self.others.len() as u64);
+        to.extend(self.others.iter().map(|&label| label as u64));
+    }
+
+    /// Reads the next group.
+    fn get(from: &mut impl Iterator<Item = u64>) -> Option<Self> {
+        let label = from.next()? as Id;
+        let mut next = || from.next().unwrap_or_default();
+        let squares = [next(), next()].map(|bits| f32::from_bits(bits as u32));
+        let (flags, count) = (next(), next() as u32);
+        let change = [next(), next(), next()].map(|change| change as i64);
+        let others = (0..next()).map(|_| next() as Id).collect();
+        let [is_supported, all_rest] = [flags & 1 > 0, flags & 2 > 0];
+        let motion = IslandMotion { squares, is_supported, all_rest, change, count };
+        Some(Self { label, motion, others })
+    }
+}
+
+/// Joins groups to islands: the name of each and how it moves, by the labels of its groups.
+fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
+    let labels = |of: &Group| [&[of.label], &of.others[..]].concat();
+    let mut all: Vec<Id> = groups.iter().flat_map(labels).collect();
+    all.sort_unstable();
+    all.dedup();
+    let number = |label: &Id| all.partition_point(|of| of < label) as u32;
+    let mut sets = DisjointSets::default();
+    sets.reset(all.len());
+    for of in groups {
+        of.others.iter().for_each(|other| sets.join(number(&of.label), number(other)));
+    }
+    let mut motions = vec![IslandMotion::default(); all.len()];
+    for of in groups {
+        motions[sets.root(number(&of.label)) as usize].join(&of.motion);
+    }
+    let island = |label: &Id| {
+        let root = sets.root(number(label)) as usize;
+        (*label, (all[root], motions[root]))
+    };
+    all.iter().map(island).collect()
+}
+
+impl World {
+    /// Gives the islands of this rank's particles their names, and how all their members on all ranks have
+    /// moved.
+    pub(crate) fn join_islands_of_ranks(&mut self) -> Result<()> {
+        let Self { halo, rows, scratch, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
+        let Scratch { first, of_islands, names, .. } = &mut scratch.sleeping;
+        names.clear();
+        names.resize(rows.len(), NO_NAME);
+        for (&first, &row) in first.iter().zip(&*rows).filter(|(_, row)| domain.owns(**row)) {
+            let name = &mut names[first as usize];
+            *name = (*name).min(domain.id(row));
+        }
+        if locked(&domain.group).size() < 2 {
+            return Ok(());
+        }
+        let own = groups_with_ghosts(domain, (first, names), of_islands)?;
+        let mut words = Vec::new();
+        own.values().for_each(|group| group.put(&mut words));
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let all = locked(&domain.group).share(&bytes)?.concat();
+        let (words, _) = all.as_chunks::<8>();
+        let mut words = words.iter().map(|word| u64::from_le_bytes(*word));
+        let groups: Vec<Group> = std::iter::from_fn(|| Group::get(&mut words)).collect();
+        let islands = join(&groups);
+        for (first, group) in own {
+            (names[first as usize], of_islands[first as usize]) = islands[&group.label];
+        }
+        Ok(())
+    }
+
+    /// Keeps the pairs of islands that fall asleep whose surfaces touch, if events are tracked.
+    pub(crate) fn keep_pairs_of_sleepers(&mut self) -> Result<()> {
+        if !self.settings.track_events {
+            return Ok(());
+        }
+        let mut scratch = std::mem::take(&mut self.scratch.touching);
+        let pairs = self.find_touching_of(&self.particles, &mut scratch).map(Iterator::collect);
+        self.scratch.touching = scratch;
+        let pairs: Vec<[u32; 2]> = pairs?;
+        let Self { halo, particles, rows, scratch, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
+        let Scratch { island_of, first, names, .. } = &scratch.sleeping;
+        for pair in pairs {
+            let sleeps = |&index: &u32| island_of[index as usize] != NONE;
+            let Some(index) = pair.into_iter().find(sleeps) else { continue };
+            let island = names[first[index as usize] as usize];
+            let ids = pair.map(|index| domain.id(rows[index as usize]));
+            let inverse_masses = pair.map(|index| particles.inverse_mass(index as usize));
+            let contact = Contact { inverse_masses, ..Contact::default() };
+            let new = SleepingContact::new(island, ids, &contact);
+            domain.sleeping.push(SleepingContact { is_near: true, ..new });
+        }
+        Ok(())
+    }
+
+    /// Removes the contacts of islands that do not sleep.
+    pub(crate) fn drop_contacts_of_woken(&mut self) {
+        let World { halo, asleep, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
+        if domain.sleeping.is_empty() {
+            return;
+        }
+        let islands: Vec<u32> = asleep.islands().collect();
+        let mut names: Vec<Id> = asleep.names(&islands).collect();
+        names.sort_unstable();
+        domain.sleeping.retain(|of| names.binary_search(&of.island).is_ok());
+    }
+}
+
+/// The groups of own particles with ghosts, by their first indices.
+fn groups_with_ghosts(
+    domain: &Domain,
+    (first, names): (&[u32], &[Id]),
+    of_islands: &[IslandMotion],
+) -> Result<BTreeMap<u32, Group>> {
+    let label = |index: u32| names[first[index as usize] as usize];
+    let mut groups = BTreeMap::new();
+    let ghosts = (domain as &dyn Halo).labels(|index| label(index) as u64)?;
+    for (index, other) in ghosts {
+        if label(index) == NO_NAME {
+            continue;
+        }
+        let first = first[index as usize];
+        let (label, motion) = (label(index), of_islands[first as usize]);
+        let new = || Group { label, motion, others: Vec::new() };
+        groups.entry(first).or_insert_with(new).others.push(other as Id);
+    }
+    for group in groups.values_mut() {
+        group.others.sort_unstable();
+        group.others.dedup();
+    }
+    Ok(groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn group(label: Id, others: &[Id], square: f32) -> Group {
+        let motion = IslandMotion { squares: [square, 0.5], count: 2, ..IslandMotion::default() };
+        Group { label, motion, others: others.to_vec() }
+    }
+
+    #[test]
+    fn groups_of_a_chain_of_ranks_are_one_island() {
+        let groups = [
+            group(9, &[4], 0.1),
+            group(4, &[9, 7], 0.3),
+            group(7, &[4], 0.2),
+            group(5, &[6], 0.0),
+            group(6, &[5], 0.0),
+        ];
+        let islands = join(&groups);
+        for label in [9, 4, 7] {
+            let (name, motion) = islands[&label];
+            assert_eq!((name, motion.squares, motion.count), (4, [0.3, 0.5], 6));
+        }
+        assert_eq!((islands[&6].0, islands[&6].1.count, islands[&5].0), (5, 4, 5));
+    }
+
+    #[test]
+    fn groups_and_contacts_are_read_as_they_were_written() {
+        let mut of = group(3, &[1, 2], 0.25);
+        of.motion = IslandMotion { is_supported: true, change: [-5, 0, 1 << 40], ..of.motion };
+        let mut words = Vec::new();
+        of.put(&mut words);
+        of.put(&mut words);
+        let mut from = words.into_iter();
+        for _ in 0..2 {
+            let found = Group::get(&mut from).unwrap();
+            assert_eq!((found.label, found.motion, found.others), (3, of.motion, vec![1, 2]));
+        }
+        assert!(Group::get(&mut from).is_none());
+        let contact = Contact {
+            indices: [0, 1],
+            image: [1.0, 2.0],
+            normal: [0.6, 0.8],
+            gap: -0.25,
+            impulse: 3.0,
+            friction_impulse: -4.0,
+            totals: [5.0, 6.0],
+            contact_distance: 7.0,
+            touched: true,
+            ..Contact::default()
+        };
+        let of = SleepingContact { island: 8, ids: [9, 1 << 40], contact, is_near: true };
+        let mut bytes = Vec::new();
+        of.put(&mut bytes);
+        assert_eq!(bytes.len(), SleepingContact::SIZE);
+        assert_eq!(SleepingContact::get(&bytes), of);
+    }
+
+    #[test]
+    fn the_first_particle_of_a_sleeping_contact_is_movable() {
+        let of = |inverse_masses: [f32; 2], ids: [Id; 2]| {
+            let contact = Contact { normal: [0.0, 1.0], inverse_masses, ..Contact::default() };
+            let kept = SleepingContact::new(0, ids, &contact);
+            (kept.ids, kept.contact.normal)
+        };
+        assert_eq!(of([1.0, 1.0], [5, 2]), ([2, 5], [0.0, -1.0]));
+        assert_eq!(of([1.0, 0.0], [5, 2]), ([5, 2], [0.0, 1.0]));
+        assert_eq!(of([0.0, 1.0], [2, 5]), ([5, 2], [0.0, -1.0]));
+    }
+}

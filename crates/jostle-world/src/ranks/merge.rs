@@ -1,0 +1,341 @@
+//! Merging of particles that touch in a distributed world.
+//!
+//! An island of touching particles may be on several ranks. All ranks get the groups of touching particles
+//! that other ranks may have a part of, and join them. The members of an island go to the rank of the
+//! smallest id, which merges them in the order in which one process has them.
+
+use std::collections::HashMap;
+
+use super::carried::Push;
+use super::{RECORD, put_record, read_records};
+use crate::bytes::Plain;
+use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
+use crate::forces::{self, Kinds};
+use crate::parallel::locked;
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::shapes::{Each, Shapes};
+use crate::ids::Id;
+use crate::table::Table;
+use crate::world::edits::{renumber, retain_unless};
+use crate::world::ids::Ids;
+use crate::world::merge::{joint_acceleration, kind_of_heaviest, union};
+use crate::world::touches::WallImpulse;
+use crate::world::{StepScratch, World};
+
+/// An own particle of an island that may merge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Member {
+    index: u32,
+    /// The smallest id of the island, which the merged particle has.
+    island: Id,
+    /// The rank of the particle with this id.
+    rank: usize,
+}
+
+/// What is sent of a member to the rank that merges its island, beside the states of the member.
+#[derive(Clone, Debug, PartialEq)]
+struct Details {
+    island: Id,
+    /// The rank of the member.
+    rank: usize,
+    given: [f32; 2],
+    is_exhausted: bool,
+    /// The impulses of walls in the step.
+    pushes: Vec<Push>,
+}
+
+/// Bytes of an island, a given acceleration, a flag and a count.
+const HEAD: usize = 24;
+
+impl Details {
+    fn put(&self, to: &mut Vec<u8>) {
+        let start = to.len();
+        to.resize(start + HEAD, 0);
+        (self.island as u64).store(&mut to[start..start + 8]);
+        self.given.store(&mut to[start + 8..start + 16]);
+        [u32::from(self.is_exhausted), self.pushes.len() as u32].store(&mut to[start + 16..]);
+        self.pushes.iter().for_each(|push| push.put(to));
+    }
+
+    fn get(rest: &mut &[u8], rank: usize) -> Self {
+        let mut take = |count: usize| rest.split_off(..count).unwrap_or_default();
+        let head = take(HEAD);
+        let island = u64::load(&head[..8]) as Id;
+        let [is_exhausted, count] = <[u32; 2]>::load(&head[16..]);
+        let pushes = (0..count).map(|_| Push::get(take(Push::SIZE))).collect();
+        let given = Plain::load(&head[8..16]);
+        Self { island, rank, given, is_exhausted: is_exhausted > 0, pushes }
+    }
+}
+
+/// Members from all ranks, in the order in which one process has them.
+struct Arrived {
+    /// Their states at the beginning of the part of the step, and at its end.
+    states: [Particles; 2],
+    kinds: Vec<Kinds>,
+    details: Vec<Details>,
+    /// The order of all.
+    order: Vec<usize>,
+}
+
+/// A merged particle.
+struct Merged {
+    island: Id,
+    particle: Particles,
+    kinds: Kinds,
+    given: [f32; 2],
+    is_exhausted: bool,
+    pushes: Vec<Push>,
+    /// The index of the first member among those that have arrived.
+    first: usize,
+}
+
+impl World {
+    /// Own particles of islands of touching particles, in the order of indices.
+    pub(crate) fn members_of_islands(&self, touching: &[[u32; 2]]) -> Result<Vec<Member>> {
+        let Some(domain) = self.domain() else { return Ok(Vec::new()) };
+        let is_sent = |row: u32| domain.is_sent.get(row as usize).is_some_and(|&is_sent| is_sent);
+        let mut groups = DisjointSets::default();
+        groups.reset(self.rows.len());
+        touching.iter().for_each(|&[a, b]| groups.join(a, b));
+        let mut indices: Vec<[u32; 2]> =
+            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+        indices.sort_unstable();
+        indices.dedup();
+        let rank = locked(&domain.group).rank();
+        let (mut own, mut words, mut shared) = (Vec::new(), Vec::new(), Vec::new());
+        for group in indices.chunk_by(|a, b| a[0] == b[0]) {
+            let rows = group.iter().map(|&[_, index]| self.rows[index as usize]);
+            if rows.clone().any(|row| !domain.owns(row) || is_sent(row)) {
+                // A particle near immovable ones of other ranks need not be a ghost there.
+                let indices = group.iter().map(|&[_, index]| index);
+                shared.extend(indices.filter(|&index| !is_sent(self.rows[index as usize])));
+                words.push(group.len() as u64);
+                words.extend(
+                    rows.flat_map(|row| [domain.id(row) as u64, domain.rank_of(row) as u64]),
+                );
+            } else {
+                let island = rows.map(|row| domain.id(row)).min().unwrap_or_default();
+                own.extend(group.iter().map(|&[_, index]| Member { index, island, rank }));
+            }
+        }
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        let all = locked(&domain.group).share(&bytes)?.concat();
+        let islands = join(&all);
+        let sent = (0..).zip(&self.rows).filter(|&(_, &row)| is_sent(row));
+        let shared = shared.into_iter().chain(sent.map(|(index, _)| index));
+        own.extend(shared.filter_map(|index| {
+            let row = self.rows[index as usize];
+            let &(island, rank) = islands.get(&domain.id(row)).filter(|_| domain.owns(row))?;
+            Some(Member { index, island, rank })
+        }));
+        own.sort_unstable_by_key(|of| of.index);
+        Ok(own)
+    }
+
+    /// Merges islands. Returns whether particles of any rank merged; if so, all ghosts have been removed.
+    pub(crate) fn merge_members(&mut self, members: &[Member]) -> Result<bool> {
+        let to = self.put_members(members);
+        let Some(domain) = self.domain() else { return Ok(false) };
+        let arrived = locked(&domain.group).exchange(&to)?;
+        let arrived = self.read_members(&arrived)?;
+        let merged = self.unions(&arrived);
+        let Some(domain) = self.domain() else { return Ok(false) };
+        let mut names = vec![Vec::new(); to.len()];
+        let islands: HashMap<Id, ()> = merged.iter().map(|of| (of.island, ())).collect();
+        for of in arrived.details.iter().filter(|of| islands.contains_key(&of.island)) {
+            names[of.rank].extend((of.island as u64).to_le_bytes());
+        }
+        let names = locked(&domain.group).exchange(&names)?.concat();
+        let (names, _) = names.as_chunks::<8>();
+        let mut names: Vec<Id> = names.iter().map(|name| Id::from_le_bytes(*name)).collect();
+        names.sort_unstable();
+        let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
+        let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
+        let gone = members.iter().filter(|of| self.id_of_index(of.index) != of.island).count();
+        let [gone] = self.sum_of_all([gone as u64])?;
+        if gone == 0 {
+            return Ok(false);
+        }
+        let before = &mut self.scratch.before;
+        before.ids.get_or_insert_with(|| self.ids.clone());
+        let domain = self.domain_mut();
+        if domain.before.is_none() {
+            domain.before = Some(domain.count());
+        }
+        self.write_merged(&members, &merged, &arrived.states[0]);
+        self.remove_members(&members);
+        self.domain_mut().total -= gone as usize;
+        self.sum_up_ranks()?;
+        self.end_given_of_none()?;
+        Ok(true)
+    }
+
+    fn id_of_index(&self, index: u32) -> Id {
+        self.id_among_all(self.rows[index as usize])
+    }
+
+    /// Members as bytes, for the ranks that merge them.
+    fn put_members(&self, members: &[Member]) -> Vec<Vec<u8>> {
+        let Some(domain) = self.domain() else { return Vec::new() };
+        let mut to = vec![Vec::new(); locked(&domain.group).size()];
+        let mut pushes: HashMap<u32, Vec<Push>> = HashMap::new();
+        for of in &self.wall_impulses {
+            pushes.entry(of.row).or_default().push(Push::new(0, of));
+        }
+        for &Member { index, island, rank } in members {
+            let (at, row) = (index as usize, self.rows[index as usize]);
+            let name = self.name_of(domain, row);
+            let to = &mut to[rank];
+            put_record(to, name, &self.scratch.starts, at);
+            put_record(to, name, &self.particles, at);
+            let given = self.given_accelerations().get(row as usize).copied().unwrap_or_default();
+            let is_exhausted = self.scratch.exhausted.binary_search(&row).is_ok();
+            let pushes = pushes.remove(&row).unwrap_or_default();
+            Details { island, rank, given, is_exhausted, pushes }.put(to);
+        }
+        to
+    }
+
+    /// Reads members, and puts them in order.
+    fn read_members(&self, from: &[Vec<u8>]) -> Result<Arrived> {
+        let (mut starts, mut ends, mut details) = (Vec::new(), Vec::new(), Vec::new());
+        for (rank, bytes) in from.iter().enumerate() {
+            let mut rest = &bytes[..];
+            while !rest.is_empty() {
+                for records in [&mut starts, &mut ends] {
+                    records.extend_from_slice(rest.split_off(..RECORD).unwrap_or_default());
+                }
+                details.push(Details::get(&mut rest, rank));
+            }
+        }
+        let (starts, ids, kinds) = read_records(&starts);
+        let tie = |a: usize, b: usize| {
+            let order = starts.compare(a, b).then_with(|| kinds[a].cmp(&kinds[b]));
+            order.then_with(|| ids[a].cmp(&ids[b]))
+        };
+        let centers = starts.positions.clone();
+        let shapes =
+            Shapes { centers, radii: Each::Rows(vec![0.0; ids.len()]), ..Shapes::default() };
+        let mut tree = Quadtree::default();
+        tree.set_extent(self.scratch.tree.extent());
+        tree.set_nested();
+        tree.rebuild_unchecked(&shapes, self.settings.tree, &tie)?;
+        let order = tree.rows().iter().map(|&row| row as usize).collect();
+        Ok(Arrived { states: [starts, read_records(&ends).0], kinds, details, order })
+    }
+
+    /// Merges the islands whose members have arrived. Those that cannot merge are left out.
+    fn unions(&self, arrived: &Arrived) -> Vec<Merged> {
+        let Arrived { states: [_, ends], kinds, details, order } = arrived;
+        let mut all = order.clone();
+        all.sort_by_key(|&at| details[at].island);
+        let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
+        let merge = |members: &[usize]| {
+            let particle = union(ends, members, &self.settings.container)?;
+            let with_kinds = |force: usize| {
+                let of = |&at: &usize| (ends.masses[at], kinds[at][force]);
+                kind_of_heaviest(members.iter().map(of)).unwrap_or_default()
+            };
+            let given = members.iter().map(|&at| (ends.masses[at], details[at].given));
+            Some(Merged {
+                island: details[members[0]].island,
+                particle,
+                kinds: std::array::from_fn(with_kinds),
+                given: joint_acceleration(given),
+                is_exhausted: members.iter().any(|&at| details[at].is_exhausted),
+                pushes: members.iter().flat_map(|&at| details[at].pushes.clone()).collect(),
+                first: members[0],
+            })
+        };
+        islands.filter_map(merge).collect()
+    }
+
+    /// Writes merged particles over those of their members that keep their ids, and gives them what has been
+    /// recorded of all in this step: the impulses of walls, and that one was exhausted. Their
+    /// resting impulses begin with 0.
+    fn write_merged(&mut self, members: &[Member], merged: &[Merged], starts: &Particles) {
+        let rows: Vec<u32> = members.iter().map(|of| self.rows[of.index as usize]).collect();
+        let mut has_merged = vec![false; self.rows.len()];
+        rows.iter().for_each(|&row| has_merged[row as usize] = true);
+        let heirs: HashMap<Id, u32> = members
+            .iter()
+            .filter(|of| self.id_of_index(of.index) == of.island)
+            .map(|of| (of.island, of.index))
+            .collect();
+        let Self { particles, persistent, scratch, wall_impulses, .. } = self;
+        let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
+        wall_impulses.retain(|of| !has_merged[of.row as usize]);
+        wall_pushes.retain(|of| !has_merged[of.row as usize]);
+        exhausted.retain(|&row| !has_merged[row as usize]);
+        for of in merged {
+            let Some(&index) = heirs.get(&of.island) else { continue };
+            let (len, at, row) = (self.rows.len(), index as usize, self.rows[index as usize]);
+            particles.put(len, at, &of.particle, 0);
+            own_starts.put(len, at, starts, of.first);
+            persistent.warm_start.clear_one(at);
+            let pushes = of.pushes.iter().map(|push| push.of_row(row));
+            wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
+            exhausted.extend(of.is_exhausted.then_some(row));
+            if let Some(given) = &mut self.given {
+                given[row as usize] = of.given;
+            }
+            forces::put_kinds(&mut self.forces, row as usize, of.kinds);
+        }
+        exhausted.sort_unstable();
+    }
+
+    /// Removes the members that are part of others now, and all ghosts.
+    fn remove_members(&mut self, members: &[Member]) {
+        let Some(domain) = self.domain() else { return };
+        let mut gone: Vec<bool> =
+            (0..self.rows.len() as u32).map(|row| !domain.owns(row)).collect();
+        let mut merged = Vec::new();
+        for of in members {
+            let row = self.rows[of.index as usize];
+            if domain.id(row) != of.island {
+                gone[row as usize] = true;
+                merged.push([domain.id(row), of.island]);
+            }
+        }
+        merged.sort_unstable();
+        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
+        self.scratch.starts.keep(&keep);
+        let shifted = self.take_out(&gone);
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
+        renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
+        renumber(exhausted, |row| row, (&gone, &shifted));
+        self.ids = Ids::of_rows(self.rows.len());
+        let domain = self.domain_mut();
+        retain_unless(&mut domain.ids, &gone);
+        domain.own = domain.ids.len();
+        if !merged.is_empty() {
+            self.record_renumbering(merged);
+        }
+    }
+}
+
+/// Joins groups of all ranks to islands: the smallest id and its rank, by the ids of members. A group is its
+/// length, then the id and the rank of each member.
+fn join(bytes: &[u8]) -> HashMap<Id, (Id, usize)> {
+    let (words, _) = bytes.as_chunks::<8>();
+    let mut words = words.iter().map(|word| u64::from_le_bytes(*word));
+    let mut groups: Vec<Vec<(Id, usize)>> = Vec::new();
+    while let Some(len) = words.next() {
+        let mut next = || words.next().unwrap_or_default();
+        groups.push((0..len).map(|_| (next() as Id, next() as usize)).collect());
+    }
+    let mut all: Vec<(Id, usize)> = groups.iter().flatten().copied().collect();
+    all.sort_unstable();
+    all.dedup();
+    let number = |of: &(Id, usize)| all.partition_point(|other| other < of) as u32;
+    let mut sets = DisjointSets::default();
+    sets.reset(all.len());
+    for group in &groups {
+        group.iter().for_each(|of| sets.join(number(&group[0]), number(of)));
+    }
+    let island = |of: &(Id, usize)| (of.0, all[sets.root(number(of)) as usize]);
+    all.iter().map(island).collect()
+}

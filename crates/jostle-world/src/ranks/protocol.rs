@@ -1,0 +1,331 @@
+//! What ranks do together in a step.
+//!
+//! Each rank computes a step of its own particles and of ghosts: copies of the particles of other ranks
+//! near them. A rank announces in which cells its particles may be during the step, and gets all
+//! particles of others that may be there.
+//!
+//! Contacts are solved colour by colour, and between two colours ghosts get the velocities, or in position
+//! correction the displacements, that their own ranks have computed. So an own particle needs no
+//! more than the particles that it touches.
+//!
+//! Collisions in the order of time have chains that may be long. So ranks compare the trajectories of
+//! ghosts that may meet own particles with those that their own ranks have computed. If all are
+//! equal, every own particle has met the same particles, on the same trajectories, as in one process:
+//! each pair is computed by a rank that has the true trajectory of both, and a history without
+//! contradictions is unique. The colours of contacts are compared, too. Otherwise, or if a particle
+//! got further than announced, all ranks repeat the step with a wider halo.
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+
+use super::domain::Domain;
+use crate::contacts::ContactShape;
+use crate::error::{Error, Result};
+use crate::forces;
+use crate::halo::{Halo, digest, digest_all};
+use crate::motion::exact;
+use crate::parallel::locked;
+use crate::ids::Id;
+use crate::world::distribution::{Agreement, Protocol};
+use crate::world::{OnTouch, Stats, World};
+
+/// Factor of the margin after each step that was not repeated.
+const NARROWING: f64 = 0.99;
+
+/// Factor of the margin with which a step begins, at most.
+const MAX_WIDENING: f64 = 8.0;
+
+/// What ranks do together.
+pub(crate) struct Ranks;
+
+impl Protocol for Ranks {
+    /// A rank that panics tells the others, too.
+    fn guard(
+        &self,
+        world: &mut World,
+        step: &mut dyn FnMut(&mut World) -> Result<()>,
+    ) -> Result<()> {
+        let done = catch_unwind(AssertUnwindSafe(|| step(world)));
+        let is_cause = !matches!(done, Ok(Ok(()) | Err(Error::OtherRank { .. })));
+        if is_cause {
+            world.halo.fail();
+        }
+        done.unwrap_or_else(|panic| resume_unwind(panic))
+    }
+
+    fn begin_step(&self, world: &mut World) {
+        world.drop_ghosts();
+    }
+
+    fn migrate(&self, world: &mut World) -> Result<bool> {
+        world.move_to_domains()?;
+        let domain = world.domain_mut();
+        if domain.is_still {
+            domain.steps += 1;
+            world.wall_impulses.clear();
+            world.stats = Stats::default();
+            return Ok(false);
+        }
+        domain.kept = domain.resting.len();
+        domain.widened = domain.widening;
+        domain.further.clear();
+        Ok(true)
+    }
+
+    fn gather(&self, world: &mut World, dt: f32) -> Result<()> {
+        world.domain_mut().before = None;
+        let has_all = world.exchange_ghosts(dt)?;
+        world.domain_mut().has_all = has_all;
+        world.recall_resting();
+        Ok(())
+    }
+
+    fn renew(&self, world: &mut World, dt: f32) -> Result<()> {
+        world.renew_ghosts(dt)
+    }
+
+    fn begin_part(&self, world: &mut World) {
+        // Particles merge in the order that they have now.
+        if world.settings.on_touch == OnTouch::Merge {
+            world.scratch.starts.clone_from(&world.particles);
+        }
+        world.find_shared();
+    }
+
+    fn share_accelerations(&self, world: &mut World) -> Result<()> {
+        world.share_accelerations()
+    }
+
+    fn agree_on_order(
+        &self,
+        world: &mut World,
+        own: ContactShape,
+        refinement: usize,
+    ) -> Result<(ContactShape, usize)> {
+        let World { particles, scratch, contacts, halo, rows, .. } = world;
+        let domain = Domain::of_mut(&mut **halo);
+        let of_pairs = domain.digest_colours(contacts, &scratch.overlaps, particles, rows);
+        let (mut shape, refinement) = domain.shape_of_all(own, refinement)?;
+        domain.add_pair_digests(of_pairs);
+        if shape.rounds > 0 {
+            shape.rounds = domain.divide(contacts.sequential(), &particles.movable, rows)?;
+        }
+        Ok((shape, refinement))
+    }
+
+    fn limit(&self, world: &mut World, _: f32) {
+        let World { particles, scratch, settings, halo, rows, .. } = world;
+        Domain::of_mut(&mut **halo).limit(particles, rows, &settings.container, scratch);
+    }
+
+    fn end_part(&self, world: &mut World) {
+        world.digest_shared();
+    }
+
+    fn must_repeat(&self, world: &mut World) -> Result<bool> {
+        let agreement = world.compare_with_other_ranks()?;
+        world.scratch.agreement = Some(agreement);
+        Ok(agreement != Agreement::Same)
+    }
+
+    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
+        let members = world.members_of_islands(touching)?;
+        world.merge_members(&members)
+    }
+
+    fn gather_near(&self, world: &mut World) -> Result<()> {
+        world.exchange_static_ghosts()
+    }
+
+    fn compare(&self, world: &mut World) -> Result<Agreement> {
+        world.compare_with_other_ranks()
+    }
+
+    fn end_step(&self, world: &mut World) {
+        let has_contacts = world.contacts.has_impulses();
+        let domain = world.domain_mut();
+        domain.steps += 1;
+        // The next steps need about as much.
+        domain.widening = (domain.widened * NARROWING).clamp(1.0, MAX_WIDENING);
+        domain.has_contacts = has_contacts;
+        if !has_contacts {
+            domain.resting.clear();
+        }
+    }
+
+    fn undo(&self, world: &mut World) {
+        let domain = world.domain_mut();
+        domain.note_further();
+        if let Some(count) = domain.before.take() {
+            domain.restore(count);
+        }
+        world.drop_ghosts();
+    }
+
+    fn widen(&self, world: &mut World, agreement: Agreement, dt: f64) -> Result<()> {
+        let domain = world.domain_mut();
+        if agreement == Agreement::Different && domain.has_all {
+            let rule = "the ranks do not agree on the step; please report it";
+            return Err(Error::of("dt", dt, rule));
+        }
+        domain.widened *= 2.0;
+        domain.repeats += 1;
+        Ok(())
+    }
+
+    fn give_up(&self, world: &mut World) {
+        world.drop_ghosts();
+        let domain = world.domain_mut();
+        domain.resting.truncate(domain.kept);
+    }
+
+    fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
+        world.wake_touched_of_ranks(touched, all)
+    }
+
+    fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
+        world.wake_edited_of_ranks(driven, changed)
+    }
+
+    fn recall_contacts(&self, world: &mut World, islands: &[u32]) {
+        world.recall_contacts_of_woken(islands);
+    }
+
+    fn drop_contacts(&self, world: &mut World) {
+        world.drop_contacts_of_woken();
+    }
+
+    fn join_islands(&self, world: &mut World) -> Result<()> {
+        world.join_islands_of_ranks()
+    }
+
+    fn keep_pairs(&self, world: &mut World) -> Result<()> {
+        world.keep_pairs_of_sleepers()
+    }
+
+    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
+        let all = world.domain().map_or(&[][..], |domain| &domain.sleeping);
+        let touch = all.iter().filter(|of| of.is_near || of.contact.impulse > 0.0);
+        touch.map(|of| of.ids).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+    }
+}
+
+impl World {
+    /// Lists the particles that other ranks have too, by their new indices.
+    pub(crate) fn find_shared(&mut self) {
+        let Self { halo, rows, .. } = self;
+        Domain::of_mut(&mut **halo).list_indices(rows);
+    }
+
+    /// Adds what happened to shared particles in a part of the step to their hashes, and finds those that
+    /// got further than announced.
+    pub(crate) fn digest_shared(&mut self) {
+        let Self { halo, scratch, rows, particles, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
+        let events = &scratch.events;
+        for (at, &index) in domain.shared.iter().enumerate() {
+            let row = rows[index as usize] as usize;
+            let motion = scratch.motions.get(index);
+            let [x, y] = exact(motion.position, motion.residual);
+            let [u, v] = motion.velocity.map(f64::from);
+            let mut hash = digest_all(domain.digests[row], [x, y, u, v]);
+            hash = digest(hash, events.digests.get(at).copied().unwrap_or(0));
+            if !scratch.spins.is_empty() {
+                hash = digest_all(hash, [f64::from(scratch.spins.velocity(index))]);
+            }
+            domain.digests[row] = hash;
+            domain.may_meet[row] |= events.may_meet.get(at).is_some_and(|&may_meet| may_meet);
+        }
+        for &(index, distance) in &events.outside_limits {
+            let left = domain.left.get(index as usize).copied().unwrap_or(f32::INFINITY);
+            if distance > f64::from(left) {
+                domain.far.push((rows[index as usize], distance as f32));
+            }
+        }
+        for (index, &limit) in domain.left.iter().enumerate() {
+            let ([x, y], [u, v]) =
+                (scratch.motions.position(index as u32), particles.positions[index]);
+            let square = (x - u) * (x - u) + (y - v) * (y - v);
+            if square > limit * limit {
+                domain.far.push((rows[index], square.sqrt()));
+            }
+        }
+    }
+
+    /// Gives ghosts the accelerations that their own ranks have computed, from neighbours that this rank
+    /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
+    pub(crate) fn share_accelerations(&mut self) -> Result<()> {
+        let has_accelerations = self.has_accelerations();
+        let Self { halo, rows, scratch, settings, forces, .. } = self;
+        let domain = Domain::of_mut(&mut **halo);
+        if locked(&domain.group).size() < 2 || !has_accelerations {
+            return Ok(());
+        }
+        domain.list_indices(rows);
+        let halo: &dyn Halo = domain;
+        let force = &mut scratch.forces;
+        let accelerations = Cell::from_mut(&mut force.accelerations[..]).as_slice_of_cells();
+        halo.wait()?;
+        halo.refresh(
+            |index| accelerations[index as usize].get(),
+            |index, acceleration| accelerations[index as usize].set(acceleration),
+        )?;
+        let half_cutoff = 0.5 * forces::largest_cutoff(forces);
+        for (&position, &row) in force.halfway.iter().zip(&*rows) {
+            let Some(of) = domain.announced.get(row as usize) else { continue };
+            let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
+            let [x, y] = settings.container.minimum_image(offset);
+            let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
+            if distance > of.distance {
+                domain.far.push((row, distance));
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares the hashes of all ghosts that may meet own particles with those of their own ranks,
+    /// on all ranks. Refuses, on all ranks, a step that is the same on all and in which a particle
+    /// has too many collisions.
+    pub(crate) fn compare_with_other_ranks(&mut self) -> Result<Agreement> {
+        let Some(domain) = self.domain() else { return Ok(Agreement::Same) };
+        let halo: &dyn Halo = domain;
+        if halo.is_alone() {
+            return match self.scratch.events.has_too_many() {
+                true if !self.scratch.meets_sleepers => Err(self.too_many_collisions()),
+                _ => Ok(Agreement::Same),
+            };
+        }
+        if halo.any(!domain.far.is_empty())? {
+            return Ok(Agreement::Further);
+        }
+        let hash = |row: u32, rank: u32| {
+            let pairs = domain.own_pairs.get(&(row, rank)).copied().unwrap_or(0);
+            digest(domain.digests[row as usize], pairs)
+        };
+        let sent = (0..).zip(&domain.sent);
+        let hashes = sent.flat_map(|(rank, rows)| rows.iter().map(move |&row| hash(row, rank)));
+        let to: Vec<u8> = hashes.flat_map(u64::to_le_bytes).collect();
+        let sent: Vec<usize> = domain.sent.iter().map(|rows| rows.len() * 8).collect();
+        let received: Vec<usize> = domain.received.iter().map(|count| count * 8).collect();
+        let all = locked(&domain.group).exchange_known(&to, &sent, &received)?;
+        let (all, _) = all.as_chunks::<8>();
+        let differ = (domain.own..domain.ids.len()).zip(all).filter(|(row, theirs)| {
+            let own = digest(domain.digests[*row], domain.ghost_pairs[*row]);
+            domain.may_meet[*row] && own != u64::from_le_bytes(**theirs)
+        });
+        // A step that ended early, or that differs, is repeated.
+        let is_refused = !self.scratch.meets_sleepers && self.scratch.events.has_too_many();
+        let [different, refused] = halo.sum([differ.count() as u64, u64::from(is_refused)])?;
+        if different > 0 {
+            return Ok(Agreement::Different);
+        }
+        if is_refused {
+            return Err(self.too_many_collisions());
+        }
+        if refused > 0 {
+            // The ranks that refuse it report this now.
+            halo.wait()?;
+        }
+        Ok(Agreement::Same)
+    }
+}

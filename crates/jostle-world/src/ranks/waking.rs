@@ -1,0 +1,180 @@
+//! Waking in a distributed world: a rank may touch islands that sleep on other ranks.
+//!
+//! Sleeping particles stay on the rank on which they fell asleep. In each step a rank gets the circles of those
+//! near its moving particles. The names of all islands that any rank would touch go to all ranks, which wake
+//! their parts of them.
+
+use super::carried::{NONE, Resting};
+use super::domain::Domain;
+use super::{Grid, Near};
+use crate::bytes::Plain;
+use crate::container::Container;
+use crate::error::Result;
+use crate::parallel::locked;
+use crate::particles::Particles;
+use crate::settings::Settings;
+use crate::shapes::Filter;
+use crate::ids::Id;
+use crate::world::World;
+use crate::world::asleep::{Asleep, Island, Sleepers};
+use crate::world::bounds::rounding;
+
+/// Bytes of the circle of a sleeping particle: its island, centre, radius, category and mask.
+const CIRCLE: usize = 28;
+
+impl Asleep {
+    /// Lists the circles of sleeping particles for each rank that may have moving particles near them.
+    pub(crate) fn circles_near(
+        &self,
+        grid: &Grid<'_>,
+        near: &Near,
+        container: &Container,
+        size: usize,
+    ) -> Vec<Vec<u8>> {
+        let mut to = vec![Vec::new(); size];
+        let all = &self.sleepers().discs.particles;
+        let mut ranks = Vec::new();
+        for number in self.islands() {
+            let Island { particles, name, .. } = &self.sleepers().islands[number as usize];
+            for at in particles.clone().map(|at| at as usize) {
+                let (position, radius) = (all.positions[at], all.radii[at]);
+                let half_width =
+                    f64::from(radius) * 1.000_01 + f64::from(rounding(position, radius, container));
+                near.list_ranks(grid, container.wrap(position), half_width, &mut ranks);
+                for &rank in &ranks {
+                    put_circle(&mut to[rank as usize], *name, all, at);
+                }
+            }
+        }
+        to
+    }
+}
+
+fn put_circle(to: &mut Vec<u8>, island: Id, all: &Particles, at: usize) {
+    let start = to.len();
+    to.resize(start + CIRCLE, 0);
+    let ([x, y], filter) = (all.positions[at], all.filter(at));
+    (island as u64).store(&mut to[start..start + 8]);
+    [x, y, all.radii[at]].store(&mut to[start + 8..start + 20]);
+    [filter.category, filter.mask].store(&mut to[start + 20..]);
+}
+
+/// Sleeping islands of which only the circles are known.
+pub(crate) fn islands_of_circles(bytes: &[u8], settings: Settings) -> Result<Asleep> {
+    let mut circles: Vec<(Id, [f32; 3], [u32; 2])> = bytes
+        .chunks_exact(CIRCLE)
+        .map(|from| {
+            (u64::load(&from[..8]) as Id, Plain::load(&from[8..20]), Plain::load(&from[20..]))
+        })
+        .collect();
+    circles.sort_by_key(|&(island, ..)| island);
+    let mut found = Asleep::default();
+    if circles.is_empty() {
+        return Ok(found);
+    }
+    let positions: Vec<_> = circles.iter().map(|(_, [x, y, _], _)| [*x, *y]).collect();
+    let radii = circles.iter().map(|(_, [.., radius], _)| *radius).collect();
+    let mut sleepers = Sleepers::default();
+    let len = positions.len();
+    let mut all = Particles::new(positions, vec![[0.0; 2]; len], radii, 1.0);
+    for (filter, (.., [category, mask])) in all.filters_mut().iter_mut().zip(&circles) {
+        *filter = Filter { category: *category, mask: *mask };
+    }
+    all.simplify();
+    sleepers.discs.particles = all;
+    sleepers.discs.rows.resize(len, 0);
+    let mut end = 0;
+    for circles in circles.chunk_by(|a, b| a.0 == b.0) {
+        let particles = end..end + circles.len() as u32;
+        end = particles.end;
+        sleepers.islands.push(Island { particles, name: circles[0].0, ..Island::default() });
+    }
+    found.append(&sleepers, settings)?;
+    Ok(found)
+}
+
+impl Domain {
+    /// The contacts at rest of islands that wake, with the rows of own particles.
+    fn contacts_of_woken(&self, names: &[Id]) -> Vec<Resting> {
+        let is_kept = |of: &&super::islands::SleepingContact| {
+            let contact = &of.contact;
+            let is_at_rest = contact.impulse > 0.0 && contact.image == [0.0; 2];
+            is_at_rest && names.binary_search(&of.island).is_ok()
+        };
+        let mut woken: Vec<Resting> = self
+            .sleeping
+            .iter()
+            .filter(is_kept)
+            .map(|of| {
+                let [a, b] = of.ids;
+                let impulses = [of.contact.impulse, of.contact.friction_impulse];
+                Resting { ids: [a.min(b), a.max(b)], rows: [NONE; 2], impulses }
+            })
+            .collect();
+        let mut rows: Vec<(Id, u32)> =
+            woken.iter().flat_map(|of| of.ids).map(|id| (id, NONE)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        for (&id, row) in self.ids[..self.own].iter().zip(0..) {
+            if let Ok(at) = rows.binary_search_by_key(&id, |&(id, _)| id) {
+                rows[at].1 = row;
+            }
+        }
+        for of in &mut woken {
+            of.rows = of.ids.map(|id| rows[rows.partition_point(|&(other, _)| other < id)].1);
+        }
+        woken
+    }
+}
+
+impl World {
+    /// Adds the contacts of islands that wake to those at rest.
+    pub(crate) fn recall_contacts_of_woken(&mut self, islands: &[u32]) {
+        // They are added to those of the last step.
+        self.keep_resting();
+        let mut names: Vec<Id> = self.asleep.names(islands).collect();
+        names.sort_unstable();
+        let domain = self.domain_mut();
+        let woken = domain.contacts_of_woken(&names);
+        domain.resting.extend(woken);
+    }
+
+    /// Wakes the islands that any rank would touch, or all; there are no ghosts.
+    pub(crate) fn wake_touched_of_ranks(&mut self, touched: &[u32], all: bool) -> Result<()> {
+        let mut names: Vec<Id> = self.asleep.names(touched).collect();
+        let domain = self.domain_mut();
+        names.append(&mut domain.touched);
+        names.sort_unstable();
+        names.dedup();
+        let bytes: Vec<u8> = names.iter().flat_map(|name| name.to_le_bytes()).collect();
+        let found = locked(&domain.group).share(&bytes)?.concat();
+        let (found, _) = found.as_chunks::<8>();
+        let mut names: Vec<Id> = found.iter().map(|name| Id::from_le_bytes(*name)).collect();
+        names.sort_unstable();
+        let islands = if all { self.asleep.islands().collect() } else { self.asleep.named(&names) };
+        self.wake(&islands);
+        self.sum_up_ranks()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn circles_are_read_as_islands() {
+        let mut all =
+            Particles::new(vec![[1.0, 2.0], [3.0, 4.0]], vec![[0.0; 2]; 2], vec![5.0; 2], 1.0);
+        all.filters_mut()[1] = Filter { category: 2, mask: 3 };
+        let mut bytes = Vec::new();
+        for (island, at) in [(9, 0), (4, 1), (9, 1)] {
+            put_circle(&mut bytes, island, &all, at);
+        }
+        let found = islands_of_circles(&bytes, Settings::default()).unwrap();
+        assert_eq!(found.names(&[0, 1]).collect::<Vec<Id>>(), [4, 9]);
+        let discs = &found.sleepers().discs.particles;
+        assert_eq!(discs.positions, [[3.0, 4.0], [1.0, 2.0], [3.0, 4.0]]);
+        assert_eq!((discs.radii[0], discs.filter(0)), (5.0, Filter { category: 2, mask: 3 }));
+        assert!(islands_of_circles(&[], Settings::default()).unwrap().is_empty());
+    }
+}

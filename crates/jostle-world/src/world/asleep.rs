@@ -1,0 +1,360 @@
+//! Sleeping islands, apart from the columns that a step works on.
+//!
+//! An island that falls asleep is appended. One that wakes is only marked; the marked ones are
+//! removed when they are more than half. So both cost as much as the island is large. Trees over
+//! ranges of the particles find those that others touch. The tree of a new range takes in those
+//! before that are not much larger, so there are few (the logarithmic method: J. L. Bentley and J. B. Saxe,
+//! *Decomposable Searching Problems I*, Journal of Algorithms 1, 1980).
+
+use std::iter;
+use std::ops::Range;
+
+use super::discs::Discs;
+use super::touches::WallImpulse;
+use super::{MAX_CANDIDATES, WorldSettings};
+use crate::contacts::Contact;
+use crate::error::{Error, Result};
+use crate::pairs::{self, Filters, JoinScratch};
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::settings::{Method, Settings};
+use crate::shapes::{Each, Shapes, fill_filters};
+use crate::ids::Id;
+use crate::table::Table;
+
+/// Where the parts of an island are in the columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Island {
+    pub(crate) particles: Range<u32>,
+    pub(crate) contacts: Range<u32>,
+    pub(crate) wall_impulses: Range<u32>,
+    /// In a distributed world the smallest id of all its particles, some of which may be on other
+    /// processes; otherwise 0.
+    pub(crate) name: Id,
+}
+
+/// Islands with all that they need to continue when they wake.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sleepers {
+    pub(crate) discs: Discs,
+    /// Those of the last step in which they were awake. Their indices are rows: the other
+    /// particle may be immovable, and is awake then.
+    pub(crate) contacts: Vec<Contact>,
+    /// Those of that step.
+    pub(crate) wall_impulses: Vec<WallImpulse>,
+    pub(crate) islands: Vec<Island>,
+}
+
+impl Sleepers {
+    /// Number of particles.
+    fn len(&self) -> usize {
+        self.discs.rows.len()
+    }
+
+    /// Replaces the contacts by those of each island, which are sorted by islands.
+    pub(crate) fn set_contacts(&mut self, of_islands: Vec<(u32, Contact)>) {
+        let mut end = 0;
+        for (number, island) in (0..).zip(&mut self.islands) {
+            island.contacts = run(&of_islands, end, number);
+            end = island.contacts.end;
+        }
+        self.contacts = of_islands.into_iter().map(|(_, contact)| contact).collect();
+    }
+
+    /// Appends islands.
+    fn extend(&mut self, other: &Self) {
+        let moved = |range: &Range<u32>, by: usize| range.start + by as u32..range.end + by as u32;
+        let Self { contacts, wall_impulses, .. } = &*self;
+        let [first, first_contact, first_impulse] =
+            [self.len(), contacts.len(), wall_impulses.len()];
+        self.islands.extend(other.islands.iter().map(|island| Island {
+            particles: moved(&island.particles, first),
+            contacts: moved(&island.contacts, first_contact),
+            wall_impulses: moved(&island.wall_impulses, first_impulse),
+            name: island.name,
+        }));
+        self.discs.append(first, &other.discs, other.len());
+        self.contacts.extend_from_slice(&other.contacts);
+        self.wall_impulses.extend_from_slice(&other.wall_impulses);
+    }
+
+    /// A copy of some islands.
+    fn select(&self, islands: impl Iterator<Item = u32>) -> Self {
+        let mut copy = Self::default();
+        let mut order = Vec::new();
+        let range = |range: &Range<u32>| range.start as usize..range.end as usize;
+        for island in islands.map(|number| &self.islands[number as usize]) {
+            let starts = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
+            order.extend(island.particles.clone());
+            copy.contacts.extend_from_slice(&self.contacts[range(&island.contacts)]);
+            copy.wall_impulses.extend_from_slice(&self.wall_impulses[range(&island.wall_impulses)]);
+            let ends = [order.len(), copy.contacts.len(), copy.wall_impulses.len()];
+            let [particles, contacts, wall_impulses] =
+                [0, 1, 2].map(|k| starts[k] as u32..ends[k] as u32);
+            copy.islands.push(Island { particles, contacts, wall_impulses, name: island.name });
+        }
+        copy.discs.gather(&self.discs, &order, Some(1));
+        copy.discs.drop_defaults();
+        copy
+    }
+}
+
+/// The range of the values of one island, from `start` on, in a list sorted by islands.
+pub(crate) fn run<V>(all: &[(u32, V)], start: u32, island: u32) -> Range<u32> {
+    let values = all[start as usize..].iter().take_while(|of| of.0 == island);
+    start..start + values.count() as u32
+}
+
+/// The tree of the circles of some particles.
+#[derive(Debug)]
+struct Layer {
+    /// The number of the first particle.
+    first: usize,
+    tree: Quadtree<f32>,
+}
+
+/// All sleeping islands.
+#[derive(Debug, Default)]
+pub(crate) struct Asleep {
+    /// With islands that are awake, but not removed yet.
+    sleepers: Sleepers,
+    /// The island of each particle.
+    island_of: Vec<u32>,
+    /// Whether each island is awake.
+    is_awake: Vec<bool>,
+    /// The number of particles of islands that are awake.
+    awake: usize,
+    /// The islands that have been woken since the last call of [`Asleep::forget_woken`].
+    woken: Vec<u32>,
+    layers: Vec<Layer>,
+}
+
+impl Asleep {
+    /// Number of sleeping particles.
+    pub(crate) fn len(&self) -> usize {
+        self.sleepers.len() - self.awake
+    }
+
+    /// Whether no particle sleeps.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The columns, also of islands that are awake.
+    pub(crate) fn sleepers(&self) -> &Sleepers {
+        &self.sleepers
+    }
+
+    /// The numbers of the sleeping islands.
+    pub(crate) fn islands(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..).zip(&self.is_awake).filter(|(_, is_awake)| !**is_awake).map(|(island, _)| island)
+    }
+
+    /// The indices of the sleeping particles in the columns.
+    pub(crate) fn indices(&self) -> impl Iterator<Item = usize> + '_ {
+        let range = |island: u32| self.sleepers.islands[island as usize].particles.clone();
+        self.islands().flat_map(range).map(|at| at as usize)
+    }
+
+    /// The rows of the sleeping particles.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = u32> + '_ {
+        self.indices().map(|at| self.sleepers.discs.rows[at])
+    }
+
+    /// The contacts of the sleeping particles; their indices are rows.
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = &Contact> {
+        let range = |island: u32| self.sleepers.islands[island as usize].contacts.clone();
+        self.islands().flat_map(range).map(|at| &self.sleepers.contacts[at as usize])
+    }
+
+    /// The impulses that walls gave to the sleeping particles.
+    pub(crate) fn wall_impulses(&self) -> impl Iterator<Item = &WallImpulse> {
+        let range = |island: u32| self.sleepers.islands[island as usize].wall_impulses.clone();
+        self.islands().flat_map(range).map(|at| &self.sleepers.wall_impulses[at as usize])
+    }
+
+    /// A copy of the sleeping islands.
+    pub(crate) fn copy(&self) -> Sleepers {
+        self.sleepers.select(self.islands())
+    }
+
+    /// Appends islands that fall asleep. If there is an error, nothing changes.
+    pub(crate) fn append(&mut self, new: &Sleepers, settings: Settings) -> Result<()> {
+        let end = self.sleepers.len() + new.len();
+        let mut first = self.sleepers.len();
+        let mut kept = self.layers.len();
+        while kept > 0 && self.layers[kept - 1].tree.len() <= 2 * (end - first) {
+            kept -= 1;
+            first = self.layers[kept].first;
+        }
+        let (old, added) = (&self.sleepers.discs.particles, &new.discs.particles);
+        let Particles { positions, radii, .. } = old;
+        let centers = [&positions[first..], &added.positions].concat();
+        let radii = Each::Rows([&radii[first..], &added.radii].concat());
+        let mut shapes = Shapes { centers, radii, ..Shapes::default() };
+        if !old.filters.is_empty() || !added.filters.is_empty() {
+            let filter = |at: usize| match at.checked_sub(old.len()) {
+                None => old.filter(at),
+                Some(at) => added.filter(at),
+            };
+            fill_filters((first..end).map(filter), &mut shapes.filters);
+        }
+        let tree = Quadtree::new(&shapes, settings)?;
+        self.layers.truncate(kept);
+        self.layers.push(Layer { first, tree });
+        for island in &new.islands {
+            let number = self.is_awake.len() as u32;
+            self.island_of.extend(iter::repeat_n(number, island.particles.len()));
+            self.is_awake.push(false);
+        }
+        self.sleepers.extend(new);
+        Ok(())
+    }
+
+    /// Lists in `islands` those of which a particle overlaps one of the circles in a tree,
+    /// ascending; of a smaller circle with the radius that `radius` returns for its row, if it
+    /// returns any. All islands, if there are too many pairs to list.
+    pub(crate) fn touched(
+        &self,
+        circles: &Quadtree<f32>,
+        radius: impl Fn(u32) -> Option<f32>,
+        settings: &WorldSettings,
+        (join, islands): (&mut JoinScratch, &mut Vec<u32>),
+    ) -> Result<()> {
+        islands.clear();
+        let images = settings.container.images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
+        for image in iter::once([0.0; 2]).chain(images) {
+            for Layer { first, tree } in &self.layers {
+                let max = MAX_CANDIDATES;
+                let found = match settings.method {
+                    Method::Quadtree => {
+                        pairs::indices_between(circles, tree, image, Filters::Apply, max, join)
+                    }
+                    Method::Brute => {
+                        let [circles, others] = [circles, tree].map(Quadtree::columns);
+                        pairs::brute_between(circles, others, image, Filters::Apply, max)
+                    }
+                };
+                let found = match found {
+                    Err(Error::TooManyPairs { .. }) => {
+                        islands.clear();
+                        islands.extend(self.islands());
+                        return Ok(());
+                    }
+                    other => other?,
+                };
+                let overlaps = |pair: &&[u32; 2]| {
+                    let Some(radius) = radius(circles.rows()[pair[0] as usize]) else {
+                        return false;
+                    };
+                    let [own, other] = [(circles, pair[0]), (tree, pair[1])]
+                        .map(|(tree, index)| tree.columns().shape(index as usize));
+                    let [x, y] = [0, 1].map(|k| other.min[k] - own.min[k] + image[k]);
+                    let limit = radius + other.radius;
+                    x * x + y * y < limit * limit
+                };
+                let new = found.pairs.iter().filter(overlaps);
+                let new =
+                    new.map(|pair| self.island_of[first + tree.rows()[pair[1] as usize] as usize]);
+                islands.extend(new.filter(|&island| !self.is_awake[island as usize]));
+                join.keep(found.pairs);
+            }
+        }
+        islands.sort_unstable();
+        islands.dedup();
+        Ok(())
+    }
+
+    /// The islands that touch one of some rows, which are sorted; ascending.
+    pub(crate) fn islands_touching(&self, rows: &[u32]) -> Vec<u32> {
+        let touches = |&island: &u32| {
+            let Range { start, end } = self.sleepers.islands[island as usize].contacts.clone();
+            let contacts = &self.sleepers.contacts[start as usize..end as usize];
+            contacts
+                .iter()
+                .flat_map(|contact| contact.indices)
+                .any(|row| rows.binary_search(&row).is_ok())
+        };
+        self.islands().filter(touches).collect()
+    }
+
+    /// The names of some islands.
+    pub(crate) fn names(&self, islands: &[u32]) -> impl Iterator<Item = Id> {
+        islands.iter().map(|&island| self.sleepers.islands[island as usize].name)
+    }
+
+    /// The sleeping islands with some names, which are sorted; ascending.
+    pub(crate) fn named(&self, names: &[Id]) -> Vec<u32> {
+        let name = |island: u32| self.sleepers.islands[island as usize].name;
+        self.islands().filter(|&island| names.binary_search(&name(island)).is_ok()).collect()
+    }
+
+    /// The islands of the particles with some indices, ascending.
+    pub(crate) fn islands_of(&self, indices: impl Iterator<Item = usize>) -> Vec<u32> {
+        let mut islands: Vec<u32> = indices.map(|at| self.island_of[at]).collect();
+        islands.sort_unstable();
+        islands.dedup();
+        islands
+    }
+
+    /// Wakes islands and returns a copy of them.
+    pub(crate) fn wake(&mut self, islands: &[u32]) -> Sleepers {
+        self.mark(islands, true);
+        self.woken.extend_from_slice(islands);
+        self.sleepers.select(islands.iter().copied())
+    }
+
+    /// The rows of the islands that have been woken, sorted.
+    pub(crate) fn woken_rows(&self) -> Vec<u32> {
+        let islands = self.woken.iter().map(|&island| &self.sleepers.islands[island as usize]);
+        let indices = islands.flat_map(|island| island.particles.clone());
+        let mut rows: Vec<u32> = indices.map(|at| self.sleepers.discs.rows[at as usize]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
+    /// Removes the last islands again, of which there are so many, because the step is undone.
+    pub(crate) fn withdraw(&mut self, count: usize) {
+        let end = self.is_awake.len() as u32;
+        self.mark(&(end - count as u32..end).collect::<Vec<u32>>(), true);
+    }
+
+    /// Puts the islands that have been woken to sleep again.
+    pub(crate) fn cancel_waking(&mut self) {
+        let woken = std::mem::take(&mut self.woken);
+        self.mark(&woken, false);
+    }
+
+    fn mark(&mut self, islands: &[u32], is_awake: bool) {
+        for &island in islands {
+            let count = self.sleepers.islands[island as usize].particles.len();
+            self.is_awake[island as usize] = is_awake;
+            self.awake = if is_awake { self.awake + count } else { self.awake - count };
+        }
+    }
+
+    /// Makes waking final. Removes the islands that are awake if they are more than half.
+    pub(crate) fn forget_woken(&mut self) {
+        self.woken.clear();
+        if 2 * self.awake <= self.sleepers.len() {
+            return;
+        }
+        let mut rest = Self::default();
+        let settings = self.layers.first().map_or(Settings::default(), |of| of.tree.settings());
+        // If the tree cannot be built, they are removed later.
+        if self.is_empty() || rest.append(&self.copy(), settings).is_ok() {
+            *self = rest;
+        }
+    }
+
+    /// Renumbers the rows.
+    pub(crate) fn renumber(&mut self, new: &[u32]) {
+        let Sleepers { discs: Discs { rows, .. }, contacts, wall_impulses, .. } =
+            &mut self.sleepers;
+        // Of islands that are awake, rows may be gone. Nothing reads them.
+        let renumber = |row: &mut u32| *row = new.get(*row as usize).copied().unwrap_or(0);
+        rows.iter_mut().for_each(renumber);
+        contacts.iter_mut().flat_map(|contact| &mut contact.indices).for_each(renumber);
+        wall_impulses.iter_mut().for_each(|of| renumber(&mut of.row));
+    }
+}

@@ -1,0 +1,231 @@
+//! How a world is distributed over processes.
+//!
+//! A [`World`] asks its [`Distribution`] what all processes know together, and lets its [`Protocol`]
+//! act at some points of a step and of edits: exchange particles, compare, repeat. The default of
+//! every function is that of one process, which has nothing to exchange.
+
+use std::any::Any;
+
+use super::asleep::Sleepers;
+use super::{World, WorldSettings};
+use crate::contacts::{Contact, ContactShape};
+use crate::error::Result;
+use crate::halo::{Alone, Halo};
+use crate::pairs::JoinScratch;
+use crate::quadtree::Quadtree;
+use crate::ids::Id;
+
+/// What the processes have computed for the particles that they share, compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Agreement {
+    Same,
+    /// Some particle has got further than announced.
+    Further,
+    Different,
+}
+
+/// What the particles of all processes require.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Agreed {
+    /// Whether all collisions keep the energy.
+    pub(crate) is_lossless: bool,
+    pub(crate) has_friction: bool,
+    pub(crate) any_sleeps: bool,
+}
+
+/// The part of a world that this process has.
+pub(crate) trait Distribution: Halo + Any + Send {
+    /// What the processes do together.
+    fn protocol(&self) -> &'static dyn Protocol {
+        &Alone
+    }
+
+    /// Whether this process has the whole world by itself, with its rows in the order of adding.
+    fn is_whole(&self) -> bool {
+        true
+    }
+
+    /// The number of own rows, or more. Ghosts are in the rows after them.
+    fn own_rows(&self) -> u32 {
+        u32::MAX
+    }
+
+    /// The id of each row among the particles of all processes; empty if the world knows them.
+    fn ids(&self) -> &[Id] {
+        &[]
+    }
+
+    /// What the particles of all processes require; None if it is what the own ones require.
+    fn agreed(&self) -> Option<Agreed> {
+        None
+    }
+
+    /// The AABB of the centres of all processes, if the exchange of ghosts has found it. It is returned
+    /// once.
+    fn take_extent(&mut self) -> Option<[[f32; 2]; 2]> {
+        None
+    }
+
+    /// Tells the others that this process has failed, so that their next call returns an error.
+    fn fail(&self) {}
+
+    /// Chooses domains anew in the next step.
+    fn forget_domains(&mut self) {}
+
+    /// Notes the islands of other processes of which a particle overlaps one of the circles in a tree,
+    /// each with its radius here; returns whether there are any.
+    fn touch_others(
+        &mut self,
+        _circles: &Quadtree<f32>,
+        _radius: &dyn Fn(u32) -> Option<f32>,
+        _settings: &WorldSettings,
+        _scratch: &mut JoinScratch,
+    ) -> Result<bool> {
+        Ok(false)
+    }
+
+    /// Keeps the contacts of islands that fall asleep, each with the number of its island. Returns
+    /// false if the world has to keep them.
+    fn keep_contacts(&mut self, _: &Sleepers, _: &[(u32, Contact)], _rows: &[u32]) -> bool {
+        false
+    }
+}
+
+/// What the processes do together with the whole world, of which their distribution is a part.
+pub(crate) trait Protocol: Sync {
+    /// Makes a step. If it fails on this process, the others learn of it.
+    fn guard(
+        &self,
+        world: &mut World,
+        step: &mut dyn FnMut(&mut World) -> Result<()>,
+    ) -> Result<()> {
+        step(world)
+    }
+
+    /// Removes the ghosts of the last step.
+    fn begin_step(&self, _: &mut World) {}
+
+    /// Moves particles to the processes of their domains. Returns false if nothing can move in this
+    /// step, which has ended then.
+    fn migrate(&self, _: &mut World) -> Result<bool> {
+        Ok(true)
+    }
+
+    /// Gets the ghosts that an attempt at a step of `dt` seconds needs.
+    fn gather(&self, _: &mut World, _dt: f32) -> Result<()> {
+        Ok(())
+    }
+
+    /// Gets the ghosts that a part of a step needs, if the present ones are only those near by.
+    fn renew(&self, _: &mut World, _dt: f32) -> Result<()> {
+        Ok(())
+    }
+
+    /// Notes the particles with which a part of a step begins, in their order.
+    fn begin_part(&self, _: &mut World) {}
+
+    /// Gives ghosts the accelerations that their own processes have computed.
+    fn share_accelerations(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
+
+    /// What the order of solving contacts depends on, and the refinement of the sub-steps, on all
+    /// processes.
+    fn agree_on_order(
+        &self,
+        _: &mut World,
+        own: ContactShape,
+        refinement: usize,
+    ) -> Result<(ContactShape, usize)> {
+        Ok((own, refinement))
+    }
+
+    /// Limits how far particles may get in `dt` seconds to what other processes know.
+    fn limit(&self, _: &mut World, _dt: f32) {}
+
+    /// Notes what happened to shared particles in a part of a step.
+    fn end_part(&self, _: &mut World) {}
+
+    /// Whether the step must be repeated before particles merge.
+    fn must_repeat(&self, _: &mut World) -> Result<bool> {
+        Ok(false)
+    }
+
+    /// Merges each island of pairs of indices that touch; returns whether any merged.
+    fn merge_islands(&self, world: &mut World, touching: &[[u32; 2]]) -> Result<bool> {
+        world.merge_touching(touching)
+    }
+
+    /// Gets the ghosts near the present positions of own particles.
+    fn gather_near(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
+
+    /// Compares what the processes have computed in a step.
+    fn compare(&self, _: &mut World) -> Result<Agreement> {
+        Ok(Agreement::Same)
+    }
+
+    /// Makes a step final that is the same on all processes.
+    fn end_step(&self, _: &mut World) {}
+
+    /// Removes what an attempt at a step has exchanged, after the world is as it was before.
+    fn undo(&self, _: &mut World) {}
+
+    /// Prepares the next attempt at a step of `dt` seconds on which the processes did not agree.
+    fn widen(&self, _: &mut World, _: Agreement, _dt: f64) -> Result<()> {
+        Ok(())
+    }
+
+    /// Removes what a step that failed has exchanged.
+    fn give_up(&self, _: &mut World) {}
+
+    /// Wakes the islands that an attempt at a step would touch, or all.
+    fn wake_touched(&self, world: &mut World, touched: &[u32], all: bool) -> Result<()> {
+        if all {
+            world.wake_every_island();
+        } else {
+            world.wake(touched);
+        }
+        Ok(())
+    }
+
+    /// Wakes the islands that changes concern: `driven` are rows of immovable particles of which only
+    /// the velocities change, `changed` those of other changes.
+    fn wake_edited(&self, world: &mut World, driven: &mut [u32], changed: &[u32]) -> Result<()> {
+        world.wake_driven(driven);
+        world.wake_changed(changed);
+        Ok(())
+    }
+
+    /// Adds the contacts of islands that wake to those of the last step.
+    fn recall_contacts(&self, _: &mut World, _islands: &[u32]) {}
+
+    /// Removes the contacts of islands that no longer sleep.
+    fn drop_contacts(&self, _: &mut World) {}
+
+    /// Gives islands their names, and how all their members on all processes have moved.
+    fn join_islands(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
+
+    /// Keeps the pairs that touch of islands that fall asleep.
+    fn keep_pairs(&self, _: &mut World) -> Result<()> {
+        Ok(())
+    }
+
+    /// The ids of the pairs of sleeping particles that touch.
+    fn touching_asleep(&self, world: &World) -> Vec<[Id; 2]> {
+        world.known_touches_asleep()
+    }
+}
+
+impl Distribution for Alone {}
+
+impl Protocol for Alone {}
+
+impl Default for Box<dyn Distribution> {
+    fn default() -> Self {
+        Box::new(Alone)
+    }
+}

@@ -1,0 +1,99 @@
+//! Motors drive immovable particles and walls.
+
+use super::World;
+use crate::error::{Error, Result};
+use crate::forces::{self, Force, Motor};
+use crate::motion::exact;
+use crate::ids::Id;
+
+/// The velocities of what motors drive, before a step.
+pub(crate) struct Driven {
+    /// Index, velocity and angular velocity.
+    particles: Vec<(usize, [f32; 2], f32)>,
+    /// Index and velocity.
+    walls: Vec<(usize, [f32; 2])>,
+}
+
+impl World {
+    /// Gives the particles and walls of motors their velocities in a step of `dt` seconds; returns
+    /// those before.
+    pub(crate) fn drive(&mut self, dt: f64) -> Driven {
+        let mut before = Driven { particles: Vec::new(), walls: Vec::new() };
+        for motor in forces::motors(&self.forces) {
+            let drive = motor.drive(self.time, dt);
+            let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
+            for index in self.indices_of(&rows) {
+                let index = index as usize;
+                let all = &mut self.particles;
+                // It may have become movable, and may sleep then.
+                if all.movable.get(index) != Some(&false) {
+                    continue;
+                }
+                before.particles.push((index, all.velocities[index], all.spin(index).velocity));
+                let position = exact(all.positions[index], all.residuals[index]);
+                let offset = self.settings.container.minimum_image(drive.offset(position));
+                all.velocities[index] = drive.velocity_at(offset);
+                all.set_angular_velocity(index, drive.angular_velocity);
+            }
+            for &wall in &motor.walls {
+                let wall = wall as usize;
+                before.walls.push((wall, self.walls.all()[wall].velocity));
+                self.walls.set_velocity(wall, drive.velocity());
+            }
+        }
+        before
+    }
+
+    /// Takes back what [`World::drive`] did before a step that failed, in reverse order: several
+    /// motors may drive the same particle.
+    pub(crate) fn restore_driven(&mut self, before: Driven) {
+        for (index, velocity, angular_velocity) in before.particles.into_iter().rev() {
+            self.particles.velocities[index] = velocity;
+            self.particles.set_angular_velocity(index, angular_velocity);
+        }
+        for (wall, velocity) in before.walls.into_iter().rev() {
+            self.walls.set_velocity(wall, velocity);
+        }
+        self.particles.simplify();
+    }
+
+    /// Refuses motors of movable particles, and forces of walls that do not exist.
+    pub(crate) fn check_motors(&self, forces: &[Force]) -> Result<()> {
+        check_walls(forces, self.walls.all().len())?;
+        let indices = self.indices();
+        for (index, motor) in motors(forces) {
+            let is_movable = |&&id: &&Id| {
+                let row = self.ids.row(id).expect("it is in the world");
+                // Immovable particles never sleep.
+                self.particles.movable.get(indices[row as usize] as usize) != Some(&false)
+            };
+            if let Some(id) = motor.ids.iter().find(is_movable) {
+                let value = format!("a motor of particle {id}");
+                let rule = "it drives immovable particles only";
+                return Err(Error::at("forces", index, value, rule));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses forces of walls that are not among the first `walls`.
+pub(crate) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
+    for (index, force) in forces.iter().enumerate() {
+        if let Some(wall) = force.walls().iter().find(|&&wall| wall as usize >= walls) {
+            let kind = if matches!(force, Force::Motor(_)) { "a motor" } else { "ThermalWalls" };
+            let (value, rule) =
+                (format!("{kind} of wall {wall}"), format!("there are {walls} walls"));
+            return Err(Error::at("forces", index, value, &rule));
+        }
+    }
+    Ok(())
+}
+
+/// The motors with their indices among the forces.
+fn motors(forces: &[Force]) -> impl Iterator<Item = (usize, &Motor)> {
+    forces.iter().enumerate().filter_map(|(index, force)| match force {
+        Force::Motor(motor) => Some((index, motor)),
+        _ => None,
+    })
+}

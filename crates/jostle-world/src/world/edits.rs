@@ -1,0 +1,208 @@
+//! Adding, removing, reading and changing particles between steps.
+
+use std::ops::Range;
+
+use super::World;
+use super::sleeping::Drift;
+use crate::error::{Error, Result};
+use crate::forces;
+use crate::particles::{Changes, Effect, Particles};
+use crate::shapes::MAX_ROWS;
+use crate::ids::Id;
+use crate::table::{Table, dense};
+
+impl World {
+    /// Adds particles after the others and returns their ids, which are above all ids before. An
+    /// immovable one wakes all. Their kind is 0, see [`World::set_kinds`].
+    pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
+        particles.validate()?;
+        self.settings.container.check_fit(&particles.radii)?;
+        particles.simplify();
+        let (old, new) = (self.len(), self.len() + particles.len());
+        if new > MAX_ROWS {
+            return Err(Error::of("positions", new, "a world holds at most 2147483647 particles"));
+        }
+        let ids = self.ids.add(particles.len())?;
+        if !particles.movable.iter().all(|&movable| movable) {
+            self.wake_all();
+        }
+        self.particles.extend(&particles);
+        self.rows.extend(old as u32..new as u32);
+        self.given.iter_mut().for_each(|given| given.resize(new, [0.0; 2]));
+        forces::change_kinds(&mut self.forces, |kinds| kinds.resize(new, 0));
+        self.persistent.resize(self.rows.len());
+        self.forget_indices();
+        Ok(ids)
+    }
+
+    /// Removes particles. The rows after them move up; the ids of others stay. Springs and
+    /// attractors of a removed particle are removed too. The islands of removed particles wake; all
+    /// wake if an immovable one is removed.
+    pub fn remove(&mut self, ids: &[Id]) -> Result<()> {
+        let rows = self.distinct_rows_of(ids)?;
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.wake_changed(&rows);
+        let mut gone = vec![false; self.len()];
+        rows.iter().for_each(|&row| gone[row as usize] = true);
+        let shifted = self.take_out(&gone);
+        forces::follow(&mut self.forces, |row| {
+            (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
+        });
+        self.shorten_renumbering();
+        self.end_given_of_none()
+    }
+
+    /// Removes rows, so that the others move up; returns how many remain before each.
+    pub(crate) fn take_out(&mut self, gone: &[bool]) -> Vec<u32> {
+        let mut shifted = Vec::with_capacity(self.len());
+        let mut left = 0;
+        for &gone in gone {
+            shifted.push(left);
+            left += u32::from(!gone);
+        }
+        let keep: Vec<bool> = self.rows.iter().map(|&row| !gone[row as usize]).collect();
+        renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
+        self.keep(&keep);
+        self.ids.remove(gone);
+        self.given.iter_mut().for_each(|given| retain_unless(given, gone));
+        forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
+        self.asleep.renumber(&shifted);
+        self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
+        self.forget_indices();
+        shifted
+    }
+
+    /// Keeps some indices of all columns, and the contacts between them.
+    pub(crate) fn keep(&mut self, keep: &[bool]) {
+        self.particles.keep(keep);
+        self.particles.simplify();
+        self.persistent.keep(keep);
+        dense::keep(&mut self.rows, keep);
+        self.contacts.retain(keep);
+        self.forget_indices();
+    }
+
+    /// A copy of some particles, in this order. It costs as much as there are ids.
+    pub fn read(&self, ids: &[Id]) -> Result<Particles> {
+        Ok(self.particles_in(&self.rows_of(ids)?))
+    }
+
+    /// Changes some columns of some particles, each given at most once. Refused values change nothing.
+    ///
+    /// It costs as much as there are ids, apart from the first call after a step, which reads all row
+    /// numbers. The islands of changed particles wake. All wake if an immovable one changes, but those that
+    /// do not touch it sleep on if only its velocities change.
+    pub fn set(&mut self, ids: &[Id], changes: &Changes) -> Result<()> {
+        let rows = self.distinct_rows_of(ids)?;
+        self.set_rows(&rows, changes)
+    }
+
+    /// As [`World::set`], of all particles in the order of adding.
+    pub fn set_all(&mut self, changes: &Changes) -> Result<()> {
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        self.set_rows(&rows, changes)
+    }
+
+    /// As [`World::set_all`]; `change` gets a copy of all particles in the order of adding. A particle with
+    /// a new position has no residual.
+    pub fn edit(&mut self, change: impl FnOnce(&mut Particles) -> Result<()>) -> Result<()> {
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        self.edit_rows(&rows, change)
+    }
+
+    /// As [`World::edit`], of the particles in some rows, in this order; each at most once.
+    pub fn edit_rows(
+        &mut self,
+        rows: &[u32],
+        change: impl FnOnce(&mut Particles) -> Result<()>,
+    ) -> Result<()> {
+        let before = self.particles_in(rows);
+        let mut copy = before.clone();
+        change(&mut copy)?;
+        if copy.len() != before.len() {
+            let (found, expected) = (copy.len(), before.len());
+            return Err(Error::Length { argument: "positions", found, expected });
+        }
+        copy.validate()?;
+        self.settings.container.check_fit(&copy.radii)?;
+        let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
+        let moved = pairs.filter(|(_, (new, old))| new != old);
+        moved.for_each(|(residual, _)| *residual = [0.0; 2]);
+        copy.simplify();
+        self.wake_edited(rows, &before, &copy)?;
+        let (indices, len) = (self.indices_of(rows), self.rows.len());
+        for (nth, index) in indices.into_iter().enumerate() {
+            // Those that still sleep have not changed; their indices are behind those of all others.
+            if (index as usize) < len {
+                self.particles.put(len, index as usize, &copy, nth);
+            }
+        }
+        self.particles.drop_defaults();
+        Ok(())
+    }
+
+    fn set_rows(&mut self, rows: &[u32], changes: &Changes) -> Result<()> {
+        changes.validate(rows.len())?;
+        if let Some(radii) = &changes.radii {
+            radii.check(|radii| self.settings.container.check_fit(radii))?;
+        }
+        if self.may_wake() {
+            let before = self.particles_in(rows);
+            let mut after = before.clone();
+            changes.write(&mut after, &(0..rows.len() as u32).collect::<Vec<u32>>());
+            self.wake_edited(rows, &before, &after)?;
+        }
+        // As above, sleeping particles are left out.
+        let indices = self.indices_of(rows);
+        changes.write(&mut self.particles, &indices);
+        Ok(())
+    }
+
+    /// Whether changes may wake particles, or concern those whose motion is observed.
+    fn may_wake(&self) -> bool {
+        !self.asleep.is_empty() || !self.persistent.drifts.is_empty() || !self.halo.is_alone()
+    }
+
+    /// Wakes what changes concern, and forgets how the changed particles moved.
+    fn wake_edited(&mut self, rows: &[u32], before: &Particles, after: &Particles) -> Result<()> {
+        if !self.may_wake() {
+            return Ok(());
+        }
+        let (mut driven, mut changed) = (Vec::new(), Vec::new());
+        for (nth, &row) in rows.iter().enumerate() {
+            match Effect::of(before, after, nth) {
+                Effect::None => {}
+                Effect::Velocity if !before.movable[nth] => driven.push(row),
+                _ => changed.push(row),
+            }
+        }
+        for index in self.indices_of(&changed) {
+            if let Some(drift) = self.persistent.drifts.get_mut(index as usize) {
+                *drift = Drift::UNKNOWN;
+            }
+        }
+        self.halo.protocol().wake_edited(self, &mut driven, &changed)
+    }
+}
+
+/// Removes what belongs to removed rows, and gives the rest the rows that they have then.
+pub(crate) fn renumber<V>(
+    all: &mut Vec<V>,
+    row: impl Fn(&mut V) -> &mut u32,
+    (gone, shifted): (&[bool], &[u32]),
+) {
+    all.retain_mut(|of| {
+        let row = row(of);
+        let stays = !gone[*row as usize];
+        *row = shifted[*row as usize];
+        stays
+    });
+}
+
+/// Removes some values of a column.
+pub(crate) fn retain_unless<V>(column: &mut Vec<V>, gone: &[bool]) {
+    let mut gone = gone.iter();
+    column.retain(|_| gone.next().is_some_and(|&gone| !gone));
+}

@@ -1,0 +1,206 @@
+//! The ids of the particles. They stay what they are when other particles are removed.
+//!
+//! Inside the world particles are named by rows, which have no gaps; ids are converted where
+//! they come in and go out. As long as nothing was removed, each id is its row.
+
+use std::ops::Range;
+
+use super::World;
+use crate::error::{Error, Result};
+use crate::memory;
+use crate::ids::Id;
+
+/// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
+const MAX_RENUMBERED: usize = 1 << 27;
+
+/// The ids of all rows, ascending.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Ids {
+    /// The id of each row; None while each id is its row.
+    listed: Option<Vec<Id>>,
+    /// The id of the particle that is added next.
+    next: Id,
+}
+
+impl Ids {
+    /// Each id is its row.
+    pub(crate) fn of_rows(len: usize) -> Self {
+        Self { listed: None, next: len as Id }
+    }
+
+    /// Those that were saved; refuses ids that no world can have.
+    pub(crate) fn read(listed: Option<Vec<Id>>, len: usize, next: Id) -> Result<Self> {
+        let is_right = match &listed {
+            None => next == len as Id,
+            Some(all) => {
+                let is_ascending = all.windows(2).all(|two| two[0] < two[1]);
+                let [first, last] = [all.first(), all.last()];
+                all.len() == len
+                    && is_ascending
+                    && first.is_none_or(|&id| id >= 0)
+                    && last.is_none_or(|&id| id < next)
+                    && next >= 0
+            }
+        };
+        let refused = || Error::of("ids", next, "no world can have these ids");
+        if is_right { Ok(Self { listed, next }) } else { Err(refused()) }
+    }
+
+    /// The id of each row, None while each id is its row, and the id that is given next.
+    pub(crate) fn parts(&self) -> (Option<&[Id]>, Id) {
+        (self.listed.as_deref(), self.next)
+    }
+
+    /// The id of a row.
+    pub(crate) fn of(&self, row: u32) -> Id {
+        self.listed.as_ref().map_or(Id::from(row), |all| all[row as usize])
+    }
+
+    /// The row of an id; None if no particle has it.
+    pub(crate) fn row(&self, id: Id) -> Option<u32> {
+        match &self.listed {
+            None => (0..self.next).contains(&id).then_some(id as u32),
+            Some(all) => all.binary_search(&id).ok().map(|row| row as u32),
+        }
+    }
+
+    /// Gives ids to so many new rows.
+    pub(crate) fn add(&mut self, count: usize) -> Result<Range<Id>> {
+        let first = self.next;
+        let Some(end) = first.checked_add(count as Id) else {
+            return Err(Error::of("positions", count, "there are no ids left for new particles"));
+        };
+        if let Some(all) = &mut self.listed {
+            all.extend(first..end);
+        }
+        self.next = end;
+        Ok(first..end)
+    }
+
+    /// Removes rows.
+    pub(crate) fn remove(&mut self, gone: &[bool]) {
+        let next = self.next;
+        let all = self.listed.get_or_insert_with(|| (0..next).collect());
+        super::edits::retain_unless(all, gone);
+    }
+
+    /// What is wrong with an id that no particle has.
+    fn refuse(&self, index: usize, id: Id) -> Error {
+        let rule = if (0..self.next).contains(&id) {
+            "no particle has this id any more: it was removed, or merged into another".to_string()
+        } else {
+            format!("no particle has this id; ids are below {}", self.next)
+        };
+        Error::at("ids", index, id, &rule)
+    }
+}
+
+impl World {
+    /// The id of each row, ascending. An id is never given twice.
+    pub fn ids(&self) -> Vec<Id> {
+        match self.ids.parts() {
+            (None, next) => (0..next).collect(),
+            (Some(all), _) => all.to_vec(),
+        }
+    }
+
+    /// The id of a row; in a distributed world that among the particles of all processes.
+    pub(crate) fn id_among_all(&self, row: u32) -> Id {
+        self.halo.ids().get(row as usize).copied().unwrap_or_else(|| self.ids.of(row))
+    }
+
+    /// Whether a particle has this id.
+    pub fn contains(&self, id: Id) -> bool {
+        self.ids.row(id).is_some()
+    }
+
+    /// The rows of some ids. Refuses ids that no particle has.
+    pub fn rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
+        let row = |(index, &id)| self.ids.row(id).ok_or_else(|| self.ids.refuse(index, id));
+        ids.iter().enumerate().map(row).collect()
+    }
+
+    /// The same; refuses ids given twice, too.
+    pub fn distinct_rows_of(&self, ids: &[Id]) -> Result<Vec<u32>> {
+        let rows = self.rows_of(ids)?;
+        if rows.is_sorted_by(|a, b| a < b) {
+            return Ok(rows);
+        }
+        let mut sorted: Vec<_> = rows.iter().zip(0..).collect();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).filter(|two| two[0].0 == two[1].0);
+        match twice.map(|two: &[(&u32, usize)]| two[1].1).min() {
+            Some(index) => Err(Error::at("ids", index, ids[index], "it is given twice")),
+            None => Ok(rows),
+        }
+    }
+
+    /// The present id of each id that was given, if particles merged since the last reset: merged particles share the
+    /// smallest of their ids. None stands for an id that no particle has; None in place of all if
+    /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
+    pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
+        let Some(merged) = &self.renumbered else { return Ok(None) };
+        let len = self.ids.next as usize;
+        if len > MAX_RENUMBERED {
+            return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
+        }
+        let mut new = memory::with_capacity(len)?;
+        new.resize(len, None);
+        self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
+        merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
+        Ok(Some(new))
+    }
+
+    /// Of a distributed world: the old and the new id of particles that were own ones when they merged. The
+    /// new one may have merged since, on another process.
+    pub fn own_renumbering(&self) -> Vec<[Id; 2]> {
+        self.renumbered.clone().unwrap_or_default()
+    }
+
+    /// Records that particles merged: the old id and the new one of each, by old ids.
+    pub(crate) fn record_renumbering(&mut self, merged: Vec<[Id; 2]>) {
+        let mut all = self.renumbered.take().unwrap_or_default();
+        for [_, heir] in &mut all {
+            if let Ok(at) = merged.binary_search_by_key(heir, |&[old, _]| old) {
+                *heir = merged[at][1];
+            }
+        }
+        all.extend(merged);
+        self.renumbered = Some(all);
+    }
+
+    /// Removes what merged particles became from the record, where that is removed.
+    pub(crate) fn shorten_renumbering(&mut self) {
+        let ids = &self.ids;
+        if let Some(all) = &mut self.renumbered {
+            all.retain(|&[_, heir]| ids.row(heir).is_some());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_that_no_world_can_have_are_refused() {
+        let read = |listed: Option<&[Id]>, len, next| {
+            Ids::read(listed.map(<[Id]>::to_vec), len, next).is_ok()
+        };
+        assert!(read(None, 3, 3) && read(Some(&[]), 0, 7) && read(Some(&[0, 1, 6]), 3, 7));
+        assert!(!read(None, 3, 4) && !read(None, 3, -1) && !read(Some(&[]), 0, -1));
+        assert!(!read(Some(&[0, 1]), 3, 7) && !read(Some(&[0, 1, 7]), 3, 7));
+        assert!(!read(Some(&[1, 0]), 2, 7) && !read(Some(&[1, 1]), 2, 7));
+        assert!(!read(Some(&[-1, 1]), 2, 7));
+    }
+
+    #[test]
+    fn ids_run_out_and_never_repeat() {
+        let mut ids = Ids::read(Some(vec![4]), 1, Id::MAX - 2).unwrap();
+        assert_eq!(ids.add(2), Ok(Id::MAX - 2..Id::MAX));
+        let before = ids.clone();
+        assert!(ids.add(1).unwrap_err().to_string().contains("no ids left"));
+        assert_eq!((ids.add(0), &ids), (Ok(Id::MAX..Id::MAX), &before));
+        assert_eq!([4, Id::MAX - 1, Id::MAX].map(|id| ids.row(id)), [Some(0), Some(2), None]);
+    }
+}

@@ -1,0 +1,333 @@
+//! Merging of particles that touch.
+//!
+//! During a step particles pass through each other. Each sub-step marks the candidate pairs
+//! that touch along their straight displacements. At the end of the step each island of
+//! touching particles merges into one. If merged particles overlap others, these merge too, in
+//! a limited number of iterations.
+
+use super::edits::renumber;
+use super::{OnTouch, StepScratch, World};
+use crate::container::Container;
+use crate::disjoint_sets::DisjointSets;
+use crate::error::Result;
+use crate::forces;
+use crate::motion::Motions;
+use crate::parallel;
+use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
+use crate::shapes::Filter;
+use crate::ids::Id;
+use crate::table::Table;
+
+/// Iterations in a step at most; the next step merges the remaining overlaps.
+pub(crate) const ROUNDS: usize = 16;
+
+/// A candidate pair of particles that may merge.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CandidateMerge {
+    indices: [u32; 2],
+    /// Offset that is added to the second (torus).
+    image: [f32; 2],
+    /// Sum of the radii.
+    radius_sum: f32,
+    has_touched: bool,
+}
+
+/// Lists the pairs to test.
+pub(crate) fn list_candidates(
+    lists: &[([f32; 2], Vec<[u32; 2]>)],
+    all: &Particles,
+    candidates: &mut Vec<CandidateMerge>,
+) {
+    candidates.clear();
+    for (image, pairs) in lists {
+        for &indices in pairs {
+            let [a, b] = indices.map(|index| index as usize);
+            if all.movable[a] || all.movable[b] {
+                let radius_sum = all.radii[a] + all.radii[b];
+                candidates.push(CandidateMerge {
+                    indices,
+                    image: *image,
+                    radius_sum,
+                    has_touched: false,
+                });
+            }
+        }
+    }
+}
+
+/// Marks the pairs that touched during the sub-step that has just ended.
+pub(crate) fn mark_touching(
+    candidates: &mut [CandidateMerge],
+    motions: &Motions,
+    threads: Option<usize>,
+) {
+    parallel::for_chunks(threads, candidates, |_, chunk| {
+        chunk.iter_mut().for_each(|candidate| candidate.has_touched |= touched(candidate, motions));
+    });
+}
+
+fn touched(candidate: &CandidateMerge, motions: &Motions) -> bool {
+    let both = |f: fn(&Motions, u32) -> [f32; 2]| {
+        let [a, b] = candidate.indices.map(|index| f(motions, index).map(f64::from));
+        [b[0] - a[0], b[1] - a[1]]
+    };
+    let (offset, displacement) = (both(Motions::position), both(Motions::displacement));
+    let end = [0, 1].map(|k| offset[k] + f64::from(candidate.image[k]));
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    // The share of the displacement, back from its end, at which they are nearest.
+    let back = if dot(displacement, displacement) > 0.0 {
+        dot(end, displacement) / dot(displacement, displacement)
+    } else {
+        0.0
+    };
+    let back = back.clamp(0.0, 1.0);
+    let nearest = [0, 1].map(|k| end[k] - displacement[k] * back);
+    let radius_sum = f64::from(candidate.radius_sum);
+    dot(nearest, nearest) < radius_sum * radius_sum
+}
+
+impl World {
+    /// Merges the particles that touched, and those that merged particles then overlap.
+    pub(crate) fn merge(&mut self) -> Result<()> {
+        if self.settings.on_touch != OnTouch::Merge {
+            return Ok(());
+        }
+        let candidates = std::mem::take(&mut self.scratch.candidate_merges);
+        let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
+        let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
+        self.scratch.candidate_merges = candidates;
+        let (protocol, own) = (self.halo.protocol(), self.halo.own_rows());
+        for _ in 0..ROUNDS {
+            // Pairs of two ghosts are found by the processes that own these particles.
+            touching.retain(|pair| pair.iter().any(|&index| self.rows[index as usize] < own));
+            self.record_pairs(&touching);
+            if !self.any_of_all(!touching.is_empty())?
+                || !protocol.merge_islands(self, &touching)?
+            {
+                return Ok(());
+            }
+            protocol.gather_near(self)?;
+            touching = self.pairs_to_merge()?;
+        }
+        Ok(())
+    }
+
+    /// The pairs of indices that overlap and may merge.
+    pub(crate) fn pairs_to_merge(&mut self) -> Result<Vec<[u32; 2]>> {
+        let (overlaps, tests) = self.overlapping()?;
+        self.stats.tests += tests;
+        let is_sensor = |index: u32| self.particles.is_sensor(index as usize);
+        let pairs = overlaps.into_iter().map(|overlap| overlap.indices);
+        Ok(pairs.filter(|&[a, b]| !is_sensor(a) && !is_sensor(b)).collect())
+    }
+
+    /// Merges each island of these pairs of indices; returns whether any merged.
+    pub(crate) fn merge_touching(&mut self, touching: &[[u32; 2]]) -> Result<bool> {
+        let mut groups = DisjointSets::default();
+        groups.reset(self.len());
+        touching.iter().for_each(|&[a, b]| groups.join(a, b));
+        let mut members: Vec<[u32; 2]> =
+            touching.iter().flatten().map(|&index| [groups.root(index), index]).collect();
+        members.sort_unstable();
+        members.dedup();
+        // The new row of each old one, before renumbering: the smallest of its island.
+        let mut heirs: Vec<u32> = (0..self.len() as u32).collect();
+        let mut any = false;
+        for group in members.chunk_by(|a, b| a[0] == b[0]) {
+            let indices: Vec<usize> = group.iter().map(|&[_, index]| index as usize).collect();
+            let Some(one) = union(&self.particles, &indices, &self.settings.container) else {
+                continue;
+            };
+            any = true;
+            self.merge_given(&indices);
+            self.merge_kinds(&indices);
+            let len = self.rows.len();
+            self.particles.put(len, indices[0], &one, 0);
+            self.persistent.warm_start.clear_one(indices[0]);
+            let rows = indices.iter().map(|&index| self.rows[index]);
+            let first = rows.clone().fold(u32::MAX, u32::min);
+            rows.for_each(|row| heirs[row as usize] = first);
+            // The merged particle has the first index: it comes from the state, not from the row.
+            let holder = indices.iter().position(|&index| self.rows[index] == first).unwrap_or(0);
+            self.rows.swap(indices[0], indices[holder]);
+        }
+        if any {
+            self.close_up(&heirs)?;
+        }
+        Ok(any)
+    }
+
+    /// The smallest row of merging particles gets the sum of their given forces over their mass.
+    fn merge_given(&mut self, indices: &[usize]) {
+        let Some(given) = &mut self.given else { return };
+        let of = |&index: &usize| (self.particles.masses[index], given[self.rows[index] as usize]);
+        let joint = joint_acceleration(indices.iter().map(of));
+        let rows = indices.iter().map(|&index| self.rows[index]);
+        let first = rows.fold(u32::MAX, u32::min);
+        given[first as usize] = joint;
+    }
+
+    /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.
+    fn merge_kinds(&mut self, indices: &[usize]) {
+        let (masses, rows) = (&self.particles.masses, &self.rows);
+        let first = indices.iter().fold(u32::MAX, |first, &index| first.min(rows[index]));
+        forces::change_kinds(&mut self.forces, |kinds| {
+            let of = |&index: &usize| (masses[index], kinds[rows[index] as usize]);
+            if let Some(kind) = kind_of_heaviest(indices.iter().map(of)) {
+                kinds[first as usize] = kind;
+            }
+        });
+    }
+
+    /// Removes the rows that became others.
+    fn close_up(&mut self, heirs: &[u32]) -> Result<()> {
+        let gone: Vec<bool> = heirs.iter().zip(0..).map(|(&heir, row)| heir != row).collect();
+        let rows = (0..heirs.len() as u32).filter(|&row| gone[row as usize]);
+        let merged = rows.map(|row| [row, heirs[row as usize]].map(|row| self.ids.of(row)));
+        let merged = merged.collect();
+        self.scratch.before.ids.get_or_insert_with(|| self.ids.clone());
+        self.inherit(heirs);
+        let shifted = self.take_out(&gone);
+        // The step still needs these.
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
+        renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
+        renumber(exhausted, |row| row, (&gone, &shifted));
+        forces::follow(&mut self.forces, |row| {
+            Some(Id::from(shifted[heirs[row as usize] as usize]))
+        });
+        self.record_renumbering(merged);
+        self.end_given_of_none()
+    }
+
+    /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
+    /// that one was exhausted. Their resting impulses begin with 0.
+    fn inherit(&mut self, heirs: &[u32]) {
+        let mut has_merged = vec![false; heirs.len()];
+        for (row, &heir) in heirs.iter().enumerate().filter(|&(row, &heir)| row != heir as usize) {
+            has_merged[row] = true;
+            has_merged[heir as usize] = true;
+        }
+        let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
+        wall_pushes.retain(|of| !has_merged[of.row as usize]);
+        self.wall_impulses.iter_mut().for_each(|of| of.row = heirs[of.row as usize]);
+        exhausted.iter_mut().for_each(|row| *row = heirs[*row as usize]);
+        exhausted.sort_unstable();
+        exhausted.dedup();
+    }
+}
+
+/// The sum of the given forces on merging particles over their mass, from masses and accelerations.
+pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
+    let (mut mass, mut sum) = (0.0, [0.0; 2]);
+    for (own, given) in all {
+        let own = f64::from(own);
+        mass += own;
+        sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
+    }
+    sum.map(|force| (force / mass) as f32)
+}
+
+/// The kind of the heaviest of merging particles, from masses and kinds; the smallest of several.
+pub(crate) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
+    let order = |a: &(f32, u8), b: &(f32, u8)| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(&a.1));
+    all.max_by(order).map(|(_, kind)| kind)
+}
+
+/// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
+/// would not be valid or not fit into the container.
+pub(crate) fn union(
+    all: &Particles,
+    indices: &[usize],
+    container: &Container,
+) -> Option<Particles> {
+    let origin = all.positions[indices[0]].map(f64::from);
+    let mut mass = 0.0f64;
+    let mut square = 0.0f64;
+    let mut bounce = 0.0f64;
+    let mut moment = [0.0f64; 2];
+    let mut momentum = [0.0f64; 2];
+    for &index in indices {
+        let own = f64::from(all.masses[index]);
+        let radius = f64::from(all.radii[index]);
+        let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
+        let offset = container.minimum_image(offset);
+        mass += own;
+        square += radius * radius;
+        bounce += own * f64::from(all.restitutions[index]);
+        moment = [0, 1].map(|k| moment[k] + own * offset[k]);
+        momentum = [0, 1].map(|k| momentum[k] + own * f64::from(all.velocities[index][k]));
+    }
+    let (whole, radius) = (mass as f32, square.sqrt() as f32);
+    if !(whole <= MASS_RANGE[1] && radius <= FARTHEST && container.check_fit(&[radius]).is_ok()) {
+        return None;
+    }
+    // The position is that of the heaviest immovable particle, if there is any.
+    let anchors = indices.iter().filter(|&&index| !all.movable[index]);
+    let anchor = anchors
+        .copied()
+        .reduce(|best, next| if all.masses[next] > all.masses[best] { next } else { best });
+    let (position, velocity) = match anchor {
+        Some(index) => (all.positions[index], all.velocities[index]),
+        None => {
+            let center = [0, 1].map(|k| (origin[k] + moment[k] / mass) as f32);
+            let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
+            // Divided by the rounded mass, so that momentum is conserved.
+            let inside = container.wrap(container.clamp(center, radius));
+            (inside, momentum.map(|p| limit(p / f64::from(whole))))
+        }
+    };
+    Some(Particles {
+        positions: vec![position],
+        residuals: vec![[0.0; 2]],
+        velocities: vec![velocity],
+        radii: vec![radius],
+        masses: vec![whole],
+        restitutions: vec![((bounce / mass) as f32).clamp(0.0, 1.0)],
+        movable: vec![anchor.is_none()],
+        spins: vec![spin_of(all, indices, container, radius)],
+        filters: vec![filter_of(all, indices)],
+        sensors: vec![],
+    })
+}
+
+/// The filter of the merged particle, which may touch whatever one of `indices` may touch.
+fn filter_of(all: &Particles, indices: &[usize]) -> Filter {
+    let none = Filter { category: 0, mask: 0 };
+    indices.iter().map(|&index| all.filter(index)).fold(none, |sum, own| Filter {
+        category: sum.category | own.category,
+        mask: sum.mask | own.mask,
+    })
+}
+
+/// The rotation of the merged particle at the first of `indices`: the mean friction weighted by mass,
+/// the angle of the first, and, if any has friction or turns, the sum of angular momentum about the
+/// centre of mass.
+fn spin_of(all: &Particles, indices: &[usize], container: &Container, radius: f32) -> Spin {
+    if indices.iter().all(|&index| Spin { angle: 0.0, ..all.spin(index) } == Spin::default()) {
+        return Spin { angle: all.spin(indices[0]).angle, ..Spin::default() };
+    }
+    let origin = all.positions[indices[0]].map(f64::from);
+    let velocity = |index: usize| all.velocities[index].map(f64::from);
+    let [mut mass, mut friction, mut angular] = [0.0f64; 3];
+    let [mut moment, mut momentum] = [[0.0f64; 2]; 2];
+    for &index in indices {
+        let (own, spin) = (f64::from(all.masses[index]), all.spin(index));
+        let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
+        let ([x, y], [u, v]) = (container.minimum_image(offset), velocity(index));
+        let own_radius = f64::from(all.radii[index]);
+        mass += own;
+        friction += own * f64::from(spin.friction);
+        angular += own * (x * v - y * u + 0.5 * own_radius * own_radius * f64::from(spin.velocity));
+        moment = [moment[0] + own * x, moment[1] + own * y];
+        momentum = [momentum[0] + own * u, momentum[1] + own * v];
+    }
+    // Of the motion of the centre of mass.
+    angular -= (moment[0] * momentum[1] - moment[1] * momentum[0]) / mass;
+    let inertia = 0.5 * mass * f64::from(radius) * f64::from(radius);
+    let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
+    Spin {
+        friction: (friction / mass) as f32,
+        velocity: if inertia > 0.0 { limit(angular / inertia) } else { 0.0 },
+        angle: all.spin(indices[0]).angle,
+    }
+}

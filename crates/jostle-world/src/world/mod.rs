@@ -1,0 +1,395 @@
+//! The world: particles that move and collide. `World::step_once` defines the order
+//! of a step.
+//!
+//! Particles are kept in the canonical order of the last step: Morton order of their
+//! positions at its beginning, ties by their other values. So neighbours in space are
+//! neighbours in memory, and every sum and every loop runs in an order that comes from
+//! the state. `rows` gives the order of adding, which is the only one that callers see; they name
+//! particles by `ids`.
+
+pub(crate) mod asleep;
+pub(crate) mod bounds;
+mod columns;
+pub(crate) mod contacts;
+mod defaults;
+pub(crate) mod discs;
+pub(crate) mod distribution;
+mod drive;
+pub(crate) mod edits;
+mod force_step;
+mod given;
+pub(crate) mod ids;
+pub(crate) mod merge;
+mod record;
+mod reductions;
+mod refinement;
+mod renewal;
+mod reorder;
+pub(crate) mod search;
+pub(crate) mod settings;
+pub(crate) mod sleeping;
+mod snapshot;
+mod step;
+mod store;
+mod substeps;
+mod sums;
+pub(crate) mod touches;
+mod touching;
+pub(crate) mod undo;
+mod waking;
+
+use std::sync::OnceLock;
+
+use crate::contacts::{ContactShape, Contacts};
+use crate::correction::Correction;
+use crate::error::{Error, Result, counted};
+use crate::events::Events;
+use crate::flow::Kick;
+use crate::forces::{self, Force, HotWalls};
+use crate::motion::{Motions, Spins};
+use crate::particles::Particles;
+use crate::quadtree::Quadtree;
+use crate::resting::{Resting, WallPush};
+use crate::shapes::Shapes;
+use crate::ids::Id;
+use crate::walls::{self, FIRST, Wall, Walls};
+use asleep::Asleep;
+pub use defaults::Defaults;
+use discs::{Discs, Persistent};
+use distribution::{Agreement, Distribution};
+use force_step::ForceScratch;
+use ids::Ids;
+use record::Record;
+pub use record::{Collisions, TouchEvents};
+pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
+use step::MAX_CANDIDATES;
+pub use sums::StateHash;
+use touches::WallImpulse;
+pub use touches::{Touch, WallTouch};
+use undo::Before;
+
+/// The stages of a step, in the order of the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The forces, before the other stages and in each sub-step; only if there are forces.
+    Forces,
+    /// The bounds of every particle.
+    Bounds,
+    /// The tree of the bounds.
+    Build,
+    /// The candidate pairs.
+    Pairs,
+    /// The particles in the order of the tree, their neighbours, and the contacts, coloured.
+    Contacts,
+    /// The impulses of resting contacts, in each sub-step; only if particles may rest.
+    Resting,
+    /// The flights and collisions in the order of time, in each sub-step.
+    Events,
+    /// The position correction, in each sub-step.
+    Correction,
+    /// The new state, and what touched.
+    Store,
+}
+
+impl Stage {
+    /// All stages with their names, in the order of the data.
+    pub const ALL: [(Self, &str); 9] = [
+        (Self::Forces, "forces"),
+        (Self::Bounds, "bounds"),
+        (Self::Build, "build"),
+        (Self::Pairs, "pairs"),
+        (Self::Contacts, "contacts"),
+        (Self::Resting, "resting"),
+        (Self::Events, "events"),
+        (Self::Correction, "correction"),
+        (Self::Store, "store"),
+    ];
+}
+
+/// A callback that is called when a stage of a step ends, to time it.
+pub type Watch<'a> = dyn FnMut(Stage) + Send + 'a;
+
+/// The search of the last step, its sub-steps and its unresolved particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Nodes of the tree.
+    pub nodes: usize,
+    /// Nodes without children.
+    pub leaves: usize,
+    /// Subdivisions above the deepest node.
+    pub depth: usize,
+    /// Pairs tested.
+    pub tests: u64,
+    /// Particles that had too many collisions in a part of the step, and then stayed with what
+    /// pressed them.
+    pub unresolved: u64,
+    /// Sub-steps of all parts of the step.
+    pub substeps: usize,
+    /// Times that the collisions of a particle became elastic in a part of the step, because it had
+    /// many (inelastic collapse).
+    pub collapsed: u64,
+}
+
+/// Particles, their settings and forces.
+///
+/// ```
+/// use jostle_world::{Particles, World, WorldSettings};
+/// let (left, right) = ([-2.0, 0.0], [2.0, 0.0]);
+/// let discs = Particles::new(vec![left, right], vec![[1.0, 0.0], [0.0, 0.0]], vec![1.0; 2], 1.0);
+/// let mut world = World::new(discs, WorldSettings::default())?;
+/// world.step(0.1, 40)?;
+/// assert_eq!(world.particles().velocities, [[0.0, 0.0], [1.0, 0.0]]); // they swapped
+/// # Ok::<(), jostle_base::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct World {
+    pub(crate) settings: WorldSettings,
+    /// They name particles by rows.
+    pub(crate) forces: Vec<Force>,
+    pub(crate) walls: Walls,
+    /// The accelerations of the rows by forces of the caller, if there are any on any process.
+    pub(crate) given: Option<Vec<[f32; 2]>>,
+    /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
+    pub(crate) particles: Particles,
+    /// The row, in the order of adding, of the particle at each index.
+    pub(crate) rows: Vec<u32>,
+    pub(crate) persistent: Persistent,
+    /// The index of each row, once it was needed.
+    pub(crate) indices: OnceLock<Vec<u32>>,
+    /// The id of each row.
+    pub(crate) ids: Ids,
+    pub(crate) defaults: Defaults,
+    pub(crate) contacts: Contacts,
+    /// The impulses that walls gave in the last step, sorted by row.
+    pub(crate) wall_impulses: Vec<WallImpulse>,
+    /// The other particles.
+    pub(crate) asleep: Asleep,
+    pub(crate) time: f64,
+    pub(crate) stats: Stats,
+    /// The old and the new id of each particle that became part of another.
+    pub(crate) renumbered: Option<Vec<[Id; 2]>>,
+    /// What happened since the last call of [`World::begin_record`].
+    pub(crate) record: Record,
+    /// The part of the world that this process has.
+    pub(crate) halo: Box<dyn Distribution>,
+    pub(crate) scratch: StepScratch,
+}
+
+/// Scratch of a step.
+#[derive(Debug, Default)]
+pub(crate) struct StepScratch {
+    /// A multiple of the mean speed, for the bounds.
+    pub(crate) usual_speed: f32,
+    /// Whether all particles stay in their bounds if they have no events.
+    pub(crate) bounded: bool,
+    /// Sub-steps of a part of a step.
+    pub(crate) substeps: usize,
+    /// Largest displacements that stay in the bounds.
+    pub(crate) max_displacements: Vec<f32>,
+    pub(crate) old_max_displacements: Vec<f32>,
+    /// Those with which a part of the step begins; empty if no particle sleeps.
+    pub(crate) limits: Vec<f32>,
+    /// Sleeping islands that the step would touch.
+    pub(crate) touched: Vec<u32>,
+    /// Whether there are any, on any process.
+    pub(crate) meets_sleepers: bool,
+    pub(crate) sleeping: sleeping::Scratch,
+    pub(crate) waking: waking::Scratch,
+    pub(crate) grown: bounds::Grown,
+    /// Rows that were exhausted in the step.
+    pub(crate) exhausted: Vec<u32>,
+    /// Those of the step.
+    pub(crate) collisions: Collisions,
+    pub(crate) touching: touching::Scratch,
+    pub(crate) events: Events,
+    /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
+    pub(crate) wall_impulses: Vec<(u32, u32, [f32; 2])>,
+    /// The pushes of walls in the last sub-step, sorted by row and wall.
+    pub(crate) wall_pushes: Vec<WallPush>,
+    /// Those of the sub-step that is computed.
+    pub(crate) new_wall_pushes: Vec<WallPush>,
+    /// The walls near each particle.
+    pub(crate) near_walls: walls::Near,
+    pub(crate) shapes: Shapes<f32>,
+    pub(crate) tree: Quadtree<f32>,
+    pub(crate) motions: Motions,
+    pub(crate) spins: Spins,
+    pub(crate) resting: Resting,
+    pub(crate) correction: Correction,
+    pub(crate) listing: search::ListScratch,
+    pub(crate) contact_shape: ContactShape,
+    /// How many times the usual number of sub-steps the contacts need, on all processes.
+    pub(crate) refinement: usize,
+    /// The candidate pairs.
+    pub(crate) pairs: search::Lists,
+    /// Those of pairs that pass through each other, if it matters whether they touch.
+    pub(crate) sensed: search::Lists,
+    /// Those of which contacts are made.
+    pub(crate) overlaps: search::Lists,
+    pub(crate) overlap_parts: Vec<Vec<[u32; 2]>>,
+    /// How far from its surface each particle may rest in the step.
+    pub(crate) reaches: Vec<f32>,
+    /// Which particles lose energy, or may touch one that does, of a world in which some do and
+    /// others do not; else empty.
+    pub(crate) lossy: Vec<bool>,
+    /// Seconds for which the bounds of the step are made.
+    pub(crate) horizon: f32,
+    pub(crate) crowding: renewal::Crowding,
+    pub(crate) renewed: renewal::Renewed,
+    /// The candidate pairs of a world whose particles merge.
+    pub(crate) candidate_merges: Vec<merge::CandidateMerge>,
+    /// Of a distributed one: the particles at the beginning of a part of the step, by indices.
+    pub(crate) starts: Particles,
+    /// Whether the processes agree on a part of the step, if that is known.
+    pub(crate) agreement: Option<Agreement>,
+    pub(crate) kicks: Vec<Kick>,
+    pub(crate) hot_walls: HotWalls,
+    pub(crate) forces: ForceScratch,
+    pub(crate) before: Before,
+    /// The record before, until a step of the present one is complete.
+    pub(crate) record_before: Option<(Record, Option<Vec<[Id; 2]>>)>,
+    /// Columns to reorder into, for all parts of a step but the first.
+    pub(crate) spare: Discs,
+}
+
+impl World {
+    /// A world of `particles`. Refuses invalid particles and settings.
+    pub fn new(particles: Particles, settings: WorldSettings) -> Result<Self> {
+        let mut world = Self::default();
+        world.configure(settings)?;
+        world.add(particles)?;
+        Ok(world)
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.rows.len() + self.asleep.len()
+    }
+
+    /// Whether there is no particle.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> &WorldSettings {
+        &self.settings
+    }
+
+    /// Changes the settings. If they are refused, the old ones stay. All particles wake, unless only
+    /// settings without influence on the results change.
+    pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
+        settings.validate()?;
+        settings.container.check_fit(&self.radii())?;
+        forces::check_fit(&self.forces, settings.container)?;
+        let new_walls = if settings.container == self.settings.container {
+            None
+        } else {
+            forces::check_sides(&self.forces, settings.container)?;
+            let walls = self.walls.all().to_vec();
+            Some(Walls::new(walls, settings.container, settings.tree)?)
+        };
+        let WorldSettings { method, tree, track_events, .. } = settings;
+        if settings != (WorldSettings { method, tree, track_events, ..self.settings }) {
+            self.wake_all();
+            self.persistent.drifts.clear();
+        }
+        if let Some(walls) = new_walls {
+            self.walls = walls;
+            self.persistent.warm_start.clear();
+            self.wall_impulses.clear();
+            self.halo.forget_domains();
+        }
+        if track_events != self.settings.track_events {
+            self.record.forget_pairs();
+        }
+        self.settings = settings;
+        self.walls.set_sides(settings.side_restitutions());
+        Ok(())
+    }
+
+    /// The walls, without those of the container.
+    pub fn walls(&self) -> &[Wall] {
+        self.walls.all()
+    }
+
+    /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
+    /// overlap a wall are pushed out in several steps.
+    pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
+        drive::check_walls(&self.forces, walls.len())?;
+        let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
+        walls.set_sides(self.settings.side_restitutions());
+        self.wake_all();
+        self.persistent.drifts.clear();
+        let is_kept = |wall: usize| {
+            let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(wall));
+            old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
+        };
+        self.wall_impulses.retain(|of| of.wall < FIRST || is_kept((of.wall - FIRST) as usize));
+        self.walls = walls;
+        Ok(())
+    }
+
+    /// The forces. They name particles by ids.
+    pub fn forces(&self) -> Vec<Force> {
+        let mut forces = self.forces.clone();
+        forces::follow(&mut forces, |row| Some(self.ids.of(row as u32)));
+        forces
+    }
+
+    /// Changes the forces. They name particles by ids. If they are refused, the old ones stay. All
+    /// particles wake.
+    pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
+        forces::validate(&forces, self.len(), |id| self.contains(id))?;
+        forces::check_fit(&forces, self.settings.container)?;
+        forces::check_sides(&forces, self.settings.container)?;
+        self.check_motors(&forces)?;
+        forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
+        self.wake_all();
+        self.persistent.drifts.clear();
+        self.forces = forces;
+        Ok(())
+    }
+
+    /// Changes the kinds of some particles in all forces between kinds.
+    pub fn set_kinds(&mut self, ids: &[Id], kinds: &[u8]) -> Result<()> {
+        let rows = self.distinct_rows_of(ids)?;
+        if kinds.len() != rows.len() {
+            let (found, expected) = (kinds.len(), rows.len());
+            return Err(Error::Length { argument: "kinds", found, expected });
+        }
+        self.check_kinds(kinds)?;
+        forces::change_kinds(&mut self.forces, |all| {
+            rows.iter().zip(kinds).for_each(|(&row, &kind)| all[row as usize] = kind);
+        });
+        Ok(())
+    }
+
+    /// The kinds of some particles in the first force between kinds; None if there is no such force.
+    pub fn kinds_of(&self, ids: &[Id]) -> Result<Option<Vec<u8>>> {
+        let rows = self.rows_of(ids)?;
+        let pair = forces::pairs(&self.forces).next();
+        Ok(pair.map(|pair| rows.iter().map(|&row| pair.kinds[row as usize]).collect()))
+    }
+
+    /// Refuses kinds that [`World::set_kinds`] would refuse.
+    pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
+        match forces::kind_count(&self.forces) {
+            Some(count) => forces::pair::check_kinds(kinds, count),
+            None => {
+                let rule = "the world has no PairForce";
+                Err(Error::of("kinds", counted(kinds.len(), "kind"), rule))
+            }
+        }
+    }
+
+    /// Simulated seconds.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Numbers of the last step.
+    pub fn stats(&self) -> Stats {
+        self.stats
+    }
+}

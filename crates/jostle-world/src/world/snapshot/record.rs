@@ -1,0 +1,48 @@
+//! Serialization of the record of collisions and touching pairs.
+
+use super::super::World;
+use super::super::record::{Collisions, Record};
+use crate::bytes::{Reader, Writer, damaged};
+use crate::error::Result;
+use crate::ids::Id;
+
+pub(super) fn put_record(to: &mut Writer, world: &World) {
+    let Record { collisions, before, during, at_end, .. } = &world.record;
+    to.put([collisions.pairs, collisions.walls]);
+    to.put(u8::from(world.settings.track_events));
+    let mut during = during.clone();
+    during.sort_unstable();
+    during.dedup();
+    for pairs in [before, &during, at_end] {
+        to.put_count(pairs.len());
+        // No id is below 0.
+        to.put_all(&pairs.iter().map(|pair| pair.map(|id| id as u64)).collect::<Vec<[u64; 2]>>());
+    }
+}
+
+/// Reads it into a world whose ids are known; there was none before version 7.
+pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World, version: u32) -> Result<()> {
+    if version < 7 {
+        return Ok(());
+    }
+    let [pairs, walls] = from.get()?;
+    world.settings.track_events = from.get::<u8>()? > 0;
+    let (_, next) = world.ids.parts();
+    let mut list = || -> Result<Vec<[Id; 2]>> {
+        let count = from.get_count()?;
+        let all: Vec<[u64; 2]> = from.get_all(count)?;
+        let is_pair = |&[a, b]: &[u64; 2]| a < b && b < next as u64;
+        if !all.iter().all(is_pair) || !all.is_sorted_by(|a, b| a < b) {
+            return Err(damaged("two particles that touched have no ids"));
+        }
+        Ok(all.into_iter().map(|pair| pair.map(|id| id as Id)).collect())
+    };
+    let [before, during, at_end] = [list()?, list()?, list()?];
+    let has_pairs = [&before, &during, &at_end].iter().any(|pairs| !pairs.is_empty());
+    if has_pairs && !world.settings.track_events {
+        return Err(damaged("it has events, but tracks none"));
+    }
+    let collisions = Collisions { pairs, walls };
+    world.record = Record { collisions, before, during, at_end, ..Record::default() };
+    Ok(())
+}

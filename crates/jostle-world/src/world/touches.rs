@@ -1,0 +1,225 @@
+//! What touched during the last step, and with which impulses.
+
+use super::{Collisions, OnTouch, World};
+use crate::contacts::{Contact, sum_of_impulses};
+use crate::error::Result;
+use crate::events::{Bounce, WALL};
+use crate::motion::exact;
+use crate::resting::WallPush;
+use crate::ids::Id;
+use crate::walls::FIRST;
+
+/// Two particles that touched during the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// Their ids, the smaller first.
+    pub pair: [Id; 2],
+    /// Unit vector from the first to the second.
+    pub normal: [f32; 2],
+    /// Penetration at the end of the step; negative if they had separated.
+    pub depth: f32,
+    /// Sum of the impulses of the step on the second along the normal.
+    pub normal_impulse: f32,
+    /// Sum of those along the normal after a quarter turn from +x to +y.
+    pub friction_impulse: f32,
+}
+
+/// A particle and a wall that gave it an impulse during the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallTouch {
+    /// The id of the particle.
+    pub id: Id,
+    /// The number of the wall: 0 to 3 at min x, max x, min y and max y of a box; 0 of a circle;
+    /// 4 + k of the wall k of [`World::walls`].
+    pub wall: u32,
+    /// Unit vector from the wall into the container.
+    pub normal: [f32; 2],
+    /// Penetration at the end of the step; negative if they had separated.
+    pub depth: f32,
+    /// As for [`Touch`], on the particle.
+    pub normal_impulse: f32,
+    /// As for [`Touch`], on the particle.
+    pub friction_impulse: f32,
+}
+
+/// The impulses that a wall gave to a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct WallImpulse {
+    pub(crate) row: u32,
+    pub(crate) wall: u32,
+    /// Along the normal, and of friction.
+    pub(crate) impulses: [f32; 2],
+    /// Those over mass of the last sub-step, at rest; only of walls that are not the container's.
+    pub(crate) pushes: [f32; 2],
+}
+
+/// Sorts the impulses of a step, and adds up those of the same particle and wall.
+pub(crate) fn add_up(all: &mut Vec<WallImpulse>) {
+    // Sums depend on the order, so equal numbers decide the rest.
+    all.sort_unstable_by_key(|of| (of.row, of.wall, of.impulses.map(f32::to_bits)));
+    all.dedup_by(|next, sum| {
+        let is_same = (next.row, next.wall) == (sum.row, sum.wall);
+        if is_same {
+            sum.impulses = sum_of_impulses(sum.impulses, next.impulses);
+            sum.pushes = [0, 1].map(|k| sum.pushes[k] + next.pushes[k]);
+        }
+        is_same
+    });
+    all.retain(|of| of.impulses[0] > 0.0);
+}
+
+/// What callers see of the contact of two particles with these ids.
+pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
+    let sign = if i < j { 1.0 } else { -1.0 };
+    let normal = contact.normal.map(|v| v * sign);
+    // If the two are exchanged, normal and impulse change their signs, and the sums do not.
+    let [normal_impulse, friction_impulse] = contact.totals;
+    Touch {
+        pair: [i.min(j), i.max(j)],
+        normal,
+        depth: -contact.gap,
+        normal_impulse,
+        friction_impulse,
+    }
+}
+
+impl World {
+    /// Collects what touched in a part of a step, and with which impulses, from the results of the
+    /// sub-steps.
+    pub(crate) fn collect_touches(&mut self) {
+        self.list_exhausted();
+        let bounced = &mut self.scratch.events.bounced;
+        if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
+            bounced.sort_unstable_by(Bounce::order);
+        }
+        self.count_collisions();
+        self.collect_wall_impulses();
+        let mut sensed = std::mem::take(&mut self.scratch.events.sensed);
+        sensed.iter_mut().for_each(|[a, b]| (*a, *b) = ((*a).min(*b), (*a).max(*b)));
+        sensed.sort_unstable();
+        sensed.dedup();
+        if self.settings.on_touch == OnTouch::Bounce {
+            self.update_contacts(&sensed);
+        } else {
+            self.record_pairs(&sensed);
+        }
+        self.scratch.events.sensed = sensed;
+    }
+
+    /// Lists the rows that were exhausted, and counts those whose collisions became elastic.
+    fn list_exhausted(&mut self) {
+        let exhausted = &mut self.scratch.exhausted;
+        let new = self.scratch.events.exhausted.iter().map(|&index| self.rows[index as usize]);
+        exhausted.extend(new);
+        exhausted.sort_unstable();
+        exhausted.dedup();
+        self.stats.unresolved = exhausted.len() as u64;
+        let (own, rows) = (self.halo.own_rows(), &self.rows);
+        let is_own = |index: u32| rows[index as usize] < own;
+        let collapsed = self.scratch.events.collapsed.iter().filter(|&&index| is_own(index));
+        self.stats.collapsed += collapsed.count() as u64;
+    }
+
+    fn count_collisions(&mut self) {
+        let (own, rows) = (self.halo.own_rows(), &self.rows);
+        // A pair of particles belongs to the process of the first.
+        let is_own = |index: u32| rows[index as usize] < own;
+        let Collisions { pairs, walls } = &mut self.scratch.collisions;
+        let bounced = self.scratch.events.bounced.iter();
+        for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
+            *(if of.pair[1] == WALL { &mut *walls } else { &mut *pairs }) += 1;
+        }
+    }
+
+    /// Lists the impulses of walls: of bounces in the order of time, and of resting contacts.
+    fn collect_wall_impulses(&mut self) {
+        let scratch = &mut self.scratch;
+        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
+        let bounced = bounced.map(|of| (of.pair[0], of.code, of.impulses));
+        let all = bounced.chain(scratch.wall_impulses.drain(..));
+        self.wall_impulses.extend(all.map(|(index, wall, impulses)| WallImpulse {
+            row: self.rows[index as usize],
+            wall,
+            impulses,
+            pushes: [0.0; 2],
+        }));
+    }
+
+    /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
+    /// through each other (`sensed`), and measures all.
+    fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
+        let threads = self.threads();
+        let Self { settings, scratch, particles, contacts, .. } = self;
+        let motions = &scratch.motions;
+        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
+        let bounced = bounced.map(|of| (of.pair, of.impulses));
+        let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
+        let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
+            let pair = [a.min(b), a.max(b)];
+            let image = settings.container.nearest_image(|| {
+                let [p, q] = pair.map(|index| motions.position(index).map(f64::from));
+                [0, 1].map(|k| q[k] - p[k])
+            });
+            (pair, image, impulses)
+        });
+        contacts.keep_lasting(touched, particles, particles.len());
+        contacts.each(threads, |contact| contact.measure(motions, &particles.radii));
+    }
+
+    /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
+    pub(crate) fn keep_wall_pushes(&mut self) {
+        let pushes = self.scratch.wall_pushes.iter();
+        self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| WallImpulse {
+            row,
+            wall,
+            impulses: [0.0; 2],
+            pushes,
+        }));
+    }
+
+    /// The pairs that touched during the last step, in canonical order. Then the pairs of sleeping
+    /// islands, as in the last step in which these were awake, in the order in which they fell
+    /// asleep. If nothing bounces, those that overlap now; an error if there are too many.
+    pub fn contacts(&self) -> Result<Vec<Touch>> {
+        if self.settings.on_touch != OnTouch::Bounce {
+            return self.overlaps();
+        }
+        let id = |row: u32| self.ids.of(row);
+        let of_index = |index: u32| id(self.rows[index as usize]);
+        let awake = self.contacts.touching().map(|of| touch_of(of, of.indices.map(of_index)));
+        let asleep = self.asleep.contacts().filter(|contact| contact.touched);
+        Ok(awake.chain(asleep.map(|of| touch_of(of, of.indices.map(id)))).collect())
+    }
+
+    /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
+    /// in the last step in which they were awake.
+    pub fn wall_contacts(&self) -> Vec<WallTouch> {
+        let (indices, container) = (self.indices(), &self.settings.container);
+        let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
+            // One that is only kept for warm starting, in a world of particles of other ones.
+            if impulses[0] <= 0.0 {
+                return None;
+            }
+            let index = indices[row as usize] as usize;
+            let (all, index) = self.disc_at(index);
+            let position = exact(all.positions[index], all.residuals[index]);
+            let radius = f64::from(all.radii[index]);
+            let (gap, normal) = if wall < FIRST {
+                let gap = container.gaps(position, radius)[wall as usize]?;
+                (gap, container.normal(wall, position))
+            } else {
+                let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius);
+                (contact.gap, contact.normal)
+            };
+            let normal = normal.map(|v| v as f32);
+            let [normal_impulse, friction_impulse] = impulses;
+            let depth = -gap as f32;
+            let id = self.ids.of(row);
+            Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
+        };
+        let all = self.wall_impulses.iter().chain(self.asleep.wall_impulses());
+        let mut all: Vec<WallTouch> = all.filter_map(touch).collect();
+        all.sort_by_key(|touch| (touch.id, touch.wall));
+        all
+    }
+}

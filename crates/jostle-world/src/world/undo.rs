@@ -1,0 +1,100 @@
+//! Rollback: restores the state before a step that is refused or interrupted.
+
+use super::discs::Discs;
+use super::ids::Ids;
+use super::touches::WallImpulse;
+use super::{Collisions, Stats, World};
+use crate::contacts::Contacts;
+use crate::forces::Force;
+use crate::particles::Particles;
+use crate::resting::WallPush;
+use crate::ids::Id;
+use crate::walls::Wall;
+
+/// The world before the current step. The first part of a step moves the old columns and contacts
+/// here and writes new ones, so almost nothing is copied.
+#[derive(Debug, Default)]
+pub(crate) struct Before {
+    /// Whether the old columns and contacts are here.
+    pub(crate) is_reordered: bool,
+    pub(crate) discs: Discs,
+    pub(crate) contacts: Contacts,
+    /// Positions and residuals as they were, if some were outside the torus.
+    unwrapped: Option<[Vec<[f32; 2]>; 2]>,
+    forces: Vec<Force>,
+    given: Option<Vec<[f32; 2]>>,
+    /// The walls, if any moves.
+    walls: Vec<Wall>,
+    wall_impulses: Vec<WallImpulse>,
+    stats: Stats,
+    /// Pairs that had touched since the record began.
+    recorded: usize,
+    /// Those before the first merger of the step.
+    pub(crate) ids: Option<Ids>,
+    renumbered: Option<Vec<[Id; 2]>>,
+}
+
+impl World {
+    /// Begins a step.
+    pub(crate) fn begin(&mut self) {
+        let before = &mut self.scratch.before;
+        before.is_reordered = false;
+        before.forces.clone_from(&self.forces);
+        before.given.clone_from(&self.given);
+        before.walls.clear();
+        if self.walls.move_any() {
+            before.walls.extend_from_slice(self.walls.all());
+        }
+        std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
+        self.wall_impulses.clear();
+        let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
+        let pushes =
+            pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
+        self.scratch.wall_pushes.clear();
+        self.scratch.wall_pushes.extend(pushes);
+        before.stats = self.stats;
+        before.recorded = self.record.during.len();
+        self.scratch.collisions = Collisions::default();
+        before.ids = None;
+        before.renumbered.clone_from(&self.renumbered);
+        let container = self.settings.container;
+        let Particles { positions, residuals, .. } = &mut self.particles;
+        let outside = |position: &[f32; 2]| container.wrap(*position) != *position;
+        let is_any_outside = container.period().is_some() && positions.iter().any(outside);
+        before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
+        if is_any_outside {
+            for (position, residual) in positions.iter_mut().zip(residuals) {
+                (*position, *residual) = container.wrap_exact(*position, *residual);
+            }
+        }
+    }
+
+    /// Restores the state at the beginning of the step.
+    pub(crate) fn undo(&mut self) {
+        let before = &mut self.scratch.before;
+        if before.is_reordered {
+            let Discs { particles, rows, persistent } = &mut before.discs;
+            std::mem::swap(&mut self.particles, particles);
+            std::mem::swap(&mut self.rows, rows);
+            std::mem::swap(&mut self.persistent, persistent);
+            self.contacts.exchange(&mut before.contacts);
+            self.contacts.remember(self.rows.len());
+            self.indices.take();
+        }
+        if let Some([positions, residuals]) = before.unwrapped.take() {
+            (self.particles.positions, self.particles.residuals) = (positions, residuals);
+        }
+        std::mem::swap(&mut self.forces, &mut before.forces);
+        std::mem::swap(&mut self.given, &mut before.given);
+        if !before.walls.is_empty() {
+            self.walls.restore(std::mem::take(&mut before.walls));
+        }
+        std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
+        self.stats = before.stats;
+        self.record.during.truncate(before.recorded);
+        if let Some(ids) = before.ids.take() {
+            self.ids = ids;
+        }
+        self.renumbered = before.renumbered.take();
+    }
+}
