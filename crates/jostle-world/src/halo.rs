@@ -44,10 +44,10 @@ pub trait Halo: Debug + Sync {
         Ok(())
     }
 
-    /// The bits that are set on any process, in bytes of which other processes may have more or
+    /// Sets the bits that are set on any process, in bytes of which other processes may have more or
     /// fewer. Returns an error if a process has failed.
-    fn any_bits(&self, own: Vec<u8>) -> Result<Vec<u8>> {
-        Ok(own)
+    fn any_bits(&self, _: &mut Vec<u8>) -> Result<()> {
+        Ok(())
     }
 
     /// Calls `put` to append `size` bytes of each particle that is a ghost elsewhere, then `take` with

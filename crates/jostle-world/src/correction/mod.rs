@@ -87,6 +87,8 @@ pub struct Correction {
     moved_many: bool,
     /// The contacts of the step.
     blocks: Vec<Block>,
+    /// For each colour, whether any pairs are near, on any process.
+    near: Vec<u8>,
 }
 
 impl Correction {
@@ -122,11 +124,12 @@ impl Correction {
         }
         self.measure(contacts, motions, &particles.radii, threads);
         self.free_squares.resize(particles.len() + 1);
-        let near = halo.any_bits(self.near_colours(contacts))?;
-        if near.iter().all(|&is_near| is_near == 0) {
+        self.list_near_colours(contacts);
+        halo.any_bits(&mut self.near)?;
+        if self.near.iter().all(|&is_near| is_near == 0) {
             return Ok(());
         }
-        if !self.separate_all(contacts, &enclosure, (colours, halo, &near), threads)? {
+        if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {
             return Ok(());
         }
         let displacements = &self.displacements;
@@ -171,10 +174,12 @@ impl Correction {
         });
     }
 
-    /// For each colour, whether any pairs are near.
-    fn near_colours(&self, contacts: &Contacts) -> Vec<u8> {
-        let any = |colour: &Colour| self.blocks[colour.all()].iter().any(Block::is_near);
-        contacts.blocks.colours.iter().map(|colour| u8::from(any(colour))).collect()
+    /// Finds for each colour whether any pairs are near.
+    fn list_near_colours(&mut self, contacts: &Contacts) {
+        let Self { near, blocks, .. } = self;
+        let any = |colour: &Colour| blocks[colour.all()].iter().any(Block::is_near);
+        near.clear();
+        near.extend(contacts.blocks.colours.iter().map(|colour| u8::from(any(colour))));
     }
 
     /// Moves all overlapping pairs apart, in iterations. Returns whether there were any.
@@ -182,14 +187,14 @@ impl Correction {
         &mut self,
         contacts: &Contacts,
         enclosure: &Enclosure<'_>,
-        (colours, halo, near): (usize, &dyn Halo, &[u8]),
+        (colours, halo): (usize, &dyn Halo),
         threads: Option<usize>,
     ) -> Result<bool> {
         let len = enclosure.particles.len();
         let many = len / WORTH_LISTING;
         let moved: [AtomicUsize; ITERATIONS] = Default::default();
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
-        let Self { displacements, free_squares, blocks, moved_many, .. } = &*self;
+        let Self { displacements, free_squares, blocks, moved_many, near, .. } = &*self;
         let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
         let stages =
             Stages { contacts, blocks, displacements, inside: &inside, colours, halo, near };

@@ -420,13 +420,12 @@ impl Halo for Domain {
         locked(&self.group).largest(numbers)
     }
 
-    fn any_bits(&self, own: Vec<u8>) -> Result<Vec<u8>> {
-        let mut any = Vec::new();
-        for bytes in locked(&self.group).share(&own)? {
+    fn any_bits(&self, any: &mut Vec<u8>) -> Result<()> {
+        for bytes in locked(&self.group).share(any)? {
             any.resize(any.len().max(bytes.len()), 0);
             any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
         }
-        Ok(any)
+        Ok(())
     }
 
     fn exchange(

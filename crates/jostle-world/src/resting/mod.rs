@@ -117,6 +117,8 @@ pub struct Resting {
     frictions: Vec<friction::Block>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
+    /// Scratch of the sweeps.
+    work: Vec<u8>,
     walls: Vec<Walls>,
     /// Those of a part of the particles each.
     parts: Vec<WallPart>,
@@ -337,10 +339,10 @@ impl Resting {
         }
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
-        let Self { blocks, frictions, walls, .. } = self;
+        let Self { blocks, frictions, walls, work, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         let springs = springs.holds_any().then_some(springs);
-        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast }
+        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast, work }
             .run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use super::pairs::{Block, Pass, Phase, Sweep};
 use super::walls::Walls;
 use super::{Support, friction, sum};
-use crate::contacts::{self, Contacts};
+use crate::contacts::Contacts;
 use crate::error::Result;
 use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
 use crate::interrupt::Stop;
@@ -62,32 +62,32 @@ pub struct Sweeps<'a> {
     pub springs: Option<&'a mut SpringSolver>,
     /// Whether particles touch and approach too fast to rest.
     pub has_fast: bool,
+    /// Scratch: what there is to do in each colour, on any process.
+    pub work: &'a mut Vec<u8>,
 }
 
 impl Sweeps<'_> {
     /// Finds the impulses, and the velocities with them.
-    pub fn run(self) -> Result<()> {
+    pub fn run(mut self) -> Result<()> {
         let Support { threads, halo, .. } = *self.all.scene;
         let has_fast = self.has_fast || self.walls.iter().any(Walls::is_fast);
         if halo.is_alone() && parallel::is_parallel(threads) {
             return self.run_together(has_fast);
         }
-        let of_all = halo.any_bits(self.work_of_colours(has_fast))?;
-        let (&has_fast, colours) = of_all.split_first().unwrap_or((&0, &[]));
-        self.run_on_one(has_fast > 0, colours)
+        self.list_work(has_fast);
+        halo.any_bits(self.work)?;
+        self.run_on_one()
     }
 
-    /// Whether there are fast contacts, and for each colour a bit if any contacts rest, and one if
-    /// any of uneven masses do.
-    fn work_of_colours(&self, has_fast: bool) -> Vec<u8> {
+    /// Lists whether there are fast contacts, and for each colour a bit if any contacts rest, and one
+    /// if any of uneven masses do.
+    fn list_work(&mut self, has_fast: bool) {
         let any = |blocks: &[Block]| u8::from(blocks.iter().any(|block| block.resting > 0));
-        let work = |colour: &contacts::Colour| {
+        self.work.clear();
+        self.work.push(u8::from(has_fast));
+        self.work.extend(self.contacts.blocks.colours.iter().map(|colour| {
             any(&self.blocks[colour.all()]) | any(&self.blocks[colour.uneven()]) << 1
-        };
-        [u8::from(has_fast)]
-            .into_iter()
-            .chain(self.contacts.blocks.colours.iter().map(work))
-            .collect()
+        }));
     }
 
     /// The tasks in their order.
@@ -123,10 +123,10 @@ impl Sweeps<'_> {
         iterate(Pass::Exact, All)
     }
 
-    /// Solves all contacts on this thread, together with other processes, of which any have `work` in
-    /// each colour.
-    fn run_on_one(self, has_fast: bool, work: &[u8]) -> Result<()> {
+    /// Solves all contacts on this thread, together with other processes.
+    fn run_on_one(self) -> Result<()> {
         let Self { all, contacts, blocks, frictions, walls, uneven_walls, mut springs, .. } = self;
+        let (&has_fast, work) = self.work.split_first().unwrap_or((&0, &[]));
         let State { scene, .. } = all;
         let has_springs = springs.is_some();
         let (stop, shape) = (Stop::current(), scene.shape);
@@ -180,7 +180,7 @@ impl Sweeps<'_> {
                 }
             }
         };
-        Self::each_task([has_fast, shape.has_uneven, has_springs], &mut act)?;
+        Self::each_task([has_fast > 0, shape.has_uneven, has_springs], &mut act)?;
         all.refresh()
     }
 
