@@ -41,7 +41,7 @@ run: $(VENV)/lab  ## start the simulator; ARGS="pile -n 2000" chooses a scene an
 
 test: setup  ## run every test: Rust, Python and the examples in the documents
 	$(need_rust)
-	cargo test --package jostle
+	cargo test --workspace --exclude jostle-py
 	$(if $(ARGS),,$(BIN)/python -m pytest tests/mpi)
 	$(BIN)/python -m pytest $(or $(ARGS),--ignore tests/mpi --numprocesses auto --dist worksteal)
 
@@ -65,7 +65,7 @@ lint: setup  ## check format, style and types
 	$(BIN)/lint-imports --no-cache --no-logo
 	$(BIN)/python -m mypy.stubtest jostle._core
 	cargo clippy --workspace --all-targets -- -D warnings
-	cargo clippy --package jostle --no-default-features -- -D warnings
+	cargo clippy --package jostle --package jostle-scenes --no-default-features -- -D warnings
 
 bench: setup $(VENV)/bench  ## measure against the rivals; ARGS="pairs native" chooses parts
 	$(if $(call asked,$(filter-out native,$(ARGS))),$(BIN)/python benchmarks/run.py $(filter-out native,$(ARGS)))

@@ -2,7 +2,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-
 pub mod error;
 pub mod memory;
 pub mod bytes;

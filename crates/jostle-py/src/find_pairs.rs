@@ -2,8 +2,8 @@
 
 use std::sync::{Mutex, TryLockError};
 
-use jostle_index::pairs::FindScratch;
 use jostle_base::Method;
+use jostle_index::pairs::FindScratch;
 use jostle_index::{Period, Scalar, pairs};
 use numpy::{Element, PyArray2};
 use pyo3::prelude::*;

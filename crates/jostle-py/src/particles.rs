@@ -1,8 +1,8 @@
 //! Columns of particles as arguments of a world.
 
-use jostle_world::particles::MASS_RANGE;
 use jostle_base::Error;
 use jostle_index::{Each, Filter};
+use jostle_world::particles::MASS_RANGE;
 use jostle_world::{Changes, Defaults, Particles};
 use pyo3::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Conversion of the arguments of queries, each one query or many, and of their results.
 
-use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
 use jostle_base::Error;
+use jostle_index::query::{Circle, Hits, Neighbors, Point, Polygon, Ray, RayHits, Rect};
 use jostle_index::{Each, Scalar};
 use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;

@@ -1,11 +1,11 @@
 //! Results of several arrays, as named tuples of `jostle.results`.
 
 use jostle_base::interrupt::Pulse;
+use jostle_base::{Id, memory};
 use jostle_index::pairs::Overlaps;
 use jostle_index::query::{Hits, Neighbors, RayHits};
-use jostle_scenes::{Emitter, GaltonBoard};
-use jostle_base::{Id, memory};
 use jostle_index::{Filter, Scalar};
+use jostle_scenes::{Emitter, GaltonBoard};
 use jostle_space::Slides;
 use jostle_world::{Collisions, Particles, Spin, Touch, TouchEvents, WallTouch};
 use numpy::Element;

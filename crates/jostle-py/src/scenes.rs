@@ -1,6 +1,6 @@
 //! `jostle.scenes`.
 
-use jostle_scenes::{self, SCENES, find};
+use jostle_scenes::{self as scenes, SCENES, find};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 

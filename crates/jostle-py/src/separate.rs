@@ -1,8 +1,8 @@
 //! `jostle.separate`.
 
-use jostle_separate::separate::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE};
 use jostle_index::{Each, Scalar};
 use jostle_separate::Separation;
+use jostle_separate::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE};
 use numpy::Element;
 use pyo3::prelude::*;
 

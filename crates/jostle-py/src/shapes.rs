@@ -140,7 +140,9 @@ impl<T: Scalar> Positions<T> {
         filters: Option<[Each<u32>; 2]>,
     ) -> jostle_base::Result<jostle_index::Shapes<T>> {
         match self {
-            Self::Centers(centers) => jostle_index::Shapes::new(centers, radii, half_sizes, filters),
+            Self::Centers(centers) => {
+                jostle_index::Shapes::new(centers, radii, half_sizes, filters)
+            }
             Self::Boxes(boxes) => jostle_index::Shapes::from_boxes(boxes, radii, filters),
         }
     }

@@ -1,7 +1,7 @@
 //! The arguments and the result of `Space.move_and_slide`.
 
-use jostle_slide::DEFAULT_MAX_SLIDES;
 use jostle_index::Scalar;
+use jostle_slide::DEFAULT_MAX_SLIDES;
 use jostle_slide::SlideRules;
 use jostle_space::Space;
 use numpy::Element;

@@ -7,11 +7,17 @@
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 #[allow(unused_imports)]
-use jostle_base::{bytes, cache, disjoint_sets, error, interrupt, memory, morton, parallel, settings, sorting, table, ids};
+use jostle_base::{
+    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
+    sorting, table,
+};
 #[allow(unused_imports)]
-use jostle_index::{geometry, period, shapes, columns, quadtree, pairs, query};
+use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
 #[allow(unused_imports)]
-use jostle_world::{particles, motion, flow, roots, trajectory, tolerance, container, walls, forces, halo, events, contacts, resting, correction, world, ranks};
+use jostle_world::{
+    contacts, container, correction, events, flow, forces, halo, motion, particles, ranks, resting,
+    roots, tolerance, trajectory, walls, world,
+};
 
 mod falling;
 mod emitters;

@@ -4,8 +4,8 @@ use super::placing::Area;
 use super::random::Random;
 use super::{Start, boxed};
 use crate::forces::{Force, Spring, Springs};
-use crate::particles::Particles;
 use crate::ids::Id;
+use crate::particles::Particles;
 use crate::world::WorldSettings;
 
 /// Number of particles of one cell, which has a cloth, a chain and some bodies. Larger scenes have

@@ -6,7 +6,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-
 #[allow(dead_code, reason = "x86-64 uses its packing only; the tests compare with the rest")]
 mod portable;
 #[cfg(target_arch = "x86_64")]

@@ -12,9 +12,12 @@
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 #[allow(unused_imports)]
-use jostle_base::{bytes, cache, disjoint_sets, error, interrupt, memory, morton, parallel, settings, sorting, table, ids};
+use jostle_base::{
+    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
+    sorting, table,
+};
 #[allow(unused_imports)]
-use jostle_index::{geometry, period, shapes, columns, quadtree, pairs, query};
+use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
 
 mod cast;
 mod segment;

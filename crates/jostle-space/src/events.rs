@@ -6,14 +6,14 @@
 use super::Space;
 use super::keys::{Key, slots_of};
 use super::layers::Layers;
-use crate::ids::Id;
 use super::touching::MAX_PAIRS;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::ids::Id;
 use crate::interrupt::Pulse;
 use crate::memory;
-use jostle_index::pairs::JoinScratch;
 use crate::sorting;
+use jostle_index::pairs::JoinScratch;
 
 /// Pairs converted to ids between two checks for an interruption.
 const CHUNK: usize = 1 << 14;

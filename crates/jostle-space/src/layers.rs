@@ -17,11 +17,11 @@ use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar};
 use crate::interrupt::Pulse;
 use crate::memory;
-use jostle_index::pairs::{self, Filters, JoinScratch};
 use crate::period::Period;
 use crate::quadtree::Quadtree;
 use crate::settings::Settings;
 use crate::shapes::Shapes;
+use jostle_index::pairs::{self, Filters, JoinScratch};
 
 /// Pairs converted between two checks for an interruption.
 const CHUNK: usize = 1 << 14;

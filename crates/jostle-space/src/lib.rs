@@ -10,7 +10,10 @@
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 #[allow(unused_imports)]
-use jostle_base::{bytes, cache, disjoint_sets, error, interrupt, memory, morton, parallel, settings, sorting, table, ids};
+use jostle_base::{
+    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
+    sorting, table,
+};
 #[allow(unused_imports)]
 use jostle_index::{columns, geometry, period, quadtree, query, shapes};
 use jostle_slide as slide;
@@ -44,10 +47,10 @@ use crate::shapes::{
     Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
 };
 pub use events::Events;
+pub use ids::Id;
 use layers::Layers;
 pub use pairs::Wanted;
 pub use saved::Saved;
-pub use ids::Id;
 use slots::Slots;
 use touching::Touching;
 pub use walking::Slides;

@@ -1,15 +1,15 @@
 //! All overlapping pairs of a space, with their contacts, and the neighbours of every shape.
 
 use super::Space;
-use crate::ids::Id;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::ids::Id;
 use crate::interrupt::Pulse;
 use crate::memory;
-use jostle_index::pairs::{Found, Overlaps};
 use crate::query::{self, Hits, MAX_IDS};
 use crate::shapes::half_of;
 use crate::sorting;
+use jostle_index::pairs::{Found, Overlaps};
 
 /// A search for pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use super::Space;
-use crate::ids::Id;
 use crate::error::{Error, Result};
 use crate::geometry::Scalar;
+use crate::ids::Id;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::query::{

@@ -1,9 +1,9 @@
 //! The floors on which shapes stand, so that moving floors carry them.
 
 use super::saved::Saved;
-use crate::ids::Id;
 use crate::error::Result;
 use crate::geometry::Scalar;
+use crate::ids::Id;
 use crate::memory;
 
 /// A slot that is no walker.

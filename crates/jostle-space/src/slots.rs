@@ -6,12 +6,11 @@
 use super::saved::Saved;
 use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
+use crate::ids::Id;
 use crate::interrupt::Pulse;
 use crate::memory;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of};
 use crate::sorting;
-use crate::ids::Id;
-
 
 /// The bit of a slot's generation that marks a vacant slot. No id has the bit, so no id refers to a
 /// vacant slot.

@@ -8,8 +8,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use jostle_scenes::random::Random;
 use jostle_index::{Each, Shapes};
+use jostle_scenes::random::Random;
 use jostle_separate::{Separated, Separation, separate};
 
 fn main() {

@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
-use jostle_scenes::{STEP, find};
 use jostle_base::Settings;
+use jostle_scenes::{STEP, find};
 use jostle_world::{World, WorldSettings};
 
 fn main() {

@@ -5,8 +5,8 @@
 
 use std::time::Instant;
 
-use jostle_world::forces::Gravitation;
 use jostle_scenes::random::Random;
+use jostle_world::forces::Gravitation;
 use jostle_world::world::DEFAULT_SUBSTEPS;
 use jostle_world::{Force, Particles, World, WorldSettings};
 

@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use jostle_scenes::{self, STEP};
+use jostle_scenes::{self as scenes, STEP};
 use jostle_world::{Stage, World};
 
 fn main() {

@@ -7,11 +7,11 @@
 
 use std::time::Instant;
 
-use jostle_index::pairs::{self, FindScratch};
-use jostle_scenes::random::Random;
-use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::Method;
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_index::pairs::{self, FindScratch};
 use jostle_index::{Each, Scalar, Shapes};
+use jostle_scenes::random::Random;
 
 /// Share of the area that the shapes cover, if nothing else is said.
 const COVERED: f64 = 0.4;

@@ -6,9 +6,9 @@
 
 use std::time::Instant;
 
-use jostle_index::pairs::{self, LEAF_CAPACITY};
-use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::Settings;
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_index::pairs::{self, LEAF_CAPACITY};
 use jostle_index::{Each, Quadtree, Shapes};
 
 /// Numbers of an array that is copied: 512 MiB, more than a cache.

@@ -6,8 +6,8 @@
 
 use std::time::Instant;
 
-use jostle_scenes::STEP;
 use jostle_base::Settings;
+use jostle_scenes::STEP;
 use jostle_world::{Container, Particles, World, WorldSettings};
 
 /// Rows of discs that lie on each other.

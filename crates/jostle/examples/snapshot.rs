@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
+use jostle_scenes::{self as scenes, STEP};
 use jostle_world::World;
-use jostle_scenes::{self, STEP};
 
 fn main() {
     for (scene, count) in [("gas", 10_000), ("pile", 10_000), ("gas", 1_000_000)] {

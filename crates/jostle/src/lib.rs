@@ -12,7 +12,9 @@
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub use jostle_base::{Error, Id, Method, Result, Settings};
-pub use jostle_index::{Bounds, Columns, Each, Filter, Node, Period, Quadtree, Scalar, Shape, Shapes};
+pub use jostle_index::{
+    Bounds, Columns, Each, Filter, Node, Period, Quadtree, Scalar, Shape, Shapes,
+};
 pub use jostle_separate::{Separated, Separation, separate};
 pub use jostle_slide::SlideRules;
 pub use jostle_space::{Slides, Space};

@@ -4,9 +4,9 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use jostle_scenes::{self, STEP};
 use jostle_base::Settings;
 use jostle_index::{Each, Shapes};
+use jostle_scenes::{self as scenes, STEP};
 use jostle_separate::{Separation, separate};
 use jostle_world::{Changes, Container, Particles, World, WorldSettings};
 

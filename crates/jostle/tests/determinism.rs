@@ -2,13 +2,13 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use jostle_world::forces::Gravitation;
-use jostle_index::pairs::{self, Found};
-use jostle_scenes::{self, SCENES, STEP, Scene, random::Random};
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
-use jostle_simd::{self, Instructions};
 use jostle_base::{Method, Settings};
+use jostle_index::pairs::{self, Found};
 use jostle_index::{Each, Scalar, Shapes};
+use jostle_scenes::{self as scenes, SCENES, STEP, Scene, random::Random};
+use jostle_simd::{self as simd, Instructions};
+use jostle_world::forces::Gravitation;
 use jostle_world::{Force, OnTouch, Particles, World, WorldSettings};
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles

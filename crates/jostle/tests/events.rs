@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use jostle_scenes::random::Random;
 use jostle_base::{Id, Method, Settings};
+use jostle_scenes::random::Random;
 use jostle_world::{Collisions, Container, OnTouch, Particles, TouchEvents, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

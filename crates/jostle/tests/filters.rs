@@ -1,9 +1,9 @@
 //! Categories and masks of the particles of a world.
 
 use jostle_base::bytes::{HEAD, checksum};
-use jostle_scenes::random::Random;
 use jostle_base::{Method, Settings};
 use jostle_index::{Filter, pairs};
+use jostle_scenes::random::Random;
 use jostle_world::{Container, OnTouch, Particles, Touch, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

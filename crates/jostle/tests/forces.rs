@@ -3,11 +3,11 @@
 
 use std::f64::consts::PI;
 
+use jostle_base::{Id, Method};
+use jostle_scenes::random::Random;
 use jostle_world::forces::{
     self, Attractor, Bodies, Gravitation, Law, Pole, Spring, Springs, Thermostat,
 };
-use jostle_scenes::random::Random;
-use jostle_base::{Id, Method};
 use jostle_world::{Container, Force, Particles, World, WorldSettings};
 
 fn particles(positions: Vec<[f32; 2]>, velocities: Vec<[f32; 2]>, masses: Vec<f32>) -> Particles {

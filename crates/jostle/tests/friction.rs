@@ -279,7 +279,8 @@ fn merged_discs_keep_angular_momentum() {
         1.0,
     );
     all.spins = vec![spin(0.2, 1.0), spin(0.6, 2.0), Spin::default(), Spin::default()];
-    let settings = WorldSettings { on_touch: jostle_world::OnTouch::Merge, ..WorldSettings::default() };
+    let settings =
+        WorldSettings { on_touch: jostle_world::OnTouch::Merge, ..WorldSettings::default() };
     let mut world = world(all.clone(), settings);
     run(&mut world, 0.1, 20);
     let merged = world.particles();
@@ -407,13 +408,14 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
 /// The forces of contacts and walls on each disc in a step.
 fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
     let mut forces = vec![[0.0; 2]; world.len()];
-    let mut add = |id: jostle_base::Id, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
-        let [x, y] = [x, y].map(f64::from);
-        let [normal, friction] = [normal, friction].map(f64::from);
-        let force = &mut forces[id as usize];
-        force[0] += sign * (normal * x - friction * y) / dt;
-        force[1] += sign * (normal * y + friction * x) / dt;
-    };
+    let mut add =
+        |id: jostle_base::Id, sign: f64, [x, y]: [f32; 2], [normal, friction]: [f32; 2]| {
+            let [x, y] = [x, y].map(f64::from);
+            let [normal, friction] = [normal, friction].map(f64::from);
+            let force = &mut forces[id as usize];
+            force[0] += sign * (normal * x - friction * y) / dt;
+            force[1] += sign * (normal * y + friction * x) / dt;
+        };
     for touch in world.contacts().unwrap() {
         let impulses = [touch.normal_impulse, touch.friction_impulse];
         add(touch.pair[0], -1.0, touch.normal, impulses);

@@ -1,7 +1,7 @@
 //! Accelerations and forces of the caller.
 
-use jostle_scenes::random::Random;
 use jostle_base::Method;
+use jostle_scenes::random::Random;
 use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

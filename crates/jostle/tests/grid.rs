@@ -1,11 +1,11 @@
 //! The grids for circles and rectangles against brute force.
 
-use jostle_index::pairs::{self, FindScratch};
-use jostle_scenes::random::Random;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
-use jostle_simd::{self, Instructions};
 use jostle_base::{Error, Method};
+use jostle_index::pairs::{self, FindScratch};
 use jostle_index::{Each, Scalar, Shapes};
+use jostle_scenes::random::Random;
+use jostle_simd::{self as simd, Instructions};
 use proptest::prelude::*;
 
 /// Whether the tree was used for the pairs, which are sorted.

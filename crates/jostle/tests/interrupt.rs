@@ -2,14 +2,14 @@
 
 use std::cell::Cell;
 
-use jostle_world::forces::{Flocking, Force, Gravitation};
 use jostle_base::interrupt::watch;
-use jostle_index::pairs::FindScratch;
-use jostle_index::query::{Circle, Ray};
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::{Error, Method, Result, Settings};
+use jostle_index::pairs::FindScratch;
+use jostle_index::query::{Circle, Ray};
 use jostle_index::{Each, Quadtree, Shapes, pairs, query};
 use jostle_space::Space;
+use jostle_world::forces::{Flocking, Force, Gravitation};
 use jostle_world::{OnTouch, Particles, World, WorldSettings};
 
 thread_local! {

@@ -1,7 +1,7 @@
 //! Kinematic discs: immovable ones with a velocity, which push and are not pushed.
 
-use jostle_scenes::random::Random;
 use jostle_base::Method;
+use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 

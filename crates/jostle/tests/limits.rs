@@ -4,9 +4,9 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use jostle_world::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle_base::interrupt::watch;
 use jostle_base::{Error, Id, Method, Settings};
+use jostle_world::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle_world::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.

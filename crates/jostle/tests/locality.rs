@@ -1,7 +1,7 @@
 //! Nothing that never touches a particle changes a bit of it.
 
-use jostle_scenes::random::Random;
 use jostle_index::Filter;
+use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 /// What the particles of a scene touch, and what none of them touches.

@@ -1,8 +1,8 @@
 //! What becomes of particles that touch: they merge, or nothing happens.
 
-use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
-use jostle_scenes::random::Random;
 use jostle_base::{Id, Method};
+use jostle_scenes::random::Random;
+use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
 use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use jostle_world::forces::{Force, Motor};
-use jostle_scenes::random::Random;
 use jostle_base::Method;
+use jostle_scenes::random::Random;
+use jostle_world::forces::{Force, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

@@ -2,9 +2,9 @@
 
 use std::cell::Cell;
 
+use jostle_base::Method;
 use jostle_base::interrupt::watch;
 use jostle_scenes::random::Random;
-use jostle_base::Method;
 use jostle_world::{Container, Particles, Spin, Wall, World, WorldSettings};
 use proptest::prelude::*;
 

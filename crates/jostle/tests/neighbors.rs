@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
-use jostle_scenes::random::Random;
-use jostle_simd::{self, Instructions};
 use jostle_base::Method;
+use jostle_scenes::random::Random;
+use jostle_simd::{self as simd, Instructions};
+use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
 use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 

@@ -1,12 +1,12 @@
 //! Periodic planes and searches within a distance, against brute force over all images.
 
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
+use jostle_base::{Method, Settings};
 use jostle_index::pairs::{self, Filters, JoinScratch};
 use jostle_index::query::{self, Circle, Point, Polygon, Ray, Rect, Region};
-use jostle_base::settings::DEFAULT_MAX_PAIRS;
-use jostle_space::Wanted;
-use jostle_base::{Method, Settings};
 use jostle_index::{Each, Period, Quadtree, Scalar, Shapes};
 use jostle_space::Space;
+use jostle_space::Wanted;
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, coordinate, settings, shapes, size};

@@ -1,10 +1,10 @@
 //! The gates of the world's physics, each against an answer that does not come
 //! from the world: analysis, conservation laws, geometry.
 
-use jostle_scenes::{STEP, random::Random};
-use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::Settings;
+use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_index::{Columns, Each, Shapes, geometry, pairs};
+use jostle_scenes::{STEP, random::Random};
 use jostle_world::{Container, Particles, World, WorldSettings};
 
 fn world(particles: Particles, settings: WorldSettings) -> World {

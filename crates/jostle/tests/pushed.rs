@@ -1,8 +1,8 @@
 //! Crowds of discs that walls and kinematic discs push: no disc ends on the other side.
 
-use jostle_world::forces::{Force, Motor};
-use jostle_scenes::random::Random;
 use jostle_base::{Error, Method};
+use jostle_scenes::random::Random;
+use jostle_world::forces::{Force, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

@@ -1,11 +1,11 @@
 //! Every query of a tree against brute force, on hard cases.
 
+use jostle_base::Settings;
 use jostle_index::query::{
     self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, Rect, Region,
 };
-use jostle_simd::{self, Instructions};
-use jostle_base::Settings;
 use jostle_index::{Each, Quadtree, Scalar, Shapes};
+use jostle_simd::{self as simd, Instructions};
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, coordinate, settings, shapes, size};

@@ -5,8 +5,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::Duration;
 
-use jostle_world::ranks::read_records;
 use jostle_base::{Error, Id, Result};
+use jostle_world::ranks::read_records;
 use jostle_world::{Communicator, Container, OnTouch, Particles, Stage, World, WorldSettings};
 
 /// A rank waits as long for a message; then it reports that it would wait forever.

@@ -1,8 +1,8 @@
 //! What the scenes with a story have to show.
 
+use jostle_scenes::{self as scenes, STEP};
 use jostle_world::World;
 use jostle_world::forces::Force;
-use jostle_scenes::{self, STEP};
 
 fn create(name: &str, n: Option<usize>, seed: u64) -> World {
     scenes::find(name).unwrap().create(n, seed).unwrap()

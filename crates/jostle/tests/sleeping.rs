@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicI32, Ordering};
 
 use jostle_base::bytes::{HEAD, checksum};
-use jostle_world::forces::Thermostat;
-use jostle_scenes::random::Random;
 use jostle_base::{Method, Settings};
+use jostle_scenes::random::Random;
+use jostle_world::forces::Thermostat;
 use jostle_world::{Container, Force, OnTouch, Particles, Stage, Stats, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

@@ -3,9 +3,9 @@
 use std::sync::LazyLock;
 
 use jostle_base::bytes::{HEAD, checksum};
-use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use jostle_scenes::{SCENES, STEP, random::Random};
 use jostle_base::{Method, Settings};
+use jostle_scenes::{SCENES, STEP, random::Random};
+use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
 use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 

@@ -1,9 +1,9 @@
 //! Walls and a bath at a temperature.
 
+use jostle_base::{Method, Settings};
+use jostle_scenes::random::Random;
 use jostle_world::forces::chance::Chance;
 use jostle_world::forces::{Andersen, ThermalWalls};
-use jostle_scenes::random::Random;
-use jostle_base::{Method, Settings};
 use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings, forces};
 
 const STEP: f64 = 1.0 / 60.0;

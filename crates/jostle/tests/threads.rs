@@ -8,11 +8,11 @@ mod sync {
     pub use loom::sync::atomic::{AtomicUsize, Ordering};
 }
 
-#[path = "../src/parallel/barrier.rs"]
+#[path = "../../jostle-base/src/parallel/barrier.rs"]
 mod barrier;
-#[path = "../src/parallel/idle.rs"]
+#[path = "../../jostle-base/src/parallel/idle.rs"]
 mod idle;
-#[path = "../src/parallel/shares.rs"]
+#[path = "../../jostle-base/src/parallel/shares.rs"]
 mod shares;
 
 use barrier::Barrier;

@@ -1,7 +1,7 @@
 //! Walls on a torus: they act as copies of them that fill the plane.
 
-use jostle_scenes::random::Random;
 use jostle_base::Method;
+use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 const STEP: f64 = 1.0 / 60.0;

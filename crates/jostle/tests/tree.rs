@@ -1,10 +1,10 @@
 //! The tree against brute force, on shapes made to break it.
 
-use jostle_index::pairs::{Filters, JoinScratch};
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
-use jostle_simd::{self, Instructions};
 use jostle_base::{Error, Method, Settings};
+use jostle_index::pairs::{Filters, JoinScratch};
 use jostle_index::{Columns, Each, Quadtree, Scalar, Shapes, pairs};
+use jostle_simd::{self as simd, Instructions};
 use proptest::prelude::*;
 
 use crate::common::{Raw, built, settings, shapes};

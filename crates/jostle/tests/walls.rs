@@ -1,7 +1,7 @@
 //! Walls: line segments that nothing crosses, from both sides, with ends.
 
-use jostle_scenes::random::Random;
 use jostle_base::Method;
+use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 

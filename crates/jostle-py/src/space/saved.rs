@@ -1,7 +1,7 @@
 //! Copies of a space, and its contents for pickle.
 
-use jostle_space::{Saved, Space};
 use jostle_index::{Period, Scalar};
+use jostle_space::{Saved, Space};
 use numpy::Element;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

@@ -1,9 +1,9 @@
 //! The pairs of a space.
 
 use jostle_base::interrupt::Pulse;
-use jostle_space::{Events, Id, Wanted};
 use jostle_base::sorting;
 use jostle_index::Scalar;
+use jostle_space::{Events, Id, Wanted};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 

@@ -1,10 +1,10 @@
 //! Search of colliding pairs. The core finds candidate pairs of slightly enlarged shapes; pygame's
 //! comparison, repeated here on exact numbers, decides.
 
+use jostle_base::Result;
 use jostle_base::interrupt::{self, Pulse};
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::sorting;
-use jostle_base::Result;
 use jostle_index::{Each, Scalar, Shapes, pairs};
 
 use super::rules::{Circle, Edges, Kind, Rect, circles_collide};

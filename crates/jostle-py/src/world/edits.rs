@@ -327,7 +327,12 @@ impl State {
         Ok(ids)
     }
 
-    fn set(&mut self, ids: &[Id], changes: &Changes, kinds: Option<&[u8]>) -> jostle_base::Result<()> {
+    fn set(
+        &mut self,
+        ids: &[Id],
+        changes: &Changes,
+        kinds: Option<&[u8]>,
+    ) -> jostle_base::Result<()> {
         if let Some(kinds) = kinds {
             self.world.check_kinds(kinds)?;
         }

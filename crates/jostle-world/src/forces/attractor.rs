@@ -2,9 +2,9 @@
 
 use super::{Bodies, check_number, check_pair};
 use crate::error::Result;
+use crate::ids::Id;
 use crate::parallel;
 use crate::particles::FARTHEST;
-use crate::ids::Id;
 
 /// The centre of an attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -34,10 +34,10 @@ use std::fmt::Display;
 
 use crate::container::Container;
 use crate::error::{Error, Result, counted};
+use crate::ids::Id;
 use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
 use crate::settings::Method;
-use crate::ids::Id;
 use crate::walls::FIRST;
 
 /// A force. It refers to particles by id; within a world, by row.

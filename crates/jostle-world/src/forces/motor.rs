@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use super::{check_distinct, check_number, check_pair};
 use crate::error::{Error, Result};
-use crate::particles::FARTHEST;
 use crate::ids::Id;
+use crate::particles::FARTHEST;
 
 /// A rotation about a centre and a translation, both reversed in the second half of each period.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use super::domain::Domain;
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
 use crate::error::{Error, Result};
 use crate::forces::{self, Force, Kinds};
-use crate::parallel::locked;
 use crate::ids::Id;
+use crate::parallel::locked;
 use crate::world::World;
 use crate::world::asleep::Asleep;
 

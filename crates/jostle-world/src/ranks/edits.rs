@@ -3,8 +3,8 @@
 use super::domain::Domain;
 use super::read_records;
 use crate::error::Result;
-use crate::parallel::locked;
 use crate::ids::Id;
+use crate::parallel::locked;
 use crate::world::World;
 use crate::world::ids::Ids;
 

@@ -12,8 +12,8 @@ use crate::contacts::Contact;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::halo::Halo;
-use crate::parallel::locked;
 use crate::ids::Id;
+use crate::parallel::locked;
 use crate::world::World;
 use crate::world::sleeping::{IslandMotion, NONE, Scratch};
 

@@ -23,9 +23,9 @@ use crate::contacts::ContactShape;
 use crate::error::{Error, Result};
 use crate::forces;
 use crate::halo::{Halo, digest, digest_all};
+use crate::ids::Id;
 use crate::motion::exact;
 use crate::parallel::locked;
-use crate::ids::Id;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::{OnTouch, Stats, World};
 

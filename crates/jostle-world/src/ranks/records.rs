@@ -4,8 +4,8 @@
 
 use crate::bytes::Plain;
 use crate::forces::Kinds;
-use crate::particles::{Field, FieldVisitor, FieldVisitorMut, Particles};
 use crate::ids::Id;
+use crate::particles::{Field, FieldVisitor, FieldVisitorMut, Particles};
 use crate::table::Table;
 
 /// Bytes of a record.

@@ -11,8 +11,8 @@ use std::sync::Mutex;
 
 use crate::bytes::Plain;
 use crate::error::Result;
-use crate::parallel::locked;
 use crate::ids::Id;
+use crate::parallel::locked;
 
 use super::Group;
 

@@ -14,12 +14,12 @@ use super::touches::WallImpulse;
 use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;
 use crate::error::{Error, Result};
+use crate::ids::Id;
 use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes, fill_filters};
-use crate::ids::Id;
 use crate::table::Table;
 
 /// Where the parts of an island are in the columns.

@@ -11,9 +11,9 @@ use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
 use crate::error::Result;
 use crate::halo::{Alone, Halo};
+use crate::ids::Id;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
-use crate::ids::Id;
 
 /// What the processes have computed for the particles that they share, compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use super::World;
 use crate::error::{Error, Result};
 use crate::forces::{self, Force, Motor};
-use crate::motion::exact;
 use crate::ids::Id;
+use crate::motion::exact;
 
 /// The velocities of what motors drive, before a step.
 pub(crate) struct Driven {

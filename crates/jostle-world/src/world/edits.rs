@@ -6,9 +6,9 @@ use super::World;
 use super::sleeping::Drift;
 use crate::error::{Error, Result};
 use crate::forces;
+use crate::ids::Id;
 use crate::particles::{Changes, Effect, Particles};
 use crate::shapes::MAX_ROWS;
-use crate::ids::Id;
 use crate::table::{Table, dense};
 
 impl World {

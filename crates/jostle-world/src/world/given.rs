@@ -4,8 +4,8 @@
 use super::World;
 use crate::error::{Error, Result};
 use crate::forces;
-use crate::particles::check_vectors;
 use crate::ids::Id;
+use crate::particles::check_vectors;
 
 impl World {
     /// The given accelerations in the order of adding; empty if there are none.

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use super::World;
 use crate::error::{Error, Result};
-use crate::memory;
 use crate::ids::Id;
+use crate::memory;
 
 /// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
 const MAX_RENUMBERED: usize = 1 << 27;

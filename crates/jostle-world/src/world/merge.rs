@@ -11,11 +11,11 @@ use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces;
+use crate::ids::Id;
 use crate::motion::Motions;
 use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
 use crate::shapes::Filter;
-use crate::ids::Id;
 use crate::table::Table;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.

@@ -17,9 +17,9 @@ use crate::bytes::Plain;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::Result;
 use crate::forces::Force;
+use crate::ids::Id;
 use crate::parallel;
 use crate::particles::Particles;
-use crate::ids::Id;
 use crate::table::{Table, dense, sparse_value};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).

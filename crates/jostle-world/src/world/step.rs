@@ -8,10 +8,10 @@ use crate::container::MAX_TOURS;
 use crate::error::{Error, Result};
 use crate::events::MAX_COLLISIONS;
 use crate::forces;
+use crate::ids::Id;
 use crate::interrupt;
 use crate::parallel;
 use crate::particles::FARTHEST;
-use crate::ids::Id;
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.

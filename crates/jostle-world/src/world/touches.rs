@@ -4,9 +4,9 @@ use super::{Collisions, OnTouch, World};
 use crate::contacts::{Contact, sum_of_impulses};
 use crate::error::Result;
 use crate::events::{Bounce, WALL};
+use crate::ids::Id;
 use crate::motion::exact;
 use crate::resting::WallPush;
-use crate::ids::Id;
 use crate::walls::FIRST;
 
 /// Two particles that touched during the last step.

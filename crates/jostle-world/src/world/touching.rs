@@ -6,11 +6,11 @@ use super::World;
 use super::bounds::rounding;
 use super::search::{self, ListScratch, Lists};
 use crate::error::Result;
+use crate::ids::Id;
 use crate::motion::exact;
 use crate::particles::Particles;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
-use crate::ids::Id;
 use crate::tolerance::{COARSE, Tolerance, gap, size_of};
 
 /// Scratch.

@@ -6,9 +6,9 @@ use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Force;
+use crate::ids::Id;
 use crate::particles::Particles;
 use crate::resting::WallPush;
-use crate::ids::Id;
 use crate::walls::Wall;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts

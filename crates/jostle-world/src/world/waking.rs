@@ -15,10 +15,10 @@ use super::force_step::springs;
 use crate::contacts::Contact;
 use crate::error::Result;
 use crate::forces;
+use crate::ids::Id;
 use crate::pairs::JoinScratch;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Shapes, fill_filters};
-use crate::ids::Id;
 use crate::table::Table;
 
 /// Scratch.

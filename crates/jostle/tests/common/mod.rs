@@ -1,8 +1,8 @@
 //! Shapes made to break a tree, for the tests of everything that uses one.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
-use jostle_base::settings::DEFAULT_MAX_DEPTH;
 use jostle_base::Settings;
+use jostle_base::settings::DEFAULT_MAX_DEPTH;
 use jostle_index::{Each, Quadtree, Scalar, Shapes};
 use proptest::prelude::*;
 

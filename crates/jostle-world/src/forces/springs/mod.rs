@@ -21,9 +21,9 @@ use crate::container::Container;
 use crate::disjoint_sets::DisjointSets;
 use crate::error::{Error, Result};
 use crate::flow::Kick;
+use crate::ids::Id;
 use crate::motion::Motions;
 use crate::particles::FARTHEST;
-use crate::ids::Id;
 
 /// Maximum number of parts of a sub-step.
 const MAX_PARTS: f64 = 32.0;
