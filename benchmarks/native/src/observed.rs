@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use jostle::{Each, Shapes, pairs, settings};
+use jostle_base::settings;
+use jostle_index::{Each, Shapes, pairs};
 
 use crate::worlds::{Start, State};
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use jostle::scenes::random::Random;
+use jostle_scenes::random::Random;
 use rayon::ThreadPoolBuilder;
 
 use crate::machine;

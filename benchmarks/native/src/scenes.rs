@@ -2,8 +2,8 @@
 
 use std::f32::consts::PI;
 
-use jostle::Each;
-use jostle::scenes::random::Random;
+use jostle_index::Each;
+use jostle_scenes::random::Random;
 
 /// Fraction of the area that shapes cover, unless stated otherwise.
 const COVERAGE: f32 = 0.4;
@@ -33,13 +33,13 @@ impl Shapes {
     }
 
     /// The same as rows, for jostle's core.
-    pub fn rows(&self) -> jostle::Shapes<f32> {
+    pub fn rows(&self) -> jostle_index::Shapes<f32> {
         let pairs = |[a, b]: [&[f32]; 2]| a.iter().zip(b).map(|(&a, &b)| [a, b]).collect();
         let half_sizes = || Each::Rows(pairs(self.half.each_ref().map(Vec::as_slice)));
         let centers = pairs([&self.x, &self.y]);
         let radii = Each::Rows(self.radius.clone());
         let half_sizes = self.has_boxes().then(half_sizes);
-        jostle::Shapes::new(centers, radii, half_sizes, None).expect("scenes hold valid shapes")
+        jostle_index::Shapes::new(centers, radii, half_sizes, None).expect("scenes hold valid shapes")
     }
 
     /// Half the width and height of the box around the shape in `row`.

@@ -1,13 +1,13 @@
 //! Shapes as a structure of arrays, so that vector instructions load the numbers of adjacent
 //! shapes at once.
 
-use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
-use crate::interrupt;
-use crate::memory;
-use crate::parallel;
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, Shapes, corners};
-use crate::simd::LANES;
+use jostle_base::error::Result;
+use jostle_base::interrupt;
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_simd::LANES;
 
 /// Spare rows after the last shape.
 pub const SPARE: usize = 2 * LANES;

@@ -2,13 +2,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-use jostle_simd as simd;
-
 pub mod geometry;
 pub mod period;
 pub mod shapes;

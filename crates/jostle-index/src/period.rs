@@ -5,8 +5,8 @@
 //! the shapes as they are stored, and that after the shape with the higher centre was moved by -p.
 //! Both shapes have the same role, so the gap does not depend on their order.
 
-use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle, overlap};
+use jostle_base::error::{Error, Result};
 
 /// A number of periods along each axis.
 pub type Turns = [i32; 2];

@@ -1,9 +1,9 @@
 //! Shapes as the caller gives them, one row each, and the checks of their values.
 
-use crate::bytes::Plain;
-use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, middle};
 use crate::period::Period;
+use jostle_base::bytes::Plain;
+use jostle_base::error::{Error, Result};
 
 /// The category of a shape without one.
 pub const DEFAULT_CATEGORY: u32 = 1;

@@ -6,9 +6,9 @@
 use super::placing::{Area, immovable, walls};
 use super::random::Random;
 use super::{Start, boxed, find};
-use crate::error::Result;
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_base::error::Result;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// The maximum number of drops for which the lengths below are given.
 const DEFAULT_CAP: f32 = 3000.0;

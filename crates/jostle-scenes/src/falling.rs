@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::placing::{Area, kept, lattice_places, scatter};
 use super::random::Random;
 use super::{Start, area_of, boxed};
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// The article's display, in pixels, and its number of particles.
 const DISPLAY: [f32; 2] = [800.0, 500.0];

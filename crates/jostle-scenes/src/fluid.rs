@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::Start;
 use super::placing::Area;
 use super::random::Random;
-use crate::container::Container;
-use crate::forces::{Force, PairForce, PairTable};
-use crate::particles::Particles;
-use crate::world::{OnTouch, WorldSettings};
+use jostle_world::container::Container;
+use jostle_world::forces::{Force, PairForce, PairTable};
+use jostle_world::particles::Particles;
+use jostle_world::world::{OnTouch, WorldSettings};
 
 /// σ and ε of the particles, whose mass is 1. The unit of time, σ/√ε, is 0.21 s.
 const SIGMA: f32 = 6.0;

@@ -3,9 +3,9 @@
 use super::placing::{Area, immovable};
 use super::random::Random;
 use super::{Start, area_of, boxed, find};
-use crate::error::Result;
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_base::error::Result;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// Distance between pegs of a row, and between rows.
 const PITCH: f32 = 32.0;

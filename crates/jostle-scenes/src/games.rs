@@ -3,9 +3,9 @@
 use super::placing::{Area, lattice};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
-use crate::container::Container;
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_world::container::Container;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 const SHOT_RADIUS: f32 = 2.0;
 const PEG_RADIUS: f32 = 10.0;

@@ -3,8 +3,8 @@
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::{Start, boxed};
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// Radii of the grains, and of the static discs of the rough ground.
 const GRAINS: [f32; 2] = [2.5, 3.5];

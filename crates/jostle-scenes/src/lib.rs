@@ -6,19 +6,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-#[allow(unused_imports)]
-use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
-#[allow(unused_imports)]
-use jostle_world::{
-    contacts, container, correction, events, flow, forces, halo, motion, particles, ranks, resting,
-    roots, tolerance, trajectory, walls, world,
-};
-
 mod falling;
 mod emitters;
 mod fluid;
@@ -39,15 +26,15 @@ mod stars;
 
 use std::ops::Range;
 
-use crate::container::Container;
-use crate::error::{Error, Result};
-use crate::forces::Force;
-use crate::forces::motor::turn;
-use crate::particles::Particles;
-use crate::walls::Wall;
-use crate::world::{Defaults, World, WorldSettings};
 pub use emitters::{Emitter, emitters};
 pub use galton::{GaltonBoard, galton_board};
+use jostle_base::error::{Error, Result};
+use jostle_world::container::Container;
+use jostle_world::forces::Force;
+use jostle_world::forces::motor::turn;
+use jostle_world::particles::Particles;
+use jostle_world::walls::Wall;
+use jostle_world::world::{Defaults, World, WorldSettings};
 pub use list::SCENES;
 pub use placing::wall;
 use random::Random;

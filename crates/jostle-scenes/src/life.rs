@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::Start;
 use super::placing::Area;
 use super::random::Random;
-use crate::container::Container;
-use crate::forces::{Flocking, Force, PairForce, PairTable};
-use crate::particles::Particles;
-use crate::world::{OnTouch, WorldSettings};
+use jostle_world::container::Container;
+use jostle_world::forces::{Flocking, Force, PairForce, PairTable};
+use jostle_world::particles::Particles;
+use jostle_world::world::{OnTouch, WorldSettings};
 
 /// Radius of all particles.
 const RADIUS: f32 = 2.0;

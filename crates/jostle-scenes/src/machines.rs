@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::{Start, area_of, boxed, direction, side_for};
-use crate::container::Container;
-use crate::forces::{Force, Motor};
-use crate::particles::Particles;
-use crate::walls::Wall;
-use crate::world::WorldSettings;
+use jostle_world::container::Container;
+use jostle_world::forces::{Force, Motor};
+use jostle_world::particles::Particles;
+use jostle_world::walls::Wall;
+use jostle_world::world::WorldSettings;
 
 const GRAVITY: f32 = 900.0;
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::placing::{Area, kept, lattice, lattice_places};
 use super::random::Random;
 use super::{Start, area_of, boxed, side_for};
-use crate::forces::{Force, Thermostat};
-use crate::particles::Particles;
+use jostle_world::forces::{Force, Thermostat};
+use jostle_world::particles::Particles;
 
 /// Radius and coverage of both gases.
 const RADIUS: f32 = 4.0;

@@ -4,10 +4,10 @@ use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::{Start, boxed, direction};
-use crate::forces::{Force, Motor};
-use crate::particles::Particles;
-use crate::walls::Wall;
-use crate::world::WorldSettings;
+use jostle_world::forces::{Force, Motor};
+use jostle_world::particles::Particles;
+use jostle_world::walls::Wall;
+use jostle_world::world::WorldSettings;
 
 /// Width and height of a table for this number of balls; tables for more balls are larger.
 const TABLE: [f32; 2] = [300.0, 500.0];

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::random::Random;
-use crate::error::{Error, Result};
-use crate::forces::check_pair;
-use crate::particles::{Particles, check_radii};
+use jostle_base::error::{Error, Result};
+use jostle_world::forces::check_pair;
+use jostle_world::particles::{Particles, check_radii};
 
 /// A rectangle: min x, min y, max x, max y.
 pub type Area = [f32; 4];

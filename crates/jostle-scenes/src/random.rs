@@ -1,6 +1,6 @@
 //! Random numbers from a seed, the same on every platform.
 
-use crate::forces::chance::mixed;
+use jostle_world::forces::chance::mixed;
 
 /// SplitMix64 (G. Steele et al., *Fast Splittable Pseudorandom Number Generators*, 2014).
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 use super::placing::Area;
 use super::random::Random;
 use super::{Start, boxed};
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// Radii of the grains.
 const GRAINS: [f32; 2] = [2.7, 3.3];

@@ -3,10 +3,10 @@
 use super::placing::Area;
 use super::random::Random;
 use super::{Start, boxed};
-use crate::forces::{Force, Spring, Springs};
-use crate::ids::Id;
-use crate::particles::Particles;
-use crate::world::WorldSettings;
+use jostle_base::ids::Id;
+use jostle_world::forces::{Force, Spring, Springs};
+use jostle_world::particles::Particles;
+use jostle_world::world::WorldSettings;
 
 /// Number of particles of one cell, which has a cloth, a chain and some bodies. Larger scenes have
 /// several cells side by side, without walls between them.

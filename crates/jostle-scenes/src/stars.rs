@@ -3,9 +3,9 @@
 use super::Start;
 use super::placing::Area;
 use super::random::Random;
-use crate::forces::{Force, Gravitation};
-use crate::particles::Particles;
-use crate::world::{OnTouch, WorldSettings};
+use jostle_world::forces::{Force, Gravitation};
+use jostle_world::particles::Particles;
+use jostle_world::world::{OnTouch, WorldSettings};
 
 /// Number and radius of the grains, and the radius of the cloud.
 const DUST_COUNT: f32 = 10_000.0;

@@ -3,12 +3,12 @@
 use std::cmp::Ordering;
 
 use super::{Separation, near};
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::memory;
-use crate::quadtree::Quadtree;
-use crate::settings::Settings;
-use crate::shapes::Shapes;
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::Scalar;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::Shapes;
 
 /// Maximum number of shapes in a leaf of the tree.
 const LEAF_CAPACITY: usize = 64;

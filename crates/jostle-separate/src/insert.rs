@@ -7,10 +7,10 @@ use super::Separation;
 use super::bodies::{Bodies, Body};
 use super::push::Pusher;
 use super::taken::Taken;
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt::Pulse;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
 
 /// A search ends without a position if more shapes than this are nearby, and there is none.
 const MAX_NEARBY: usize = 4096;

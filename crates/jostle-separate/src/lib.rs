@@ -12,14 +12,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-#[allow(unused_imports)]
-use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
-
 mod bodies;
 mod spread;
 mod push;
@@ -29,12 +21,13 @@ mod taken;
 mod sweep;
 mod insert;
 
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::quadtree::Quadtree;
-use crate::settings::Settings;
-use crate::shapes::{Each, Shapes, check_rects};
 use bodies::{Bodies, Given};
+use jostle_base::error::{Error, Result};
+use jostle_base::settings::Settings;
+use jostle_base::{memory, parallel};
+use jostle_index::geometry::Scalar;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Shapes, check_rects};
 use push::Pusher;
 use rounds::Rounds;
 
@@ -227,7 +220,7 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
     match (0..len).find(too_large) {
         None => Ok(()),
         Some(row) => {
-            let text = crate::shapes::tuple(&bounds);
+            let text = jostle_index::shapes::tuple(&bounds);
             Err(Error::of("bounds", text, &format!("shape {row} is larger than they are")))
         }
     }

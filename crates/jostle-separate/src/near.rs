@@ -4,14 +4,14 @@
 //! margin.
 
 use super::bodies::{Bodies, Body};
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::memory;
-use crate::pairs::{self, JoinScratch};
-use crate::quadtree::Quadtree;
-use crate::settings::{DEFAULT_MAX_PAIRS, Settings};
-use crate::shapes::Shapes;
-use crate::sorting;
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::settings::{DEFAULT_MAX_PAIRS, Settings};
+use jostle_base::sorting;
+use jostle_index::geometry::Scalar;
+use jostle_index::pairs::{self, JoinScratch};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::Shapes;
 
 /// Margin, as a share of the mean extent of the shapes.
 const MARGIN: f64 = 0.5;

@@ -2,7 +2,7 @@
 
 use super::Separation;
 use super::bodies::Body;
-use crate::geometry::{Scalar, discs_overlap, overlap};
+use jostle_index::geometry::{Scalar, discs_overlap, overlap};
 
 /// Factor of over-relaxation: each pair is moved this much farther than it overlaps. In the first
 /// [`EXACT`] rounds it is 1, so that a pair far from others moves no farther than needed.

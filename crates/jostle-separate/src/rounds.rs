@@ -11,12 +11,12 @@ use super::bodies::Bodies;
 use super::near::Near;
 use super::push::Pusher;
 use super::{Outcome, Separation};
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt;
-use crate::memory;
-use crate::parallel::{self, CHUNK, locked};
-use crate::quadtree::Quadtree;
+use jostle_base::error::Result;
+use jostle_base::interrupt;
+use jostle_base::memory;
+use jostle_base::parallel::{self, CHUNK, locked};
+use jostle_index::geometry::Scalar;
+use jostle_index::quadtree::Quadtree;
 
 /// The rounds end if the number of overlaps does not fall by a tenth within this number of rounds.
 const PATIENCE: usize = 32;

@@ -13,11 +13,11 @@ use std::cmp::Ordering;
 
 use super::Separation;
 use super::bodies::{Bodies, Body};
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::quadtree::Quadtree;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
+use jostle_index::quadtree::Quadtree;
 
 /// Nodes with fewer shapes do not show whether shapes are crowded.
 const MIN_SHAPES: usize = 24;

@@ -8,10 +8,10 @@ use super::Separation;
 use super::bodies::Bodies;
 use super::push::Pusher;
 use super::taken::Taken;
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt::Pulse;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
 
 /// Places all movable shapes along the axis; one without a free position in the bounds is put into
 /// them.

@@ -1,6 +1,6 @@
 //! Free positions along a line.
 
-use crate::geometry::Scalar;
+use jostle_index::geometry::Scalar;
 
 /// Open intervals of positions that are not free.
 pub struct Taken<T> {

@@ -3,7 +3,7 @@
 //! A shape meets an obstacle if its centre enters the Minkowski sum of both: a rounded box, which
 //! is the union of two boxes and a disc at each corner.
 
-use crate::geometry::{Scalar, Shape};
+use jostle_index::geometry::{Scalar, Shape};
 
 /// The share of a displacement after which a shape enters an obstacle by more than `slop`, and the
 /// normal of the obstacle there; None if it does not, or is inside at the start.

@@ -4,28 +4,20 @@
 //! segments; `solid` chooses). The shape moves there, the rest of the displacement loses its
 //! component into the obstacle, and so on (collide and slide). `walker` guarantees that the shape
 //! does not overlap an obstacle after any of these motions, by the formula of
-//! [`geometry::overlap`](crate::geometry::overlap).
+//! [`geometry::overlap`](jostle_index::geometry::overlap).
 //!
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapter 5.5 (moving shapes). K. Fauerby,
 //! *Improved Collision Detection and Response* (2003), for collide and slide.
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-#[allow(unused_imports)]
-use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
-
 mod cast;
 mod segment;
 mod solid;
 mod walker;
 
-use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar};
+use jostle_base::error::{Error, Result};
+use jostle_index::geometry::{Bounds, Scalar};
 pub use solid::{Obstacle, Solid};
 pub use walker::{Walker, contains, slop};
 
@@ -65,7 +57,7 @@ impl<T: Scalar> SlideRules<T> {
             return Err(Error::of("max_slides", max_slides, &rule));
         }
         if !(up[0].is_finite() && up[1].is_finite()) {
-            let text = crate::shapes::tuple(&up);
+            let text = jostle_index::shapes::tuple(&up);
             return Err(Error::of("up", text, "both components must be finite"));
         }
         if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&floor_angle) {

@@ -5,7 +5,7 @@
 //! segment itself, whose sides face in both directions.
 
 use super::cast::into_disc;
-use crate::geometry::{self, Scalar, Shape, length};
+use jostle_index::geometry::{self, Scalar, Shape, length};
 
 /// The corners of the hexagon, counterclockwise, relative to the centre of the shape. Some coincide
 /// if the shape is a disc or the segment is along an axis.

@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 
 use super::cast::enters;
 use super::segment;
-use crate::geometry::{self, Scalar, Shape, overlap};
-use crate::period::{Period, Turns};
+use jostle_index::geometry::{self, Scalar, Shape, overlap};
+use jostle_index::period::{Period, Turns};
 
 /// An obstacle's geometry.
 #[derive(Clone, Copy, Debug)]

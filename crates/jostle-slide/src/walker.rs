@@ -3,8 +3,8 @@
 use std::cmp::Ordering;
 
 use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surface, dot};
-use crate::geometry::{Bounds, Scalar, Shape};
-use crate::period::Period;
+use jostle_index::geometry::{Bounds, Scalar, Shape};
+use jostle_index::period::Period;
 
 /// Roundings of a position, in units in the last place of the largest number involved. A path
 /// enters an obstacle only if it is deeper inside than this.

@@ -6,15 +6,15 @@ use super::rides::{NONE, Rides};
 use super::slots::Slots;
 use super::traces::{CallNumber, Traces, motion, swept};
 use super::walls::Walls;
-use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, Shape};
-use crate::memory;
-use crate::period::{Period, Turns};
-use crate::quadtree::Quadtree;
-use crate::query::each_overlap;
-use crate::settings::Settings;
-use crate::shapes::{Each, Shapes};
-use crate::slide::{Obstacle, SlideRules, Solid};
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::{Bounds, Scalar, Shape};
+use jostle_index::period::{Period, Turns};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::query::each_overlap;
+use jostle_index::shapes::{Each, Shapes};
+use jostle_slide::{Obstacle, SlideRules, Solid};
 
 /// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
 pub const WALL: u32 = 1 << 31;

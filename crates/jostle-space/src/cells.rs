@@ -6,7 +6,7 @@
 //!
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapter 7.2 (hierarchical grids).
 
-use crate::geometry::Scalar;
+use jostle_index::geometry::Scalar;
 
 /// The exponent of the sides of cells.
 pub type Level = i32;

@@ -3,9 +3,9 @@
 //! A hash table of the `cells` that they touch. With few walkers, all are tested.
 
 use super::cells::{self, Cell, Level};
-use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, Shape};
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_index::geometry::{Bounds, Scalar, Shape};
 
 /// Up to this number of walkers, testing all is faster.
 const FEW: usize = 64;

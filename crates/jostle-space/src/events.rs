@@ -7,12 +7,12 @@ use super::Space;
 use super::keys::{Key, slots_of};
 use super::layers::Layers;
 use super::touching::MAX_PAIRS;
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
+use jostle_index::geometry::Scalar;
 use jostle_index::pairs::JoinScratch;
 
 /// Pairs converted to ids between two checks for an interruption.

@@ -8,11 +8,11 @@
 use std::ops::Range;
 
 use super::cells::{self, Cell, Level};
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt::Pulse;
-use crate::memory;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
 
 /// Maximum number of pairs of two groups that are tested.
 const FEW_PAIRS: usize = 256;

@@ -1,9 +1,9 @@
 //! Pairs of slots as single numbers, which are sorted and compared in lists.
 
-use crate::error::Result;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::sorting;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
 
 /// A pair of slots: the smaller one in the upper half, the larger one in the lower. A slot has
 /// 31 bits, so no key is negative.

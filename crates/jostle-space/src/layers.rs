@@ -13,15 +13,15 @@ use std::mem;
 
 use super::pairs::Wanted;
 use super::slots::Slots;
-use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar};
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::period::Period;
-use crate::quadtree::Quadtree;
-use crate::settings::Settings;
-use crate::shapes::Shapes;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::{Bounds, Scalar};
 use jostle_index::pairs::{self, Filters, JoinScratch};
+use jostle_index::period::Period;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::Shapes;
 
 /// Pairs converted between two checks for an interruption.
 const CHUNK: usize = 1 << 14;

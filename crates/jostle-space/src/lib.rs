@@ -9,15 +9,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-#[allow(unused_imports)]
-use jostle_index::{columns, geometry, period, quadtree, query, shapes};
-use jostle_slide as slide;
-
 mod call;
 mod cells;
 mod crowd;
@@ -39,15 +30,16 @@ mod walking;
 mod walks;
 mod walls;
 
-use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape};
-use crate::period::Period;
-use crate::settings::Settings;
-use crate::shapes::{
+pub use events::Events;
+use jostle_base::error::{Error, Result};
+pub use jostle_base::ids::Id;
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::{Scalar, Shape};
+use jostle_index::period::Period;
+use jostle_index::shapes::{
     Each, Shapes, check_boxes, check_each_half_size, check_finite, check_radii, corners,
 };
-pub use events::Events;
-pub use ids::Id;
 use layers::Layers;
 pub use pairs::Wanted;
 pub use saved::Saved;

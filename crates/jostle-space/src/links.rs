@@ -3,10 +3,10 @@
 //! Each pair is a record in two doubly linked lists, one for each of its slots.
 
 use super::keys::{Key, key_of, slots_of};
-use crate::error::Result;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::sorting;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
 
 /// No record, or no slot.
 const NONE: u32 = u32::MAX;

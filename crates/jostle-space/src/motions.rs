@@ -10,11 +10,11 @@ use super::crowd::Crowd;
 use super::riders::{Rider, Riders};
 use super::rides::NONE;
 use super::traces::motion;
-use crate::error::Result;
-use crate::geometry::{Bounds, Scalar, Shape, contact};
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::slide::{Obstacle, SlideHit, Solid, Surface, Walker, slop};
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_index::geometry::{Bounds, Scalar, Shape, contact};
+use jostle_slide::{Obstacle, SlideHit, Solid, Surface, Walker, slop};
 
 /// Work of a walk, in the units of [`Pulse`].
 const WORK: usize = 256;

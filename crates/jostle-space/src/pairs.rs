@@ -1,15 +1,15 @@
 //! All overlapping pairs of a space, with their contacts, and the neighbours of every shape.
 
 use super::Space;
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::query::{self, Hits, MAX_IDS};
-use crate::shapes::half_of;
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
+use jostle_index::geometry::Scalar;
 use jostle_index::pairs::{Found, Overlaps};
+use jostle_index::query::{self, Hits, MAX_IDS};
+use jostle_index::shapes::half_of;
 
 /// A search for pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,16 +3,16 @@
 use std::borrow::Cow;
 
 use super::Space;
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::query::{
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
+use jostle_index::geometry::Scalar;
+use jostle_index::query::{
     self, Hits, Images, MAX_IDS, Nearest, Neighbors, Ray, RayHits, RayPath, Region, selects,
 };
-use crate::shapes::Each;
-use crate::sorting;
+use jostle_index::shapes::Each;
 
 /// With more fresh shapes than this, a tree of them is faster than testing each.
 const FEW: usize = 256;

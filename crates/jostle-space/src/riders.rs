@@ -1,8 +1,8 @@
 //! The walkers of an island that stand on others: the order in which all move, and which stand on
 //! which.
 
-use crate::error::Result;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// No walker.
 const NONE: u32 = u32::MAX;

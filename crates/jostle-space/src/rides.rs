@@ -1,10 +1,10 @@
 //! The floors on which shapes stand, so that moving floors carry them.
 
 use super::saved::Saved;
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
 
 /// A slot that is no walker.
 pub const NONE: u32 = u32::MAX;

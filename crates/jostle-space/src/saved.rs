@@ -9,13 +9,15 @@ use super::slots::Slots;
 use super::touching::Touching;
 use super::traces::Traces;
 use super::walls::Walls;
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::memory;
-use crate::period::Period;
-use crate::settings::Settings;
-use crate::shapes::{Each, MAX_ROWS, check_boxes, check_each_half_size, check_finite, check_radii};
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::Scalar;
+use jostle_index::period::Period;
+use jostle_index::shapes::{
+    Each, MAX_ROWS, check_boxes, check_each_half_size, check_finite, check_radii,
+};
 
 /// The columns of a space, with a row for each slot, and the state of its last update.
 #[derive(Clone, Debug, Default, PartialEq)]

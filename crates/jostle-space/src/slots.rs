@@ -4,13 +4,15 @@
 //! the shape is found directly, and when a slot is used again, its id is new.
 
 use super::saved::Saved;
-use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape, middle};
-use crate::ids::Id;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of};
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting;
+use jostle_index::geometry::{Scalar, Shape, middle};
+use jostle_index::shapes::{
+    DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of,
+};
 
 /// The bit of a slot's generation that marks a vacant slot. No id has the bit, so no id refers to a
 /// vacant slot.

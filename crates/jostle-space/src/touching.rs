@@ -5,9 +5,9 @@
 
 use super::keys::{self, Key, slots_of};
 use super::links::Links;
-use crate::error::Result;
-use crate::interrupt::Pulse;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
 
 /// Maximum number of pairs of the shapes that change in an update: half of the numbers of records,
 /// so that as many other pairs can be linked.
@@ -189,8 +189,8 @@ mod tests {
 
     use super::super::keys::key_of;
     use super::*;
-    use crate::error::Error;
-    use crate::interrupt;
+    use jostle_base::error::Error;
+    use jostle_base::interrupt;
 
     const SLOTS: usize = 400;
 

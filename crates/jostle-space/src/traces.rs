@@ -9,11 +9,11 @@ use std::mem;
 
 use super::saved::Saved;
 use super::slots::Slots;
-use crate::error::{Error, Result};
-use crate::geometry::{Scalar, Shape};
-use crate::memory;
-use crate::period::Period;
-use crate::shapes::check_finite;
+use jostle_base::error::{Error, Result};
+use jostle_base::memory;
+use jostle_index::geometry::{Scalar, Shape};
+use jostle_index::period::Period;
+use jostle_index::shapes::check_finite;
 
 /// The number of a call of `move_and_slide`, from 1; 0 is before all.
 pub type CallNumber = i64;

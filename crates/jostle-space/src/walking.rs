@@ -5,13 +5,13 @@ use super::call::{Call, Moved, WALL};
 use super::motions::Walk;
 use super::rides::{NONE, Ride};
 use super::traces::CallNumber;
-use crate::error::{Error, Result};
-use crate::geometry::Scalar;
-use crate::ids::Id;
-use crate::memory;
-use crate::period::Period;
-use crate::shapes::check_finite;
-use crate::slide::SlideRules;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::memory;
+use jostle_index::geometry::Scalar;
+use jostle_index::period::Period;
+use jostle_index::shapes::check_finite;
+use jostle_slide::SlideRules;
 
 /// With more fresh obstacles than this, a tree of them is faster than testing each.
 const FEW: usize = 64;
@@ -209,7 +209,12 @@ fn check_displacements<T: Scalar>(
         let Some(index) = displacements.iter().position(is_too_long) else { continue };
         let what = if period.is_along(axis) { ", the period" } else { "" };
         let rule = format!("a component must be at most {:e}{what}", limit(axis).to_f64());
-        return Err(Error::at(ARGUMENT, index, crate::shapes::tuple(&displacements[index]), &rule));
+        return Err(Error::at(
+            ARGUMENT,
+            index,
+            jostle_index::shapes::tuple(&displacements[index]),
+            &rule,
+        ));
     }
     Ok(())
 }

@@ -10,13 +10,13 @@ use super::call::Call;
 use super::islands::{Islands, join_overlapping};
 use super::motions::{Island, Scratch, Walk, union};
 use super::traces::motion;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
-use crate::geometry::Scalar;
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel;
-use crate::slide::contains;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_index::geometry::Scalar;
+use jostle_slide::contains;
 
 /// Number of islands of a task.
 const ISLANDS_PER_TASK: usize = 32;

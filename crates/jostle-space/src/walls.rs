@@ -1,14 +1,14 @@
 //! Line segments that stop the shapes which move with [`Space::move_and_slide`], and no others.
 
 use super::Space;
-use crate::error::{Error, Result};
-use crate::geometry::{Bounds, Scalar, middle};
-use crate::memory;
-use crate::period::Period;
-use crate::quadtree::Quadtree;
-use crate::query::each_overlap;
-use crate::settings::Settings;
-use crate::shapes::{Each, Shapes};
+use jostle_base::error::{Error, Result};
+use jostle_base::memory;
+use jostle_base::settings::Settings;
+use jostle_index::geometry::{Bounds, Scalar, middle};
+use jostle_index::period::Period;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::query::each_overlap;
+use jostle_index::shapes::{Each, Shapes};
 
 /// The segments with a tree of their bounding boxes.
 #[derive(Clone, Debug, Default)]

@@ -6,8 +6,8 @@
 
 use std::fmt::Debug;
 
-use crate::error::Result;
 use crate::forces::chance::mixed;
+use jostle_base::error::Result;
 
 /// The processes that share a world, and what a sub-step exchanges with them. The defaults are those
 /// of one process.

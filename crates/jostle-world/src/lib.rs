@@ -2,15 +2,6 @@
 
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
-#[allow(unused_imports)]
-use jostle_base::{
-    bytes, cache, disjoint_sets, error, ids, interrupt, memory, morton, parallel, settings,
-    sorting, table,
-};
-#[allow(unused_imports)]
-use jostle_index::{columns, geometry, pairs, period, quadtree, query, shapes};
-use jostle_simd as simd;
-
 pub mod particles;
 pub mod motion;
 pub mod flow;

@@ -6,7 +6,6 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::particles::{Particles, Spin};
-use crate::simd;
 
 /// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -193,16 +192,16 @@ impl Vectors {
     /// The vector of the particle at `index`.
     #[inline(always)]
     pub fn get(&self, index: u32) -> [f32; 2] {
-        simd::numbers_at(&self.0, index)
+        jostle_simd::numbers_at(&self.0, index)
     }
 
     /// Replaces the vector of the particle at `index`.
     #[inline(always)]
     pub fn set(&self, index: u32, vector: [f32; 2]) {
-        simd::set_numbers_at(&self.0, index, vector);
+        jostle_simd::set_numbers_at(&self.0, index, vector);
     }
 
-    /// All vectors, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
+    /// All vectors, as [`Simd::gather`](jostle_simd::Simd::gather) reads them.
     #[inline(always)]
     pub fn words(&self) -> &[AtomicU64] {
         &self.0
@@ -284,7 +283,7 @@ impl Scalars {
         }
     }
 
-    /// All words, as [`Simd::gather`](crate::simd::Simd::gather) reads them.
+    /// All words, as [`Simd::gather`](jostle_simd::Simd::gather) reads them.
     #[inline(always)]
     pub fn words(&self) -> &[AtomicU64] {
         &self.0

@@ -1,7 +1,7 @@
 //! Every kernel of the grid against the library's brute force, with cells of any size.
 
-use jostle::scenes::random::Random;
-use jostle::{Columns, pairs};
+use jostle_scenes::random::Random;
+use jostle_index::{Columns, pairs};
 
 use super::CellSize;
 use crate::rivals::Pair;

@@ -7,7 +7,8 @@ mod box2d;
 mod ours;
 mod rapier;
 
-use jostle::{Container, World, scenes};
+use jostle_scenes as scenes;
+use jostle_world::{Container, World};
 
 use crate::machine::version_of;
 

@@ -1,6 +1,7 @@
 //! jostle's world.
 
-use jostle::{Container, Particles, Settings, World, WorldSettings};
+use jostle_base::Settings;
+use jostle_world::{Container, Particles, World, WorldSettings};
 
 use super::{Engine, STEP, Start, State};
 

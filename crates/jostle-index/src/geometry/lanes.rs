@@ -2,7 +2,7 @@
 //! [`geometry`](super) in every lane, with the same rounding.
 
 use super::Scalar;
-use crate::simd::Simd;
+use jostle_simd::Simd;
 
 /// [`gap`](super::gap) between an interval and those of a block.
 #[inline(always)]

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::fmt::{Debug, Display, LowerExp};
 use std::ops::Neg;
 
-use crate::simd::Number;
+use jostle_simd::Number;
 
 /// The arithmetic of a tree: `f32` or `f64`.
 pub trait Scalar: Number + Debug + Display + LowerExp + Neg<Output = Self> {

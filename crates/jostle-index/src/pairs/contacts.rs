@@ -1,12 +1,12 @@
 //! Overlapping pairs with normals and depths.
 
 use super::{Found, between, within};
-use crate::error::Result;
 use crate::geometry::{self, Scalar, Shape};
-use crate::interrupt::Pulse;
-use crate::memory;
 use crate::period::Period;
 use crate::quadtree::Quadtree;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
 
 /// Approximate number of values read to compute a contact.
 const CONTACT_WORK: usize = 16;

@@ -7,10 +7,10 @@
 use super::Found;
 use super::output::{Budget, PairScratch};
 use super::unchanged;
-use crate::error::Result;
 use crate::geometry::{Scalar, Shape};
 use crate::period::{self, Period};
 use crate::shapes::Shapes;
+use jostle_base::error::Result;
 
 /// Which shape of a pair is moved by minus one period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

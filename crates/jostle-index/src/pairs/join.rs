@@ -7,11 +7,11 @@ use super::images::Image;
 use super::kernel::{Kernel, Scratch, Side};
 use super::output::{Budget, MapPairs, Output, PairScratch, filter_map};
 use super::{Filters, Found};
-use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
-use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::simd::{Simd, Work};
+use jostle_base::error::Result;
+use jostle_base::parallel;
+use jostle_simd::{Simd, Work};
 
 /// Approximate number of tasks for several threads.
 const TASKS: usize = 256;

@@ -10,7 +10,7 @@ use super::output::Output;
 use crate::columns::{Columns, SPARE};
 use crate::geometry::{Bounds, Scalar, Shape, filters_agree, lanes};
 use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
-use crate::simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
+use jostle_simd::{LANES, Simd, block, block_mut, first_lanes, for_each_lane};
 
 /// Number of shapes that are packed at a time.
 const CHUNK: usize = MAX_ROW_HITS;

@@ -2,7 +2,7 @@
 //!
 //! The broad phase (`join`) traverses two trees at once and skips pairs of nodes whose bounds do
 //! not overlap. The narrow phase (`kernel`) tests the shapes of the remaining pairs of leaves, a
-//! block of [`LANES`](crate::simd::LANES) at a time. Every shape is in one leaf, so every pair
+//! block of [`LANES`](jostle_simd::LANES) at a time. Every shape is in one leaf, so every pair
 //! is found once. Brute force gives the same pairs.
 
 mod contacts;
@@ -16,20 +16,20 @@ mod segments;
 use std::ops::Range;
 
 use crate::columns::Columns;
-use crate::error::{Error, Result};
 use crate::geometry::Scalar;
-use crate::interrupt::Pulse;
-use crate::memory;
-use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::settings::{Method, Settings};
 use crate::shapes::{Each, Shapes};
-use crate::simd::{Simd, Work};
-use crate::sorting;
 pub use contacts::{Overlaps, overlaps};
 use grid::Grid;
 use join::Join;
 pub use join::JoinScratch;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::settings::{Method, Settings};
+use jostle_base::sorting;
+use jostle_simd::{Simd, Work};
 use kernel::Kernel;
 use output::{Budget, Output, PairScratch, filter_map, map_each};
 pub use segments::{LineSegment, LineSegments, Path, near_segments};

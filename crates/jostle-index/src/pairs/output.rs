@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::Found;
-use crate::error::{Error, Result};
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel::{self, locked};
-use crate::simd::LANES;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel::{self, locked};
+use jostle_simd::LANES;
 
 /// A thread adds its new pairs to the common count in portions of this size.
 const REPORTED: usize = 1 << 16;

@@ -7,11 +7,11 @@ use std::ops::Range;
 
 use super::output::{Budget, Output};
 use super::{Found, JoinScratch, unchanged};
-use crate::error::Result;
 use crate::geometry::Bounds;
-use crate::parallel;
 use crate::quadtree::{Node, Quadtree};
-use crate::simd::{LANES, Number, Simd, Work, block, first_lanes, for_each_lane};
+use jostle_base::error::Result;
+use jostle_base::parallel;
+use jostle_simd::{LANES, Number, Simd, Work, block, first_lanes, for_each_lane};
 
 /// Approximate number of values read for a node.
 const NODE_WORK: usize = 8;

@@ -12,14 +12,14 @@ use super::order::{Keyed, Order};
 use super::strips::{self, Outputs, Strips};
 use super::subtrees::{Part, Subtrees};
 use crate::columns::Columns;
-use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel;
-use crate::settings::Settings;
 use crate::shapes::Shapes;
-use crate::simd::{LANES, Simd, Work, block};
+use jostle_base::error::Result;
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::settings::Settings;
+use jostle_simd::{LANES, Simd, Work, block};
 
 /// Trees of more shapes than this have upper nodes.
 const LARGE: usize = 4096;

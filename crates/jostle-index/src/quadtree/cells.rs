@@ -1,10 +1,10 @@
 //! The boxes of the tree, for display. Queries and pair searches do not use them.
 
 use super::{Node, Quadtree};
-use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
-use crate::interrupt::Pulse;
-use crate::memory;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
 
 /// A box: min x, min y, max x, max y.
 type Cell = [f64; 4];

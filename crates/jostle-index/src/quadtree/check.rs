@@ -2,7 +2,7 @@
 
 use super::Quadtree;
 use crate::geometry::{Bounds, Scalar};
-use crate::interrupt::{Pulse, Stop};
+use jostle_base::interrupt::{Pulse, Stop};
 
 impl<T: Scalar> Quadtree<T> {
     /// Checks every node; the error describes the first violated invariant.

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::morton;
+use jostle_base::morton;
 
 /// Number of subdivisions of a grid: its keys have two bits for each.
 pub const GRID_LEVELS: u32 = 16;

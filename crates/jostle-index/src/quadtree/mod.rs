@@ -28,13 +28,13 @@ pub use grid::nearest_integer;
 pub use order::extent_of;
 
 use crate::columns::Columns;
-use crate::error::Result;
 use crate::geometry::{Bounds, Scalar, Shape};
-use crate::memory;
-use crate::parallel;
 use crate::period::Period;
-use crate::settings::Settings;
 use crate::shapes::{Shapes, half_of};
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::settings::Settings;
 
 /// A node of the tree: a range of shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -14,13 +14,13 @@ use std::ops::Range;
 use super::grid::{Grid, NESTED};
 use super::partition::{Item, Source};
 use super::sort::{Parts, Precision, Sorter};
-use crate::error::Result;
 use crate::geometry::Scalar;
-use crate::interrupt::{self, Pulse};
-use crate::memory;
-use crate::parallel;
 use crate::shapes::Shapes;
-use crate::simd::{LANES, Simd, Work};
+use jostle_base::error::Result;
+use jostle_base::interrupt::{self, Pulse};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_simd::{LANES, Simd, Work};
 
 /// Runs of equal keys up to this length are sorted by comparison; longer ones get a finer grid.
 const SHORT_RUN: usize = 8;

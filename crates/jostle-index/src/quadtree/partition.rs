@@ -6,11 +6,11 @@
 
 use std::ops::Range;
 
-use crate::error::Result;
-use crate::interrupt::Stop;
-use crate::memory;
-use crate::parallel;
-use crate::sorting::counting_sort;
+use jostle_base::error::Result;
+use jostle_base::interrupt::Stop;
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::sorting::counting_sort;
 
 /// Maximum number of chunks.
 const MAX_CHUNKS: usize = 8;

@@ -8,11 +8,11 @@ use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::partition::{Item, KEY_BITS, Partition, Source, leading};
-use crate::error::Result;
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel::{self, locked};
-use crate::sorting::counting_sort;
+use jostle_base::error::Result;
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel::{self, locked};
+use jostle_base::sorting::counting_sort;
 
 /// Up to this number of shapes a comparison sort is faster.
 const SMALL: usize = 256;

@@ -5,9 +5,9 @@ use std::sync::{Mutex, PoisonError};
 
 use super::Node;
 use super::strips::{self, Outputs, Strips};
-use crate::error::Result;
-use crate::memory;
-use crate::parallel::{self, locked};
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::parallel::{self, locked};
 
 /// The subtrees below the upper nodes of a tree. Kept between trees for its memory.
 #[derive(Clone, Debug, Default)]

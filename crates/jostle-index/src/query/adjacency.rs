@@ -1,14 +1,14 @@
 //! The neighbours of every shape within a distance, in compressed sparse rows.
 
 use super::region::{Hits, MAX_IDS};
-use crate::error::{Error, Result};
 use crate::geometry::Scalar;
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
 use crate::pairs::{self, Found};
-use crate::parallel;
 use crate::quadtree::Quadtree;
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::sorting;
 
 /// Rows sorted between two checks for interruption.
 const ROWS: usize = 1 << 10;

@@ -2,11 +2,11 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
-use crate::memory;
 use crate::period::Period;
 use crate::shapes::{Each, check_finite, check_radii};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// A disc. Shapes that only touch it do not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 use super::window::Window;
 use crate::geometry::{Scalar, lanes};
 use crate::quadtree::Quadtree;
-use crate::simd::{LANES, Simd, block};
+use jostle_simd::{LANES, Simd, block};
 
 /// Number of neighbouring queries with a common frontier.
 pub(super) const GROUP: usize = 16;

@@ -2,12 +2,12 @@
 //! shape, and their answers are combined.
 
 use super::region::{Hits, Region};
-use crate::error::Result;
 use crate::geometry::{Bounds, Scalar};
-use crate::interrupt::Pulse;
-use crate::memory;
 use crate::period::Period;
-use crate::sorting::{self, Bytes};
+use jostle_base::error::Result;
+use jostle_base::interrupt::Pulse;
+use jostle_base::memory;
+use jostle_base::sorting::{self, Bytes};
 
 /// The images of some regions.
 pub struct Images<R> {

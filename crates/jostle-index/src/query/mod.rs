@@ -36,13 +36,13 @@ pub use rect::Rect;
 pub use region::search_here;
 pub use region::{Hits, MAX_IDS, Region, search, selects};
 
-use crate::error::{Error, Result};
 use crate::geometry::Scalar;
-use crate::interrupt;
-use crate::memory;
-use crate::morton;
-use crate::parallel;
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt;
+use jostle_base::memory;
+use jostle_base::morton;
+use jostle_base::parallel;
+use jostle_base::sorting;
 
 /// Returns the id of the shape at an index of a tree, or None to ignore the shape. A trait object,
 /// so that searches are compiled once; calls are rare.

@@ -11,16 +11,16 @@ use std::ops::Range;
 use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, check_max_distances, morton_order, worthwhile};
 use crate::columns::Columns;
-use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape, gap, lanes, length, square_of_gaps};
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel;
 use crate::period::Period;
 use crate::quadtree::Quadtree;
 use crate::shapes::{Each, check_finite};
-use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
-use crate::sorting::{self, Bytes};
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::sorting::{self, Bytes};
+use jostle_simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
 /// The distance of a point from the surface of a shape; 0 inside.
 #[inline(always)]

@@ -3,7 +3,7 @@
 use super::window::Window;
 use crate::geometry::{Bounds, Scalar};
 use crate::quadtree::Quadtree;
-use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
+use jostle_simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
 /// Calls `act` with the index of each shape of a tree that overlaps `region`, whose half sizes are
 /// 0. `min_gap` is that of [`Bounds::overlaps`]. Returns the number of tests.

@@ -2,11 +2,11 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::error::Result;
 use crate::geometry::{Scalar, Shape, within};
-use crate::memory;
 use crate::period::Period;
 use crate::shapes::check_finite;
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// A point. Shapes contain their edge, except rectangles (radius 0): these contain their left and
 /// upper edge, but not the right and the lower, so that tiles with a common edge have no common

@@ -2,10 +2,10 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape, overlap, square_of_gaps};
 use crate::period::Period;
 use crate::shapes::tuple;
+use jostle_base::error::{Error, Result};
 
 /// A convex polygon. Shapes that only touch it do not overlap it.
 ///

@@ -1,11 +1,11 @@
 //! Rays and the paths of moving discs and boxes: the distance to a shape, and the normal there.
 
 use super::check_max_distances;
-use crate::error::{Error, Result};
 use crate::geometry::{Scalar, Shape, into_range, length, within};
-use crate::memory;
 use crate::period::Period;
 use crate::shapes::{Each, check_each_half_size, check_finite, check_radii, tuple};
+use jostle_base::error::{Error, Result};
+use jostle_base::memory;
 
 /// A ray, or the path of a rounded box; the half size and the radius of a ray are 0.
 #[derive(Clone, Copy, Debug, PartialEq)]

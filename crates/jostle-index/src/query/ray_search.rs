@@ -9,14 +9,14 @@ use super::ray::{Ray, hit, normal};
 use super::region::{MAX_IDS, selects};
 use super::{IdOf, NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
 use crate::columns::Columns;
-use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape};
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel;
 use crate::period::Period;
 use crate::quadtree::Quadtree;
-use crate::simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_simd::{LANES, Simd, Work, block, first_lanes, for_each_lane};
 
 /// Upper bound of the sum of the rounding errors in [`hit`] and in the tests of nodes, in units in
 /// the last place.

@@ -2,10 +2,10 @@
 
 use super::region::Region;
 use super::window::Window;
-use crate::error::Result;
 use crate::geometry::{Scalar, Shape, overlap};
-use crate::memory;
 use crate::shapes::{check_rects, corners};
+use jostle_base::error::Result;
+use jostle_base::memory;
 
 /// A rectangle. Shapes that only touch it do not overlap it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,15 +6,15 @@ use super::frontier::{Frontier, GROUP};
 use super::images::Images;
 use super::window::Window;
 use super::{NODE_WORK, QUERIES_PER_TASK, morton_order, worthwhile};
-use crate::error::{Error, Result};
 use crate::geometry::{Bounds, Scalar, Shape};
-use crate::interrupt::{Pulse, Stop};
-use crate::memory;
-use crate::parallel;
 use crate::period::Period;
 use crate::quadtree::{Node, Quadtree};
-use crate::simd::{LANES, Simd, Work, first_lanes, for_each_lane};
-use crate::sorting;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::{Pulse, Stop};
+use jostle_base::memory;
+use jostle_base::parallel;
+use jostle_base::sorting;
+use jostle_simd::{LANES, Simd, Work, first_lanes, for_each_lane};
 
 /// Number of indices that are converted to rows between two checks for interruption.
 const CHUNK: usize = 1 << 14;

@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::geometry::{Bounds, Scalar, Shape, gaps, lanes, middle, overlap, square_of_gaps};
-use crate::simd::{Simd, block};
+use jostle_simd::{Simd, block};
 
 /// All points within `radius` of the rectangle from `min` to `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::{COLOURS, Contact, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
-use crate::simd::{LANES, PairIndices, for_each_lane};
 use crate::tolerance::{are_uneven, gap};
 use crate::trajectory::{Vector, vector};
+use jostle_simd::{LANES, PairIndices, for_each_lane};
 
 /// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the index
 /// behind those of all particles.

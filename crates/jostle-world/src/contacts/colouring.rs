@@ -8,8 +8,8 @@
 
 use super::COLOURS;
 use crate::particles::Particles;
-use crate::simd::{LANES, Number, Simd, Work};
-use crate::sorting::counting_sort;
+use jostle_base::sorting::counting_sort;
+use jostle_simd::{LANES, Number, Simd, Work};
 
 /// Cells in a sum of radii in which positions are rounded before they are hashed, so that contacts of
 /// particles at rest keep their priorities.

@@ -8,13 +8,13 @@ mod colouring;
 mod sequence;
 
 use crate::motion::Motions;
-use crate::parallel;
 use crate::particles::Particles;
-use crate::simd::LANES;
-use crate::sorting;
 use crate::tolerance::{gap, size_of};
 pub use blocks::{Block, Blocks, Colour};
 use colouring::{Colouring, Edge, prioritize};
+use jostle_base::parallel;
+use jostle_base::sorting;
+use jostle_simd::LANES;
 use sequence::Sequence;
 pub use sequence::Sequential;
 

@@ -4,10 +4,10 @@
 
 mod torus;
 
-use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 use crate::tolerance::{ROUNDING, gap};
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
+use jostle_base::error::{Error, Result};
 pub use torus::{MAX_TOURS, NINE_IMAGES, minimum_image_within};
 
 /// The region that contains the particles.

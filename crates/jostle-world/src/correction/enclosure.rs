@@ -6,11 +6,11 @@ use std::cell::Cell;
 use super::MOST;
 use crate::container::{Container, size};
 use crate::motion::{Motions, exact};
-use crate::pairs::Path;
-use crate::parallel;
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
 use crate::walls::Around;
+use jostle_base::parallel;
+use jostle_index::pairs::Path;
 
 /// Share of the square of a distance from walls within which rounding does not matter.
 const FREE: f32 = 0.99;

@@ -11,13 +11,13 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::contacts::{Colour, Contacts};
 use crate::container::Container;
-use crate::error::Result;
 use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Vectors};
-use crate::parallel::{self, Member, locked};
 use crate::particles::Particles;
 use crate::walls::Around;
 use enclosure::Enclosure;
+use jostle_base::error::Result;
+use jostle_base::parallel::{self, Member, locked};
 use pairs::{Block, Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting

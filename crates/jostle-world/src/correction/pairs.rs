@@ -3,8 +3,8 @@
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
 use crate::contacts;
 use crate::motion::{Scalars, Vectors, exact};
-use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 use crate::trajectory::Vector;
+use jostle_simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 
 /// A disc acts near a much smaller one like a disc of this share of the smaller diameter, so that
 /// float32 is fine enough.

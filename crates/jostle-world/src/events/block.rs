@@ -7,10 +7,10 @@ use super::history::{Bounce, History};
 use super::neighbors::Neighbors;
 use super::queue::Event;
 use super::simulation::{Scratch, Simulation};
-use crate::cache;
-use crate::interrupt::Stop;
-use crate::parallel;
 use crate::particles::Particles;
+use jostle_base::cache;
+use jostle_base::interrupt::Stop;
+use jostle_base::parallel;
 
 /// Discs of a block, at least and at most. In Morton order they are neighbours of each other for
 /// the most part. Large blocks have fewer trajectories to test against other blocks.

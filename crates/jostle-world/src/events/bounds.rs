@@ -4,8 +4,8 @@ use super::Events;
 use super::flight::{Start, Window};
 use super::history::NONE;
 use super::neighbors::{NearPair, PairList};
-use crate::error::Result;
 use crate::trajectory::{Segment, Vector};
+use jostle_base::error::Result;
 
 /// Where discs may be during a step, and how to find others that may be there too.
 pub trait Bounds {

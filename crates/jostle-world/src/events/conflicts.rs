@@ -11,10 +11,10 @@ use super::bounds::Bounds;
 use super::flight::Window;
 use super::history::{Course, NONE, Part};
 use super::simulation::Simulation;
-use crate::error::Result;
-use crate::interrupt::{self, Pulse, Stop};
-use crate::parallel::{self, locked};
 use crate::trajectory::Vector;
+use jostle_base::error::Result;
+use jostle_base::interrupt::{self, Pulse, Stop};
+use jostle_base::parallel::{self, locked};
 
 /// Marks courses of discs that were simulated again.
 pub(super) const AGAIN: u32 = 1 << 31;

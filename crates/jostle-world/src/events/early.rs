@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::flight::{DEFERRED, Flight, Start, Window};
-use crate::pairs::Path;
 use crate::tolerance::size_of;
 use crate::trajectory::Segment;
+use jostle_index::pairs::Path;
 
 /// Relative error, with a large reserve, of the squares of distances in float32.
 pub const MARGIN: f32 = 1e-4;

@@ -8,13 +8,13 @@ use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
 use crate::halo::Halo;
 use crate::motion::{Motion, Motions, Spins, exact};
-use crate::parallel;
 use crate::particles::Particles;
 use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
 };
 use crate::walls::{Around, Contact, FIRST};
+use jostle_base::parallel;
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the
 /// end of the flight is left out, if it loses energy and follows another impact in the flight.

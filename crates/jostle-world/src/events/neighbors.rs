@@ -4,10 +4,10 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::cache;
-use crate::parallel;
-use crate::sorting;
 use crate::trajectory::Vector;
+use jostle_base::cache;
+use jostle_base::parallel;
+use jostle_base::sorting;
 
 /// Candidate pairs, with the image of the second discs.
 pub type PairList = ([f32; 2], Vec<[u32; 2]>);

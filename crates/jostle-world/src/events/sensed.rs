@@ -3,9 +3,9 @@
 use super::Events;
 use super::flight::Window;
 use super::history::Part;
-use crate::interrupt::Stop;
-use crate::parallel;
 use crate::trajectory::{Relative, Vector};
+use jostle_base::interrupt::Stop;
+use jostle_base::parallel;
 
 /// Pairs that one thread tests at a time.
 const PAIRS: usize = 4096;

@@ -4,8 +4,8 @@
 use super::Events;
 use super::flight::Window;
 use super::window::most_impacts;
-use crate::error::Result;
 use crate::halo::{digest, digest_all};
+use jostle_base::error::Result;
 
 /// Lengths of a window, each half as long as the one before.
 const LENGTHS: usize = 11;

@@ -15,9 +15,9 @@ use super::neighbors::{Neighbor, Neighbors, opposite};
 use super::queue::{Event, Queue, WALL};
 use super::{MAX_COLLISIONS, Outside};
 use crate::halo::{digest, digest_all};
-use crate::interrupt::Stop;
 use crate::trajectory::{Kind, Segment, Vector, dot, vector};
 use crate::walls::Contact;
+use jostle_base::interrupt::Stop;
 
 /// Impacts between two polls.
 const POLL_EVERY: usize = 256;

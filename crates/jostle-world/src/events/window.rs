@@ -3,7 +3,7 @@
 use super::Events;
 use super::flight::{Flight, Start, Window};
 use crate::container::MAX_TOURS;
-use crate::error::{Error, Result};
+use jostle_base::error::{Error, Result};
 
 /// Discs for each first impact in a window, at least.
 const DISCS_PER_IMPACT: usize = 3;

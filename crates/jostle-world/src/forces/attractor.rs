@@ -1,10 +1,10 @@
 //! Attractors: a central force towards a point or a particle.
 
 use super::{Bodies, check_number, check_pair};
-use crate::error::Result;
-use crate::ids::Id;
-use crate::parallel;
 use crate::particles::FARTHEST;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel;
 
 /// The centre of an attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]

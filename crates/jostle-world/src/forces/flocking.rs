@@ -5,8 +5,8 @@
 use super::neighbors::{self, Found, Law, Own, total};
 use super::pair::check_cutoff;
 use super::{Bodies, check_number};
-use crate::error::Result;
-use crate::simd::{LANES, Simd, block};
+use jostle_base::error::Result;
+use jostle_simd::{LANES, Simd, block};
 
 /// Lower limit of squared distances, which prevents a division by 0.
 const MIN_SQUARE: f32 = 1e-24;
@@ -45,7 +45,7 @@ impl Flocking {
             return Ok(());
         }
         let rule = format!("it must be at most max_speed, {}", self.max_speed);
-        Err(crate::error::Error::of("min_speed", self.min_speed, &rule))
+        Err(jostle_base::error::Error::of("min_speed", self.min_speed, &rule))
     }
 
     /// The acceleration that keeps the speed within the limits: that of a particle whose velocity

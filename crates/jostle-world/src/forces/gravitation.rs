@@ -18,14 +18,14 @@ use std::sync::Mutex;
 
 use super::sorted::Sorted;
 use super::{Bodies, check_number};
-use crate::columns::Columns;
 use crate::container::{Container, minimum_image_within};
-use crate::error::{Error, Result};
-use crate::interrupt::Stop;
-use crate::parallel::{self, locked};
 use crate::particles::FARTHEST;
-use crate::quadtree::Quadtree;
-use crate::simd::{LANES, Number, Simd, Work};
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::Stop;
+use jostle_base::parallel::{self, locked};
+use jostle_index::columns::Columns;
+use jostle_index::quadtree::Quadtree;
+use jostle_simd::{LANES, Number, Simd, Work};
 
 /// Up to this number of bodies direct summation is faster.
 const DIRECT: usize = 512;

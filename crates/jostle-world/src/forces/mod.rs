@@ -33,12 +33,12 @@ use std::collections::HashSet;
 use std::fmt::Display;
 
 use crate::container::Container;
-use crate::error::{Error, Result, counted};
-use crate::ids::Id;
-use crate::parallel;
 use crate::particles::{FARTHEST, check_vectors};
-use crate::settings::Method;
 use crate::walls::FIRST;
+use jostle_base::error::{Error, Result, counted};
+use jostle_base::ids::Id;
+use jostle_base::parallel;
+use jostle_base::settings::Method;
 
 /// A force. It refers to particles by id; within a world, by row.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,9 +7,9 @@ use std::collections::HashSet;
 use std::f64::consts::TAU;
 
 use super::{check_distinct, check_number, check_pair};
-use crate::error::{Error, Result};
-use crate::ids::Id;
 use crate::particles::FARTHEST;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 /// A rotation about a centre and a translation, both reversed in the second half of each period.
 #[derive(Clone, Debug, PartialEq)]

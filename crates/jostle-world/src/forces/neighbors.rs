@@ -11,11 +11,11 @@ use std::sync::Mutex;
 use super::Bodies;
 use super::sorted::Sorted;
 use crate::container::{Container, NINE_IMAGES};
-use crate::interrupt::Stop;
-use crate::parallel::{self, locked};
-use crate::quadtree::Quadtree;
-use crate::settings::Method;
-use crate::simd::{LANES, Number, Simd, Work, block, block_mut};
+use jostle_base::interrupt::Stop;
+use jostle_base::parallel::{self, locked};
+use jostle_base::settings::Method;
+use jostle_index::quadtree::Quadtree;
+use jostle_simd::{LANES, Number, Simd, Work, block, block_mut};
 
 /// Maximum number of bodies in a group.
 const MAX_GROUP: usize = 32;

@@ -11,9 +11,9 @@ use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::{Bodies, check_number};
-use crate::error::{Error, Result, counted};
 use crate::particles::FARTHEST;
-use crate::simd::{LANES, PairIndices, Simd, block};
+use jostle_base::error::{Error, Result, counted};
+use jostle_simd::{LANES, PairIndices, Simd, block};
 
 /// Maximum number of kinds.
 pub const MAX_KINDS: usize = 64;

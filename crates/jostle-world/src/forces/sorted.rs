@@ -4,10 +4,10 @@ use std::cmp::Ordering;
 use std::ops::Range;
 
 use super::Bodies;
-use crate::interrupt;
-use crate::quadtree::Quadtree;
-use crate::settings::{DEFAULT_MAX_DEPTH, Settings};
-use crate::shapes::{Each, Shapes};
+use jostle_base::interrupt;
+use jostle_base::settings::{DEFAULT_MAX_DEPTH, Settings};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Shapes};
 
 /// Maximum number of bodies in a leaf of the tree.
 const LEAF: usize = 16;

@@ -2,8 +2,8 @@
 
 use super::check_number;
 use super::pair::{PairTable, check_cutoff, check_kinds_of_table};
-use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
+use jostle_base::error::{Error, Result};
 
 /// Points of a table whose pieces are not straight.
 const POINTS: usize = 2049;

@@ -3,9 +3,9 @@
 use super::chance::Chance;
 use super::{check_distinct, check_number};
 use crate::container::{Container, MAX_WALLS};
-use crate::error::{Error, Result};
 use crate::particles::FARTHEST;
 use crate::walls::{FIRST, MAX_WORLD_WALLS};
+use jostle_base::error::{Error, Result};
 
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;

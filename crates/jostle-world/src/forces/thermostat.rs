@@ -1,7 +1,7 @@
 //! The article's thermostat: walls change the speed of particles that bounce off them.
 
 use super::check_number;
-use crate::error::{Error, Result};
+use jostle_base::error::{Error, Result};
 
 /// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
 /// article.

@@ -1,7 +1,7 @@
 //! New values of some particles: writing them, and what they change.
 
 use super::{Changes, Particles};
-use crate::table::{dense, sparse};
+use jostle_base::table::{dense, sparse};
 
 /// What changes of one particle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,10 +10,10 @@ use super::{
     Particles, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
     check_restitutions, check_vectors,
 };
-use crate::bytes::Plain;
-use crate::error::Result;
-use crate::shapes::Each;
-use crate::table::{dense, sparse, sparse_value};
+use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
+use jostle_base::table::{dense, sparse, sparse_value};
+use jostle_index::shapes::Each;
 
 /// A value of a field: one number or several.
 pub trait Field: Plain + Default + PartialEq {

@@ -1,7 +1,7 @@
 //! Limits of the values of particles.
 
-use crate::error::{Error, Result};
-use crate::shapes::{self, check_finite};
+use jostle_base::error::{Error, Result};
+use jostle_index::shapes::{self, check_finite};
 
 /// Largest coordinate, component of a velocity, and displacement of a step.
 pub const FARTHEST: f32 = 1e18;

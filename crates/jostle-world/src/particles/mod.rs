@@ -7,13 +7,13 @@ mod limits;
 
 use std::f64::consts::{PI, TAU};
 
-use crate::bytes::Plain;
-use crate::error::{Error, Result};
-use crate::shapes::Filter;
-use crate::table;
-use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 pub use changes::Effect;
 pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
+use jostle_base::bytes::Plain;
+use jostle_base::error::{Error, Result};
+use jostle_base::table;
+use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
+use jostle_index::shapes::Filter;
 pub use limits::{
     FARTHEST, MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses,
     check_radii, check_restitutions, check_vectors,

@@ -4,15 +4,15 @@
 use std::collections::HashMap;
 
 use super::islands::SleepingContact;
-use crate::bytes::{Plain, Reader, damaged};
 use crate::contacts::Contact;
-use crate::error::Result;
-use crate::ids::Id;
-use crate::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
 use crate::world::World;
 use crate::world::asleep::Sleepers;
 use crate::world::discs::Persistent;
 use crate::world::touches::{Touch, WallImpulse, touch_of};
+use jostle_base::bytes::{Plain, Reader, damaged};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
 
 /// Stands for no own row.
 pub(crate) const NONE: u32 = u32::MAX;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::scale::{CELLS, Scale};
 use crate::container::Container;
-use crate::sorting;
+use jostle_base::sorting;
 
 /// The first and the last coordinate along each axis.
 type Aabb = [[f64; 2]; 2];

@@ -2,7 +2,7 @@
 //! sort).
 
 use super::scale::Scale;
-use crate::morton;
+use jostle_base::morton;
 
 /// Number of keys that each rank samples.
 pub const SAMPLES: usize = 256;

@@ -6,12 +6,12 @@ use std::sync::Mutex;
 
 use super::domain::Domain;
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
-use crate::error::{Error, Result};
 use crate::forces::{self, Force, Kinds};
-use crate::ids::Id;
-use crate::parallel::locked;
 use crate::world::World;
 use crate::world::asleep::Asleep;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
 
 /// The particles of a rank.
 #[derive(Debug)]

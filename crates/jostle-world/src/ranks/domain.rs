@@ -14,17 +14,17 @@ use super::protocol::Ranks;
 use super::{Group, Link, Scale, rounds};
 use crate::contacts::{Contact, ContactShape, Contacts, Sequential};
 use crate::container::Container;
-use crate::error::Result;
 use crate::halo::{Halo, digest};
-use crate::ids::Id;
-use crate::pairs::JoinScratch;
-use crate::parallel::locked;
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
 use crate::world::asleep::{Asleep, Sleepers};
 use crate::world::distribution::{Agreed, Distribution, Protocol};
 use crate::world::search::Lists;
 use crate::world::{StepScratch, World, WorldSettings};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
+use jostle_index::pairs::JoinScratch;
+use jostle_index::quadtree::Quadtree;
 
 /// Steps between two times at which domains are chosen, at least.
 const FEWEST_STEPS: u64 = 16;

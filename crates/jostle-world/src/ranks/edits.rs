@@ -2,11 +2,11 @@
 
 use super::domain::Domain;
 use super::read_records;
-use crate::error::Result;
-use crate::ids::Id;
-use crate::parallel::locked;
 use crate::world::World;
 use crate::world::ids::Ids;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
 
 /// What a rank tells the others of its changes: whether all islands wake, the immovable particles of
 /// which only the velocities change, and the names of islands that wake.

@@ -3,13 +3,13 @@
 use super::domain::{Announced, Domain};
 use super::waking::islands_of_circles;
 use super::{CircleBlocks, Grid, Near, RECORD, put_record};
-use crate::error::Result;
 use crate::forces;
 use crate::halo::Halo;
-use crate::parallel::locked;
 use crate::world::World;
 use crate::world::asleep::Asleep;
 use crate::world::bounds::{distance_at, distance_of_fall, rounding};
+use jostle_base::error::Result;
+use jostle_base::parallel::locked;
 
 /// Width of the margin around each particle, in mean radii.
 const MARGIN: f64 = 3.0;

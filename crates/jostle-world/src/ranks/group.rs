@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::error::{Error, Result};
+use jostle_base::error::{Error, Result};
 
 /// Messages between ranks. All ranks make the same calls in the same order.
 pub trait Communicator: Send {

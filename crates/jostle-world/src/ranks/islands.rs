@@ -7,15 +7,15 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::domain::Domain;
-use crate::bytes::Plain;
 use crate::contacts::Contact;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
 use crate::halo::Halo;
-use crate::ids::Id;
-use crate::parallel::locked;
 use crate::world::World;
 use crate::world::sleeping::{IslandMotion, NONE, Scratch};
+use jostle_base::bytes::Plain;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
 
 /// Stands for no name.
 const NO_NAME: Id = Id::MAX;

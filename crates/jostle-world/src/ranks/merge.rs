@@ -8,21 +8,21 @@ use std::collections::HashMap;
 
 use super::carried::Push;
 use super::{RECORD, put_record, read_records};
-use crate::bytes::Plain;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
 use crate::forces::{self, Kinds};
-use crate::ids::Id;
-use crate::parallel::locked;
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
-use crate::shapes::{Each, Shapes};
-use crate::table::Table;
 use crate::world::edits::{renumber, retain_unless};
 use crate::world::ids::Ids;
 use crate::world::merge::{joint_acceleration, kind_of_heaviest, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
+use jostle_base::bytes::Plain;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
+use jostle_base::table::Table;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Shapes};
 
 /// An own particle of an island that may merge.
 #[derive(Clone, Copy, Debug, PartialEq)]

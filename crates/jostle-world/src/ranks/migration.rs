@@ -9,14 +9,14 @@ use super::domain::Domain;
 use super::{
     Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
-use crate::bytes::Plain;
-use crate::error::Result;
 use crate::forces;
-use crate::parallel::locked;
-use crate::table::Table;
 use crate::world::World;
 use crate::world::edits::retain_unless;
 use crate::world::ids::Ids;
+use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
+use jostle_base::parallel::locked;
+use jostle_base::table::Table;
 
 /// What leaves this rank for each other one, as bytes.
 #[derive(Debug)]

@@ -5,10 +5,10 @@
 use super::carried::{KEPT, MEMBER, Push, Resting};
 use super::islands::SleepingContact;
 use super::{RECORD, read_records};
-use crate::bytes::{Reader, checksum, damaged};
-use crate::error::{Error, Result};
-use crate::ids::Id;
 use crate::world::World;
+use jostle_base::bytes::{Reader, checksum, damaged};
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 /// The first bytes.
 const MAGIC: [u8; 16] = *b"jostle ranks\x1a\n\0\0";

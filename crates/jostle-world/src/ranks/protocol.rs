@@ -20,14 +20,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use super::domain::Domain;
 use crate::contacts::ContactShape;
-use crate::error::{Error, Result};
 use crate::forces;
 use crate::halo::{Halo, digest, digest_all};
-use crate::ids::Id;
 use crate::motion::exact;
-use crate::parallel::locked;
 use crate::world::distribution::{Agreement, Protocol};
 use crate::world::{OnTouch, Stats, World};
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
 
 /// Factor of the margin after each step that was not repeated.
 const NARROWING: f64 = 0.99;

@@ -2,11 +2,11 @@
 //!
 //! Fields with numbers of 8 bytes come first, then those of 4 bytes, then bytes.
 
-use crate::bytes::Plain;
 use crate::forces::Kinds;
-use crate::ids::Id;
 use crate::particles::{Field, FieldVisitor, FieldVisitorMut, Particles};
-use crate::table::Table;
+use jostle_base::bytes::Plain;
+use jostle_base::ids::Id;
+use jostle_base::table::Table;
 
 /// Bytes of a record.
 pub const RECORD: usize = u64::SIZE + Particles::ROW_SIZE + Kinds::SIZE;
@@ -114,7 +114,7 @@ impl FieldVisitor for Names {
 mod tests {
     use super::*;
     use crate::particles::Spin;
-    use crate::shapes::Filter;
+    use jostle_index::shapes::Filter;
 
     #[test]
     fn records_contain_all_columns() {

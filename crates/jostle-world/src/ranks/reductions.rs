@@ -1,9 +1,9 @@
 //! What the particles of all ranks require, and what they have together.
 
-use crate::error::Result;
-use crate::parallel::locked;
 use crate::world::World;
 use crate::world::contacts::loses_energy;
+use jostle_base::error::Result;
+use jostle_base::parallel::locked;
 
 impl World {
     /// Finds out whether any rank has collisions that lose energy, on which the automatic number of

@@ -9,10 +9,10 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use crate::bytes::Plain;
-use crate::error::Result;
-use crate::ids::Id;
-use crate::parallel::locked;
+use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
 
 use super::Group;
 

@@ -1,7 +1,7 @@
 //! Scales of coordinates by quantiles: all cells of a scale have about the same number of
 //! particles, so a particle far away from all others does not make the cells of these larger.
 
-use crate::sorting;
+use jostle_base::sorting;
 
 /// Cells of a scale.
 pub const CELLS: usize = 256;

@@ -7,17 +7,17 @@
 use super::carried::{NONE, Resting};
 use super::domain::Domain;
 use super::{Grid, Near};
-use crate::bytes::Plain;
 use crate::container::Container;
-use crate::error::Result;
-use crate::ids::Id;
-use crate::parallel::locked;
 use crate::particles::Particles;
-use crate::settings::Settings;
-use crate::shapes::Filter;
 use crate::world::World;
 use crate::world::asleep::{Asleep, Island, Sleepers};
 use crate::world::bounds::rounding;
+use jostle_base::bytes::Plain;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel::locked;
+use jostle_base::settings::Settings;
+use jostle_index::shapes::Filter;
 
 /// Bytes of the circle of a sleeping particle: its island, centre, radius, category and mask.
 const CIRCLE: usize = 28;

@@ -6,7 +6,7 @@
 use super::pairs::{self, Pass, Phase};
 use crate::contacts;
 use crate::motion::Scalars;
-use crate::simd::{LANES, Simd};
+use jostle_simd::{LANES, Simd};
 
 /// The friction of the pairs of a block, one column for each quantity. Unused lanes have no
 /// friction.

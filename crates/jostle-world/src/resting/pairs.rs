@@ -5,7 +5,7 @@ use super::{friction, relaxation};
 use crate::contacts;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
-use crate::simd::{LANES, Number, PairIndices, Simd, Work};
+use jostle_simd::{LANES, Number, PairIndices, Simd, Work};
 
 /// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Lanes whose
 /// contact does not rest have impulses of 0, which stay 0.

@@ -6,8 +6,8 @@ use super::pairs::Block;
 use super::{FARTHEST, TOUCHING, friction};
 use crate::contacts;
 use crate::motion::{Motions, Vectors};
-use crate::simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 use crate::trajectory::rest_speeds;
+use jostle_simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 
 /// What the contacts of a [`Block`] have in all sub-steps of a step, and the sums of their impulses.
 #[derive(Clone, Copy, Debug)]

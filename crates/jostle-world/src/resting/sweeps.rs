@@ -8,11 +8,11 @@ use super::pairs::{Block, Pass, Phase, Sweep};
 use super::walls::Walls;
 use super::{Support, friction, sum};
 use crate::contacts::Contacts;
-use crate::error::Result;
 use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
-use crate::interrupt::Stop;
 use crate::motion::{Scalars, Vectors};
-use crate::parallel::{self, Member, locked};
+use jostle_base::error::Result;
+use jostle_base::interrupt::Stop;
+use jostle_base::parallel::{self, Member, locked};
 
 /// Iterations in a sub-step. The number is fixed, so it does not depend on particles far away.
 const ITERATIONS: usize = 10;

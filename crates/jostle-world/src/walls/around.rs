@@ -8,13 +8,13 @@ use super::near::{MARGIN, Near, NearWall};
 use super::torus::each_tile;
 use super::{FIRST, Part, Walls, less};
 use crate::container::size;
-use crate::geometry::{Bounds, Shape};
 use crate::motion::exact;
-use crate::pairs::Path;
 use crate::particles::Particles;
-use crate::query::each_overlap;
-use crate::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
+use jostle_index::geometry::{Bounds, Shape};
+use jostle_index::pairs::Path;
+use jostle_index::query::each_overlap;
+use jostle_index::shapes::{DEFAULT_CATEGORY, DEFAULT_MASK};
 
 /// Relative size of the rounding of positions in float32, with a reserve.
 const ROUNDING: f32 = 1e-6;

@@ -6,11 +6,11 @@
 //! seen from that wall.
 
 use super::{FIRST, Line, Wall, Walls, are_elastic};
-use crate::error::{Error, Result};
 use crate::motion::residual;
 use crate::particles::FARTHEST;
-use crate::settings::Settings;
 use crate::trajectory::{Vector, dot, vector};
+use jostle_base::error::{Error, Result};
+use jostle_base::settings::Settings;
 
 impl Wall {
     /// Whether it moves.

@@ -1,13 +1,13 @@
 //! The broad phase of walls: which of them each disc may touch during a step.
 
 use super::{FIRST, Walls, less};
-use crate::columns::Columns;
-use crate::error::{Error, Result};
-use crate::pairs::{self, Filters, JoinScratch, LineSegment};
-use crate::quadtree::Quadtree;
-use crate::settings::Method;
-use crate::sorting;
 use crate::trajectory::Vector;
+use jostle_base::error::{Error, Result};
+use jostle_base::settings::Method;
+use jostle_base::sorting;
+use jostle_index::columns::Columns;
+use jostle_index::pairs::{self, Filters, JoinScratch, LineSegment};
+use jostle_index::quadtree::Quadtree;
 
 /// Relative size of the rounding of bounds in float32, with a large reserve.
 pub(super) const MARGIN: f64 = 1e-6;

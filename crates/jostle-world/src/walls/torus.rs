@@ -5,9 +5,9 @@
 
 use super::{Contact, FIRST, Wall, Walls};
 use crate::container::{Container, NINE_IMAGES, size};
-use crate::error::{Error, Result};
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
+use jostle_base::error::{Error, Result};
 
 /// Maximum distance from the torus of a disc in its bounds, with its radius, as a share of the
 /// shorter side: a quarter for the radius, an eighth for the displacement, and a reserve.

@@ -13,14 +13,14 @@ use super::discs::Discs;
 use super::touches::WallImpulse;
 use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;
-use crate::error::{Error, Result};
-use crate::ids::Id;
-use crate::pairs::{self, Filters, JoinScratch};
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
-use crate::settings::{Method, Settings};
-use crate::shapes::{Each, Shapes, fill_filters};
-use crate::table::Table;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::settings::{Method, Settings};
+use jostle_base::table::Table;
+use jostle_index::pairs::{self, Filters, JoinScratch};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Shapes, fill_filters};
 
 /// Where the parts of an island are in the columns.
 #[derive(Clone, Debug, Default, PartialEq)]

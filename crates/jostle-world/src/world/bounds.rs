@@ -12,16 +12,16 @@ use super::force_step::{ForceScratch, force_displacement};
 use super::renewal::{Crowding, Renewed};
 use super::{MAX_CANDIDATES, OnTouch, World, WorldSettings};
 use crate::container::Container;
-use crate::error::{Error, Result};
 use crate::events::{Bounds, Candidates, NearPair, Outside, Start};
-use crate::geometry::{self, Shape};
-use crate::interrupt::Pulse;
-use crate::parallel;
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
-use crate::query::each_overlap;
-use crate::shapes::{Filter, Shapes, fill_filters};
 use crate::trajectory::{Segment, Vector, dot};
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt::Pulse;
+use jostle_base::parallel;
+use jostle_index::geometry::{self, Shape};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::query::each_overlap;
+use jostle_index::shapes::{Filter, Shapes, fill_filters};
 
 /// Circles of a chain at most.
 const MAX_CIRCLES: f64 = 4096.0;

@@ -2,11 +2,11 @@
 //! quadtree.
 
 use super::World;
-use crate::error::Result;
 use crate::particles::{Particles, Spin};
-use crate::quadtree::Quadtree;
-use crate::shapes::{Each, Filter, Shapes, fill_filters};
-use crate::table::Table;
+use jostle_base::error::Result;
+use jostle_base::table::Table;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Filter, Shapes, fill_filters};
 
 impl World {
     /// A copy of all particles in the order of adding.

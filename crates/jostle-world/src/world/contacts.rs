@@ -6,14 +6,14 @@ use std::cell::Cell;
 use super::bounds::{FreeDisplacements, reach};
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
-use crate::error::Result;
 use crate::halo::Halo;
-use crate::interrupt;
 use crate::motion::exact;
-use crate::parallel;
 use crate::particles::Particles;
 use crate::tolerance::{gap, size_of};
 use crate::trajectory::vector;
+use jostle_base::error::Result;
+use jostle_base::interrupt;
+use jostle_base::parallel;
 
 /// Overlap, as a share of the size, from which positions are corrected where nothing rests.
 const OVERLAP: f32 = 0.0024;

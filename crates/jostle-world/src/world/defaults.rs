@@ -1,9 +1,9 @@
 //! Values of new particles for which the caller gives none.
 
 use super::World;
-use crate::error::{Error, Result};
 use crate::particles::{check_friction, check_masses, check_radii, check_restitutions};
-use crate::shapes::Filter;
+use jostle_base::error::{Error, Result};
+use jostle_index::shapes::Filter;
 
 /// What callers of [`World::add`] take for columns that they leave out: the last number that was
 /// given for all particles. The world only keeps it, in snapshots too.

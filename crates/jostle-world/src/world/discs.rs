@@ -3,7 +3,7 @@
 use super::sleeping::Drift;
 use crate::container::MAX_WALLS;
 use crate::particles::Particles;
-use crate::table;
+use jostle_base::table;
 
 table! {
     /// All columns by indices: those that a step reorders, and that sleeping particles keep.

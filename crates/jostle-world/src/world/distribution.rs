@@ -9,11 +9,11 @@ use std::any::Any;
 use super::asleep::Sleepers;
 use super::{World, WorldSettings};
 use crate::contacts::{Contact, ContactShape};
-use crate::error::Result;
 use crate::halo::{Alone, Halo};
-use crate::ids::Id;
-use crate::pairs::JoinScratch;
-use crate::quadtree::Quadtree;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_index::pairs::JoinScratch;
+use jostle_index::quadtree::Quadtree;
 
 /// What the processes have computed for the particles that they share, compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,10 +1,10 @@
 //! Motors drive immovable particles and walls.
 
 use super::World;
-use crate::error::{Error, Result};
 use crate::forces::{self, Force, Motor};
-use crate::ids::Id;
 use crate::motion::exact;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 /// The velocities of what motors drive, before a step.
 pub(crate) struct Driven {

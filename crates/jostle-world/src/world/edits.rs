@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use super::World;
 use super::sleeping::Drift;
-use crate::error::{Error, Result};
 use crate::forces;
-use crate::ids::Id;
 use crate::particles::{Changes, Effect, Particles};
-use crate::shapes::MAX_ROWS;
-use crate::table::{Table, dense};
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::table::{Table, dense};
+use jostle_index::shapes::MAX_ROWS;
 
 impl World {
     /// Adds particles after the others and returns their ids, which are above all ids before. An

@@ -3,14 +3,14 @@
 use super::given::add_given;
 use super::{World, WorldSettings};
 use crate::container::Container;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::{Error, Result};
 use crate::flow::{Flow, Kick};
 use crate::forces::{self, ASLEEP, Bodies, Force, springs::SpringSolver};
-use crate::interrupt;
 use crate::motion::Motions;
-use crate::parallel;
 use crate::particles::{self, Particles};
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt;
+use jostle_base::parallel;
 
 /// Scratch of the forces; unused in a world without them.
 #[derive(Debug, Default)]

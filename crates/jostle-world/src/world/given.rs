@@ -2,10 +2,10 @@
 //! world all processes make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;
-use crate::error::{Error, Result};
 use crate::forces;
-use crate::ids::Id;
 use crate::particles::check_vectors;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 impl World {
     /// The given accelerations in the order of adding; empty if there are none.

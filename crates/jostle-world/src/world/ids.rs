@@ -6,9 +6,9 @@
 use std::ops::Range;
 
 use super::World;
-use crate::error::{Error, Result};
-use crate::ids::Id;
-use crate::memory;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::memory;
 
 /// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
 const MAX_RENUMBERED: usize = 1 << 27;

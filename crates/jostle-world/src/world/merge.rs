@@ -8,15 +8,15 @@
 use super::edits::renumber;
 use super::{OnTouch, StepScratch, World};
 use crate::container::Container;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
 use crate::forces;
-use crate::ids::Id;
 use crate::motion::Motions;
-use crate::parallel;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
-use crate::shapes::Filter;
-use crate::table::Table;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel;
+use jostle_base::table::Table;
+use jostle_index::shapes::Filter;
 
 /// Iterations in a step at most; the next step merges the remaining overlaps.
 pub(crate) const ROUNDS: usize = 16;

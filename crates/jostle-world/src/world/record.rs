@@ -4,8 +4,8 @@
 use std::cmp::Ordering;
 
 use super::World;
-use crate::error::Result;
-use crate::ids::Id;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
 
 /// Pairs in the list of those that touched before doubles are removed for the first time.
 const FEW: usize = 1024;

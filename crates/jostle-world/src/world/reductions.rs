@@ -1,9 +1,9 @@
 //! Sums and maxima of numbers of all processes.
 
 use super::World;
-use crate::error::Result;
 use crate::halo::Halo;
-use crate::quadtree::extent_of;
+use jostle_base::error::Result;
+use jostle_index::quadtree::extent_of;
 
 /// Numbers from this one on, 2⁵², are whole.
 const WHOLE: f64 = (1u64 << 52) as f64;

@@ -12,12 +12,12 @@ use std::f64::consts::TAU;
 use super::bounds::{distance_at, distance_of_fall, rounding};
 use super::search::{self, ListScratch, Lists};
 use super::{OnTouch, World, WorldSettings};
-use crate::error::Result;
 use crate::events::{Candidates, NearPair, Start};
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
-use crate::shapes::{Shapes, fill_filters};
 use crate::trajectory::dot;
+use jostle_base::error::Result;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Shapes, fill_filters};
 
 /// Displacement that bounds allow for, in mean displacements, because collisions make slow
 /// particles faster.

@@ -3,8 +3,8 @@
 use super::World;
 use super::discs::Discs;
 use super::force_step::{awake_springs, find_indices};
-use crate::parallel;
-use crate::table::Table;
+use jostle_base::parallel;
+use jostle_base::table::Table;
 
 impl World {
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old

@@ -4,12 +4,12 @@ use std::cmp::Ordering;
 use std::iter;
 
 use super::{MAX_CANDIDATES, Touch, World, WorldSettings};
-use crate::error::{Error, Result};
-use crate::interrupt;
-use crate::pairs::{self, Filters, JoinScratch, SortScratch};
-use crate::quadtree::Quadtree;
-use crate::settings::Method;
-use crate::shapes::{Each, Shapes, fill_filters};
+use jostle_base::error::{Error, Result};
+use jostle_base::interrupt;
+use jostle_base::settings::Method;
+use jostle_index::pairs::{self, Filters, JoinScratch, SortScratch};
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Each, Shapes, fill_filters};
 
 /// Pairs of indices, a list for each offset: first those in the plane, with offset 0, then those
 /// across each seam of a torus. A pair overlaps if the second is moved by the offset.

@@ -1,9 +1,9 @@
 //! The settings of a world, apart from its particles and forces.
 
 use crate::container::{Container, MAX_WALLS};
-use crate::error::{Error, Result};
 use crate::particles;
-use crate::settings::{Method, Settings};
+use jostle_base::error::{Error, Result};
+use jostle_base::settings::{Method, Settings};
 
 /// What happens to particles that touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -13,14 +13,14 @@
 use super::asleep::{Island, Sleepers, run};
 use super::force_step::awake_springs;
 use super::{OnTouch, World};
-use crate::bytes::Plain;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::Result;
 use crate::forces::Force;
-use crate::ids::Id;
-use crate::parallel;
 use crate::particles::Particles;
-use crate::table::{Table, dense, sparse_value};
+use jostle_base::bytes::Plain;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::parallel;
+use jostle_base::table::{Table, dense, sparse_value};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
 const SLOW: f64 = 0.01;

@@ -5,13 +5,13 @@ use std::cmp::Reverse;
 use super::reductions::largest;
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::container::MAX_TOURS;
-use crate::error::{Error, Result};
 use crate::events::MAX_COLLISIONS;
 use crate::forces;
-use crate::ids::Id;
-use crate::interrupt;
-use crate::parallel;
 use crate::particles::FARTHEST;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::interrupt;
+use jostle_base::parallel;
 
 /// Candidate pairs of a step at most. They take 256 MiB, with everything that is stored for each
 /// about four GiB.

@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::World;
 use crate::container::MAX_WALLS;
-use crate::error::{Error, Result};
 use crate::motion::Motion;
-use crate::parallel;
 use crate::particles::{FARTHEST, Particles, wrap_angle};
-use crate::table::sparse_value;
+use jostle_base::error::{Error, Result};
+use jostle_base::parallel;
+use jostle_base::table::sparse_value;
 
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;

@@ -7,17 +7,17 @@ use super::force_step::springs;
 use super::merge;
 use super::settings::DEFAULT_SUBSTEPS;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
-use crate::error::Result;
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
 use crate::forces;
 use crate::forces::springs::Surroundings;
 use crate::halo::Halo;
-use crate::interrupt;
 use crate::motion::Motion;
 use crate::particles::Particles;
 use crate::resting::{Support, WallPushes};
 use crate::walls::{Around, Clock, Near, Walls};
+use jostle_base::error::Result;
+use jostle_base::interrupt;
 
 /// What the sub-steps of a step have in common.
 #[derive(Clone, Copy)]

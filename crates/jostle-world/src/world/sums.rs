@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use super::World;
 use super::force_step::{bodies, find_indices};
-use crate::bytes::Plain;
 use crate::forces::{self, Attractor, Bodies, Force, Pole, Springs};
 use crate::particles::Particles;
-use crate::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
+use jostle_base::bytes::Plain;
+use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 
 impl World {
     /// Sum of mass times velocity of the movable particles. Sleeping particles have none.

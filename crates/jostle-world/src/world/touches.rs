@@ -2,12 +2,12 @@
 
 use super::{Collisions, OnTouch, World};
 use crate::contacts::{Contact, sum_of_impulses};
-use crate::error::Result;
 use crate::events::{Bounce, WALL};
-use crate::ids::Id;
 use crate::motion::exact;
 use crate::resting::WallPush;
 use crate::walls::FIRST;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
 
 /// Two particles that touched during the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]

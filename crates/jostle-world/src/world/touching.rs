@@ -5,13 +5,13 @@ use std::cmp::Ordering;
 use super::World;
 use super::bounds::rounding;
 use super::search::{self, ListScratch, Lists};
-use crate::error::Result;
-use crate::ids::Id;
 use crate::motion::exact;
 use crate::particles::Particles;
-use crate::quadtree::Quadtree;
-use crate::shapes::{Shapes, fill_filters};
 use crate::tolerance::{COARSE, Tolerance, gap, size_of};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Shapes, fill_filters};
 
 /// Scratch.
 #[derive(Debug, Default)]

@@ -6,10 +6,10 @@ use super::touches::WallImpulse;
 use super::{Collisions, Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Force;
-use crate::ids::Id;
 use crate::particles::Particles;
 use crate::resting::WallPush;
 use crate::walls::Wall;
+use jostle_base::ids::Id;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.

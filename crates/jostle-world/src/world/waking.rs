@@ -13,13 +13,13 @@ use super::bounds::{FreeDisplacements, rounding};
 use super::discs::Discs;
 use super::force_step::springs;
 use crate::contacts::Contact;
-use crate::error::Result;
 use crate::forces;
-use crate::ids::Id;
-use crate::pairs::JoinScratch;
-use crate::quadtree::Quadtree;
-use crate::shapes::{Shapes, fill_filters};
-use crate::table::Table;
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
+use jostle_base::table::Table;
+use jostle_index::pairs::JoinScratch;
+use jostle_index::quadtree::Quadtree;
+use jostle_index::shapes::{Shapes, fill_filters};
 
 /// Scratch.
 #[derive(Debug, Default)]

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use super::layout::Layout;
-use crate::error::Result;
 use crate::geometry::Scalar;
-use crate::memory;
 use crate::quadtree::partition::Item;
-use crate::simd::LANES;
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_simd::LANES;
 
 /// The shapes of some adjacent rows of cells, with those of the row before.
 #[derive(Debug)]

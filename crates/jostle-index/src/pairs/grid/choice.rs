@@ -4,7 +4,7 @@ use super::layout::Layout;
 use super::sizes::{EQUAL, Input, half_extent_of};
 use crate::geometry::Scalar;
 use crate::quadtree::partition::Item;
-use crate::simd::LANES;
+use jostle_simd::LANES;
 
 /// Shapes for each one of the sample, and limits of its size.
 const FOR_EACH_SAMPLED: usize = 64;

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use super::layout::{Layout, SLACK};
 use super::sizes::half_extent_of;
-use crate::error::Result;
 use crate::geometry::Scalar;
-use crate::memory;
 use crate::quadtree::partition::Item;
-use crate::sorting;
+use jostle_base::error::Result;
+use jostle_base::memory;
+use jostle_base::sorting;
 
 /// Maximum number of entries of all lists for each shape of the grid: more would need too much
 /// memory.

@@ -9,7 +9,7 @@ use super::sizes::{CIRCLES, EQUAL, RECTANGLES};
 use crate::geometry::{Scalar, lanes};
 use crate::pairs::output::Output;
 use crate::quadtree::partition::Item;
-use crate::simd::{HALF, LANES, Simd, Work, block, first_lanes};
+use jostle_simd::{HALF, LANES, Simd, Work, block, first_lanes};
 
 /// Number of shapes that are tested between two checks of the output.
 const AT_A_TIME: usize = 32;

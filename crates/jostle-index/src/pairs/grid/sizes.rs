@@ -7,7 +7,7 @@ use super::layout::Layout;
 use crate::geometry::Scalar;
 use crate::quadtree::partition::{Item, Source};
 use crate::shapes::{Each, Shapes};
-use crate::simd::{LANES, Simd, Work};
+use jostle_simd::{LANES, Simd, Work};
 
 /// Circles of one radius.
 pub(super) const EQUAL: usize = 0;

@@ -18,11 +18,11 @@ use std::ops::Range;
 
 use super::{SpringSolver, bounded, rate};
 use crate::container::Container;
-use crate::disjoint_sets::DisjointSets;
 use crate::flow::{Flow, Kick};
 use crate::motion::{Motions, Vectors, exact};
 use crate::particles::Particles;
 use crate::walls::{self, Around};
+use jostle_base::disjoint_sets::DisjointSets;
 
 /// Iterations of the method of conjugate gradients in each turn of the springs at most.
 const ITERATIONS: usize = 24;

@@ -18,12 +18,12 @@ pub use held::{Place, Push, Pushes, Surroundings};
 
 use super::{ASLEEP, Bodies, check_number};
 use crate::container::Container;
-use crate::disjoint_sets::DisjointSets;
-use crate::error::{Error, Result};
 use crate::flow::Kick;
-use crate::ids::Id;
 use crate::motion::Motions;
 use crate::particles::FARTHEST;
+use jostle_base::disjoint_sets::DisjointSets;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
 
 /// Maximum number of parts of a sub-step.
 const MAX_PARTS: f64 = 32.0;

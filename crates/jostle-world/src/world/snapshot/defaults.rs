@@ -1,9 +1,9 @@
 //! Serialization of the values of new particles.
 
 use super::super::Defaults;
-use crate::bytes::{Reader, Writer};
-use crate::error::Result;
-use crate::shapes::Filter;
+use jostle_base::bytes::{Reader, Writer};
+use jostle_base::error::Result;
+use jostle_index::shapes::Filter;
 
 /// Stands for no value: no radius and no mass is below 0.
 const NONE: f32 = -1.0;

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::bytes::{Reader, Writer, damaged};
-use crate::error::Result;
 use crate::forces::{
     Andersen, Attractor, Flocking, Force, Gravitation, Law, Motor, PairForce, PairTable, Pole,
     Spring, Springs, ThermalWalls, Thermostat,
 };
-use crate::ids::Id;
+use jostle_base::bytes::{Reader, Writer, damaged};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
 
 /// The number of `ThermalWalls` with walls that are not sides of the container.
 const WITH_WALLS: u8 = 20;

@@ -1,9 +1,9 @@
 //! Serialization of ids.
 
 use super::super::ids::Ids;
-use crate::bytes::{Reader, Writer, damaged};
-use crate::error::Result;
-use crate::ids::Id;
+use jostle_base::bytes::{Reader, Writer, damaged};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
 
 pub(super) fn put_ids(to: &mut Writer, ids: &Ids) {
     let (listed, next) = ids.parts();

@@ -2,9 +2,9 @@
 
 use super::super::World;
 use super::super::record::{Collisions, Record};
-use crate::bytes::{Reader, Writer, damaged};
-use crate::error::Result;
-use crate::ids::Id;
+use jostle_base::bytes::{Reader, Writer, damaged};
+use jostle_base::error::Result;
+use jostle_base::ids::Id;
 
 pub(super) fn put_record(to: &mut Writer, world: &World) {
     let Record { collisions, before, during, at_end, .. } = &world.record;

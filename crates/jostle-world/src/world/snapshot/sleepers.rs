@@ -9,10 +9,10 @@ use super::{
     get_contacts, get_particles, get_wall_impulses, get_warm_start, put_contacts, put_particles,
     put_wall_impulses, put_warm_start,
 };
-use crate::bytes::{Reader, Writer, damaged};
-use crate::error::Result;
 use crate::particles::Spin;
-use crate::shapes::MAX_ROWS;
+use jostle_base::bytes::{Reader, Writer, damaged};
+use jostle_base::error::Result;
+use jostle_index::shapes::MAX_ROWS;
 
 impl World {
     /// Refuses restored drifts and sleeping particles that no world can have.
