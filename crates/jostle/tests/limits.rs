@@ -213,7 +213,7 @@ fn a_fast_particle_on_a_torus_collides_again_and_again_in_a_step() {
     let mut stages = 0;
     let mut world = torus_with_one_fast(6e6, 400, OnTouch::Bounce);
     let (momentum, energy) = (world.momentum(), world.kinetic_energy());
-    let mut count = |stage| stages += i32::from(stage == Stage::Build);
+    let mut count = |stage: Stage, _: &World| stages += i32::from(stage == Stage::Build);
     within_bounds(|| world.step_watched(0.01, 1, &mut count).unwrap());
     assert!(stages <= 300, "all particles made {stages} parts");
     let close = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-5 * size;

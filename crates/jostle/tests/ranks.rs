@@ -310,7 +310,7 @@ fn impacts_at_the_same_time_do_not_depend_on_ranks_and_far_particles() {
 #[test]
 fn a_rank_that_panics_tells_the_others() {
     let results = on_ranks(&gas(300), WorldSettings::default(), ranks(3), |rank, mut world| {
-        let mut stop = |stage: Stage| assert!(rank != 1 || stage != Stage::Pairs, "a defect");
+        let mut stop = |stage: Stage, _: &World| assert!(rank != 1 || stage != Stage::Pairs, "a defect");
         let step = || world.step_watched(1.0 / 60.0, 1, &mut stop);
         let result = catch_unwind(AssertUnwindSafe(step));
         result.map_err(|panic| panic.downcast_ref::<&str>().copied() == Some("a defect"))

@@ -106,7 +106,7 @@ fn a_pile_falls_asleep_and_stays_as_it_is() {
     let before = (world.particles(), world.contacts().unwrap(), world.wall_contacts());
     let energy = world.potential_energy();
     let mut stages = Vec::new();
-    world.step_watched(STEP, 500, &mut |stage: Stage| stages.push(stage)).unwrap();
+    world.step_watched(STEP, 500, &mut |stage: Stage, _: &World| stages.push(stage)).unwrap();
     assert_eq!((world.particles(), world.contacts().unwrap(), world.wall_contacts()), before);
     assert!(!before.1.is_empty() && !before.2.is_empty());
     assert_eq!(world.potential_energy(), energy);
