@@ -8,9 +8,11 @@ use jostle::pairs::FindScratch;
 use jostle::query::{Circle, Ray};
 use jostle::settings::DEFAULT_MAX_PAIRS;
 use jostle::{
-    Each, Error, Method, OnTouch, Particles, Quadtree, Result, Settings, Shapes, Space, World,
+    Each, Error, Method, OnTouch, Particles, Quadtree, Result, Settings, Shapes, Space,
     WorldSettings, pairs, query,
 };
+
+use crate::common::worlds::world_of;
 
 thread_local! {
     /// Polls that do not stop.
@@ -175,7 +177,7 @@ fn forces_between_all_particles_and_neighbours_poll_often() {
     };
     for force in [gravitation, Force::Flocking(flocking)] {
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..Default::default() };
-        let mut world = World::new(all.clone(), settings).unwrap();
+        let mut world = world_of(all.clone(), settings);
         let without = polls(|| world.step(0.01, 1).unwrap());
         world.set_forces(vec![force]).unwrap();
         let with = polls(|| world.step(0.01, 1).unwrap());

@@ -1,6 +1,9 @@
 //! Shapes made to break a tree, for the tests of everything that uses one.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+pub mod ranks;
+pub mod worlds;
+
 use jostle::settings::DEFAULT_MAX_DEPTH;
 use jostle::{Each, Quadtree, Scalar, Settings, Shapes};
 use proptest::prelude::*;
