@@ -31,6 +31,7 @@ mod sleeping;
 mod slide;
 mod snapshot;
 mod space;
+mod stages;
 mod thermal;
 mod threads;
 mod torus_walls;
