@@ -18,6 +18,7 @@ mod merging;
 mod motors;
 mod moving_walls;
 mod neighbors;
+mod operations;
 mod periodic;
 mod physics;
 mod pushed;
