@@ -44,7 +44,7 @@ fn main() {
 fn timed_step(world: &mut World, times: &mut [Vec<f64>]) {
     let mut last = Instant::now();
     let mut sums = [0.0; Stage::ALL.len()];
-    let mut watch = |stage: Stage| {
+    let mut watch = |stage: Stage, _: &World| {
         let now = Instant::now();
         sums[stage as usize] += (now - last).as_secs_f64() * 1e3;
         last = now;

@@ -91,7 +91,7 @@ fn step_among_walls(world: &mut World) -> [f64; Stage::ALL.len()] {
 /// Makes some steps; returns the milliseconds of each stage.
 fn step(world: &mut World, steps: usize) -> [f64; Stage::ALL.len()] {
     let (mut times, mut last) = ([0.0; Stage::ALL.len()], Instant::now());
-    let note = &mut |stage: Stage| {
+    let note = &mut |stage: Stage, _: &World| {
         let at = Stage::ALL.iter().position(|(of, _)| *of == stage).expect("it is listed");
         times[at] += last.elapsed().as_secs_f64() * 1e3;
         last = Instant::now();

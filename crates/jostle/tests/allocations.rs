@@ -8,7 +8,9 @@ use jostle_base::Settings;
 use jostle_index::{Each, Shapes};
 use jostle_scenes::{self as scenes, STEP};
 use jostle_separate::{Separation, separate};
-use jostle_world::{Changes, Container, Particles, World, WorldSettings};
+use jostle_world::{Changes, Particles, WorldSettings};
+
+use crate::common::worlds::{boxed, still, world_of};
 
 thread_local! {
     static COUNT: Cell<Option<usize>> = const { Cell::new(None) };
@@ -143,18 +145,15 @@ fn a_step_allocates_nothing_after_some_steps() {
 #[test]
 fn a_step_near_sleepers_allocates_nothing() {
     let at = |k: u16| [f32::from(k) * 2.5, 1.0];
-    let discs = |positions: Vec<[f32; 2]>| {
-        let len = positions.len();
-        Particles::new(positions, vec![[0.0; 2]; len], vec![1.0; len], 1.0)
-    };
+    let discs = |positions: Vec<[f32; 2]>| still(&positions, 1.0);
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
         restitution: 0.3,
-        container: Container::Box { min: [-50.0, 0.0], max: [500.0, 100.0] },
+        container: boxed([-50.0, 0.0], [500.0, 100.0]),
         tree: Settings { threads: Some(1), ..Settings::default() },
         ..WorldSettings::default()
     };
-    let mut world = World::new(discs((0..150).map(at).collect()), settings).unwrap();
+    let mut world = world_of(discs((0..150).map(at).collect()), settings);
     world.step(STEP, 120).unwrap();
     assert_eq!(world.asleep().iter().filter(|asleep| **asleep).count(), 150);
     // Kinematic discs move above them, more than those whose tree debug builds check.

@@ -6,10 +6,12 @@ use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::{Method, Settings};
 use jostle_index::pairs::{self, Found};
 use jostle_index::{Each, Scalar, Shapes};
-use jostle_scenes::{self as scenes, SCENES, STEP, Scene, random::Random};
+use jostle_scenes::{self as scenes, SCENES, Scene, random::Random};
 use jostle_simd::{self as simd, Instructions};
 use jostle_world::forces::Gravitation;
 use jostle_world::{Force, OnTouch, Particles, World, WorldSettings};
+
+use crate::common::worlds::{change, gathered, run, shuffled, walled, world_of};
 
 /// State of each scene after 240 steps of 1/60 s, with at most 1,000 particles
 /// and seed 0. A change of the physics changes them: see CONTRIBUTING.
@@ -74,16 +76,6 @@ fn make(scene: &Scene, count: usize) -> World {
     scene.create(Some(count.min(scene.default_count)), 0).expect("a scene is valid")
 }
 
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn with(world: &mut World, change: impl Fn(&mut WorldSettings)) {
-    let mut settings = *world.settings();
-    change(&mut settings);
-    world.configure(settings).expect("the settings are valid");
-}
-
 #[test]
 fn every_scene_ends_in_its_pinned_state() {
     let mut wrong = Vec::new();
@@ -123,7 +115,7 @@ fn friction_does_not_show_how_it_is_computed() {
             assert_eq!(world.wall_contacts(), expected.wall_contacts(), "{name}: {way}");
         };
         let mut brute = make_rough(name, 1000);
-        with(&mut brute, |settings| settings.method = Method::Brute);
+        change(&mut brute, |settings| settings.method = Method::Brute);
         check(brute, "brute force");
         for hash in with_each_kind(|| {
             let mut world = make_rough(name, 1000);
@@ -134,14 +126,11 @@ fn friction_does_not_show_how_it_is_computed() {
         }
         let straight = make_rough(name, 1000);
         let order = shuffled(straight.len(), 9);
-        let mut particles = Particles::default();
-        particles.gather(&straight.particles(), &order, None);
-        let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_walls(straight.walls().to_vec()).expect("still valid");
+        let particles = gathered(&straight.particles(), &order);
+        let mut mixed_up = walled(particles, straight.walls().to_vec(), *straight.settings());
         mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut mixed_up, 40);
-        let mut particles = Particles::default();
-        particles.gather(&expected.particles(), &order, None);
+        let particles = gathered(&expected.particles(), &order);
         assert!(mixed_up.particles() == particles, "{name} depends on the order of adding");
         let mut half = make_rough(name, 1000);
         run(&mut half, 20);
@@ -156,7 +145,7 @@ fn threads_do_not_show_in_friction() {
     for (_, name) in PINNED_WITH_FRICTION {
         let hashes = [1, 2, 8].map(|threads| {
             let mut world = make_rough(name, 30_000);
-            with(&mut world, |settings| settings.tree.threads = Some(threads));
+            change(&mut world, |settings| settings.tree.threads = Some(threads));
             run(&mut world, 3);
             (world.state_hash(), world.contacts().unwrap(), world.wall_contacts())
         });
@@ -172,7 +161,7 @@ fn dust_becomes_stars_of_a_pinned_state() {
     let velocities = (0..2000).map(|_| pair(0.5)).collect();
     let dust = Particles::new(positions, velocities, vec![0.1; 2000], 1.0);
     let settings = WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() };
-    let mut world = World::new(dust, settings).expect("dust is valid");
+    let mut world = world_of(dust, settings);
     let pull = Gravitation { g: 2.0, softening: 0.05, theta: 0.5 };
     world.set_forces(vec![Force::Gravitation(pull)]).expect("a valid force");
     run(&mut world, 300);
@@ -273,7 +262,7 @@ fn threads_do_not_show() {
         let hashes = [1, 2, 8].map(|threads| {
             // Enough particles for every parallel path to be taken, colours included.
             let mut world = scene.create(Some(21_000), 1).expect("a scene is valid");
-            with(&mut world, |settings| settings.tree.threads = Some(threads));
+            change(&mut world, |settings| settings.tree.threads = Some(threads));
             run(&mut world, 3);
             world.state_hash()
         });
@@ -287,7 +276,7 @@ fn threads_do_not_show() {
 fn threads_do_not_show_where_many_discs_land() {
     let hashes = [1, 2].map(|threads| {
         let mut world = scenes::find("gas").unwrap().create(Some(2_500), 1).unwrap();
-        with(&mut world, |settings| {
+        change(&mut world, |settings| {
             settings.tree.threads = Some(threads);
             (settings.restitution, settings.gravity) = (0.9, [0.0, 900.0]);
         });
@@ -302,7 +291,7 @@ fn brute_force_and_the_tree_make_the_same_world() {
     for scene in &SCENES {
         let [brute, tree] = [Method::Brute, Method::Quadtree].map(|method| {
             let mut world = make(scene, 500);
-            with(&mut world, |settings| settings.method = method);
+            change(&mut world, |settings| settings.method = method);
             run(&mut world, 80);
             (world.state_hash(), world.contacts().unwrap(), world.wall_contacts())
         });
@@ -316,7 +305,7 @@ fn leaf_capacity_and_depth_do_not_show() {
         let hashes =
             [(1, 4096), (16, 4096), (64, 4096), (4, 2), (1, 0)].map(|(capacity, depth)| {
                 let mut world = make(scene, 300);
-                with(&mut world, |settings| {
+                change(&mut world, |settings| {
                     settings.tree =
                         Settings { leaf_capacity: capacity, max_depth: depth, ..settings.tree };
                 });
@@ -325,16 +314,6 @@ fn leaf_capacity_and_depth_do_not_show() {
             });
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{}: {hashes:x?}", scene.name);
     }
-}
-
-/// A permutation of 0..len.
-fn shuffled(len: usize, seed: u64) -> Vec<u32> {
-    let mut random = Random::new(seed);
-    let mut order: Vec<u32> = (0..len as u32).collect();
-    for last in (1..len).rev() {
-        order.swap(last, random.whole(0, last as u32) as usize);
-    }
-    order
 }
 
 /// The same forces on particles of which row `order[i]` has become row i.
@@ -364,16 +343,13 @@ fn a_permutation_permutes_and_changes_nothing_else() {
     for scene in &SCENES {
         let mut straight = make(scene, 500);
         let order = shuffled(straight.len(), 9);
-        let mut particles = Particles::default();
-        particles.gather(&straight.particles(), &order, None);
-        let mut mixed_up = World::new(particles, *straight.settings()).expect("still valid");
-        mixed_up.set_walls(straight.walls().to_vec()).expect("still valid");
+        let particles = gathered(&straight.particles(), &order);
+        let mut mixed_up = walled(particles, straight.walls().to_vec(), *straight.settings());
         mixed_up.set_forces(renamed(&straight.forces(), &order)).expect("still valid");
         run(&mut straight, 80);
         run(&mut mixed_up, 80);
         if straight.len() == order.len() {
-            let mut expected = Particles::default();
-            expected.gather(&straight.particles(), &order, None);
+            let expected = gathered(&straight.particles(), &order);
             let same = mixed_up.particles() == expected;
             assert!(same, "{} depends on the order of adding", scene.name);
         } else {

@@ -6,9 +6,9 @@ use jostle_base::{Id, Method, Settings};
 use jostle_scenes::random::Random;
 use jostle_world::{Collisions, Container, OnTouch, Particles, TouchEvents, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{STEP, boxed, discs, still, world_of};
 
-type Pairs = BTreeSet<[Id; 2]>;
+pub type Pairs = BTreeSet<[Id; 2]>;
 
 /// One call of `step` as Python makes it.
 fn call(world: &mut World, steps: usize) {
@@ -46,7 +46,7 @@ fn settings(on_touch: OnTouch, container: Container, restitution: f32) -> WorldS
 }
 
 fn all_settings(side: f32) -> Vec<WorldSettings> {
-    let square = Container::Box { min: [0.0; 2], max: [side; 2] };
+    let square = boxed([0.0; 2], [side; 2]);
     let torus = Container::Torus { size: [side; 2] };
     let mut all = Vec::new();
     for on_touch in [OnTouch::Bounce, OnTouch::Merge, OnTouch::Ignore] {
@@ -60,8 +60,8 @@ fn all_settings(side: f32) -> Vec<WorldSettings> {
 }
 
 /// The pairs of ids whose surfaces have at most the gap at which they touch, and those that clearly
-/// touch.
-fn touching_by_brute_force(world: &World) -> [Pairs; 2] {
+/// touch: with at most a share of that gap.
+pub fn touching_by_brute_force(world: &World, surely: f64) -> [Pairs; 2] {
     let (all, ids, container) = (world.particles(), world.ids(), world.settings().container);
     let mut found = [Pairs::new(), Pairs::new()];
     let exact =
@@ -88,7 +88,7 @@ fn touching_by_brute_force(world: &World) -> [Pairs; 2] {
             if gap <= near * (1.0 + 1e-9) {
                 found[0].insert([ids[i], ids[j]]);
             }
-            if gap <= near * (1.0 - 1e-9) {
+            if gap <= near * surely {
                 found[1].insert([ids[i], ids[j]]);
             }
         }
@@ -133,7 +133,7 @@ fn follow(world: &mut World, before: &Pairs, steps: usize, seen: &mut Seen) -> P
         return now;
     }
     // Pairs that resting contacts press together may have a larger gap.
-    let [near, surely] = touching_by_brute_force(world);
+    let [near, surely] = touching_by_brute_force(world, 1.0 - 1e-9);
     assert!(surely.is_subset(&now), "missing {:?}", surely.difference(&now).collect::<Vec<_>>());
     let rests = world.settings().restitution < 1.0 && bounces;
     assert!(rests || now.is_subset(&near));
@@ -160,7 +160,7 @@ fn events_are_those_of_a_model() {
         let mut seen = Seen::default();
         for seed in 0..6 {
             let crowd_of = if seed < 3 { crowd } else { crowd_with_sensors };
-            let mut world = World::new(crowd_of(60, 12.0, seed), settings).expect("valid");
+            let mut world = world_of(crowd_of(60, 12.0, seed), settings);
             if seed % 2 == 1 {
                 let kind = |row: usize| 1 << (row % 3);
                 world
@@ -225,7 +225,7 @@ fn history(mut world: World, calls: usize) -> Vec<(TouchEvents, Collisions)> {
 fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding() {
     for settings in all_settings(30.0) {
         let all = crowd_with_sensors(400, 30.0, 5);
-        let world = |settings| World::new(all.clone(), settings).expect("valid");
+        let world = |settings| world_of(all.clone(), settings);
         let expected = history(world(settings), 8);
         let tree = |threads| Settings { threads: Some(threads), ..Settings::default() };
         for threads in [1, 2, 5] {
@@ -245,9 +245,7 @@ fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding
             pairs.sort_unstable();
             pairs
         };
-        for (of, expected) in
-            history(World::new(reversed, settings).unwrap(), 8).iter().zip(&expected)
-        {
+        for (of, expected) in history(world_of(reversed, settings), 8).iter().zip(&expected) {
             assert_eq!(of.1, expected.1);
             assert_eq!(renamed(&of.0.entered), expected.0.entered);
             assert_eq!(renamed(&of.0.stayed), expected.0.stayed);
@@ -260,7 +258,7 @@ fn events_depend_neither_on_threads_nor_on_the_method_nor_on_the_order_of_adding
 fn tracking_changes_no_bit() {
     for settings in all_settings(30.0) {
         let hash = |settings| {
-            let mut world = World::new(crowd(300, 30.0, 3), settings).expect("valid");
+            let mut world = world_of(crowd(300, 30.0, 3), settings);
             call(&mut world, 30);
             world.state_hash()
         };
@@ -274,7 +272,7 @@ fn many_threads_count_as_one() {
         let tree = Settings { threads: Some(threads), ..Settings::default() };
         let container = Container::Torus { size: [260.0; 2] };
         let settings = tracked(WorldSettings { tree, container, ..WorldSettings::default() });
-        let mut world = World::new(crowd(20_000, 260.0, 1), settings).expect("valid");
+        let mut world = world_of(crowd(20_000, 260.0, 1), settings);
         call(&mut world, 3);
         (world.collisions(), events(&world))
     };
@@ -288,7 +286,7 @@ fn pile(track_events: bool) -> World {
     let settings = WorldSettings {
         gravity: [0.0, -9.8],
         restitution: 0.3,
-        container: Container::Box { min: [0.0; 2], max: [20.0, 40.0] },
+        container: boxed([0.0; 2], [20.0, 40.0]),
         track_events,
         ..WorldSettings::default()
     };
@@ -297,9 +295,8 @@ fn pile(track_events: bool) -> World {
         let (x, y) = (3.0 + 4.0 * (k % 4) as f32, 1.0 + 2.0 * (k / 4) as f32);
         positions.push([x, y]);
     }
-    let len = positions.len();
-    let all = Particles::new(positions, vec![[0.0; 2]; len], vec![1.0; len], 1.0);
-    World::new(all, settings).expect("valid")
+    let all = still(&positions, 1.0);
+    world_of(all, settings)
 }
 
 #[test]
@@ -345,8 +342,8 @@ fn pairs_that_touch_asleep_are_found_when_tracking_begins() {
 
 #[test]
 fn discs_that_only_touch_enter_without_a_collision() {
-    let discs = Particles::new(vec![[0.0; 2], [2.0, 0.0]], vec![[0.0; 2]; 2], vec![1.0; 2], 1.0);
-    let mut world = World::new(discs, tracked(WorldSettings::default())).expect("valid");
+    let discs = still(&[[0.0; 2], [2.0, 0.0]], 1.0);
+    let mut world = world_of(discs, tracked(WorldSettings::default()));
     call(&mut world, 5);
     assert_eq!((events(&world).entered, world.collisions().pairs), (vec![[0, 1]], 0));
     call(&mut world, 5);
@@ -362,7 +359,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
         vec![1.0; 3],
         1.0,
     );
-    let mut world = World::new(discs, tracked(WorldSettings::default())).expect("valid");
+    let mut world = world_of(discs, tracked(WorldSettings::default()));
     world.begin_record();
     assert!(world.step(1e3, 1).is_err());
     world.end_record().expect("few");
@@ -372,7 +369,7 @@ fn an_undone_step_leaves_no_events_and_no_collisions() {
 #[test]
 fn a_snapshot_contains_the_record() {
     for settings in all_settings(30.0) {
-        let mut world = World::new(crowd(200, 30.0, 2), settings).expect("valid");
+        let mut world = world_of(crowd(200, 30.0, 2), settings);
         call(&mut world, 4);
         let mut copy = World::restore(&world.snapshot()).expect("it was saved");
         assert_eq!(events(&copy), events(&world));
@@ -385,7 +382,7 @@ fn a_snapshot_contains_the_record() {
 
 #[test]
 fn collisions_count_pairs_and_walls_of_all_substeps() {
-    let container = Container::Box { min: [-4.0, -1.0], max: [4.0, 1.0] };
+    let container = boxed([-4.0, -1.0], [4.0, 1.0]);
     for substeps in [1, 8] {
         let discs = Particles::new(
             vec![[-3.0, 0.0], [0.0; 2]],
@@ -395,7 +392,7 @@ fn collisions_count_pairs_and_walls_of_all_substeps() {
         );
         let settings =
             WorldSettings { container, substeps: Some(substeps), ..WorldSettings::default() };
-        let mut world = World::new(discs, settings).expect("valid");
+        let mut world = world_of(discs, settings);
         world.begin_record();
         world.step(5.0, 2).expect("a step succeeds");
         assert_eq!(world.collisions(), Collisions { pairs: 3, walls: 2 });
@@ -452,7 +449,7 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
         }
         let base = WorldSettings { on_touch, gravity, container, ..WorldSettings::default() };
         let settings = tracked(base);
-        let mut world = World::new(all.clone(), settings).expect("valid");
+        let mut world = world_of(all.clone(), settings);
         world.begin_record();
         world.step(0.2, 1).expect("a step succeeds");
         world.end_record().expect("few pairs touch");
@@ -469,14 +466,14 @@ fn discs_that_pass_through_each_other_in_a_step_touch() {
 #[test]
 fn sensors_change_no_motion() {
     // The lengths of windows and parts of a step follow from all particles, so bits may differ.
-    let container = Container::Box { min: [0.0; 2], max: [30.0; 2] };
+    let container = boxed([0.0; 2], [30.0; 2]);
     let settings = settings(OnTouch::Bounce, container, 1.0);
     let alone = crowd(40, 30.0, 4);
     let mut both = alone.clone();
     let mut sensors = crowd(40, 30.0, 5);
     sensors.sensors_mut().fill(true);
     both.extend(&sensors);
-    let [mut alone, mut both] = [alone, both].map(|all| World::new(all, settings).expect("valid"));
+    let [mut alone, mut both] = [alone, both].map(|all| world_of(all, settings));
     for world in [&mut alone, &mut both] {
         call(world, 60);
     }
@@ -503,7 +500,7 @@ fn contacts_tell_what_touches_a_sensor() {
         );
         (all.movable[0], all.sensors_mut()[0]) = (false, true);
         let settings = tracked(WorldSettings { on_touch, ..WorldSettings::default() });
-        let mut world = World::new(all, settings).expect("valid");
+        let mut world = world_of(all, settings);
         call(&mut world, 2);
         let contacts = world.contacts().expect("few");
         assert_eq!(contacts.iter().map(|touch| touch.pair).collect::<Vec<_>>(), [[0, 1]]);
@@ -517,7 +514,7 @@ fn contacts_tell_what_touches_a_sensor() {
 fn a_sensor_over_a_pile_lets_it_sleep_unless_it_moves() {
     for speed in [0.0, 0.01] {
         let mut world = pile(true);
-        let mut sensor = Particles::new(vec![[9.0, 3.0]], vec![[speed, 0.0]], vec![4.0], 1.0);
+        let mut sensor = discs(&[([9.0, 3.0], [speed, 0.0])], 4.0);
         (sensor.movable[0], sensor.sensors_mut()[0]) = (false, true);
         let id = world.add(sensor).expect("it fits").start;
         let mut touching = Vec::new();

@@ -6,14 +6,10 @@ use jostle_index::{Filter, pairs};
 use jostle_scenes::random::Random;
 use jostle_world::{Container, OnTouch, Particles, Touch, Wall, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{boxed, discs, gathered, run, shuffled, still, walled, world_of};
 
 const ROCK: Filter = Filter { category: 1, mask: 1 };
 const GHOST: Filter = Filter { category: 2, mask: 2 };
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
 
 /// Particles that all have one filter.
 fn of_kind(mut all: Particles, filter: Filter) -> Particles {
@@ -47,7 +43,7 @@ fn containers(side: f32) -> [Container; 4] {
     let half = 0.5 * side;
     [
         Container::None,
-        Container::Box { min: [0.0; 2], max: [side; 2] },
+        boxed([0.0; 2], [side; 2]),
         Container::Circle { center: [half; 2], radius: 1.5 * half },
         Container::Torus { size: [side; 2] },
     ]
@@ -55,11 +51,11 @@ fn containers(side: f32) -> [Container; 4] {
 
 /// A world of two kinds that ignore each other, and one of each kind alone.
 fn together_and_alone(kinds: [Particles; 2], settings: WorldSettings) -> (World, [World; 2]) {
-    let alone = kinds.clone().map(|kind| World::new(kind, settings).expect("valid"));
+    let alone = kinds.clone().map(|kind| world_of(kind, settings));
     let [rocks, ghosts] = kinds;
     let mut both = of_kind(rocks, ROCK);
     both.extend(&of_kind(ghosts, GHOST));
-    (World::new(both, settings).expect("valid"), alone)
+    (world_of(both, settings), alone)
 }
 
 /// Positions, residuals, velocities and rotations of some rows.
@@ -152,16 +148,6 @@ fn mixed(count: usize, side: f32, seed: u64) -> Particles {
     all
 }
 
-/// A permutation of 0..len.
-fn shuffled(len: usize, seed: u64) -> Vec<u32> {
-    let mut random = Random::new(seed);
-    let mut order: Vec<u32> = (0..len as u32).collect();
-    for last in (1..len).rev() {
-        order.swap(last, random.whole(0, last as u32) as usize);
-    }
-    order
-}
-
 #[test]
 fn only_pairs_that_may_touch_do() {
     for container in containers(20.0) {
@@ -171,7 +157,7 @@ fn only_pairs_that_may_touch_do() {
             container,
             ..Default::default()
         };
-        let mut world = World::new(mixed(300, 20.0, 3), settings).unwrap();
+        let mut world = world_of(mixed(300, 20.0, 3), settings);
         let mut found = 0;
         for _ in 0..100 {
             run(&mut world, 1);
@@ -189,19 +175,17 @@ fn only_pairs_that_may_touch_do() {
 #[test]
 fn walls_stop_particles_that_touch_no_others() {
     for method in [Method::Quadtree, Method::Brute] {
-        let container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
+        let container = boxed([0.0; 2], [20.0; 2]);
         let settings = WorldSettings { container, method, ..WorldSettings::default() };
         let walls = [-1.0f32, 1.0]
             .map(|slope| Wall::new([[0.0, 10.0 - 10.0 * slope], [20.0, 10.0 + 10.0 * slope]]));
-        let mut expected = World::new(crowd(200, 20.0, 9.0, 5), settings).unwrap();
-        expected.set_walls(walls.to_vec()).unwrap();
+        let mut expected = walled(crowd(200, 20.0, 9.0, 5), walls.to_vec(), settings);
         let mut on = WorldSettings { on_touch: OnTouch::Ignore, ..settings };
         expected.configure(on).unwrap();
         run(&mut expected, 100);
         for filter in [Filter { category: 0, mask: 0 }, Filter { category: 1, mask: 0 }] {
             on.on_touch = OnTouch::Bounce;
-            let mut world = World::new(of_kind(crowd(200, 20.0, 9.0, 5), filter), on).unwrap();
-            world.set_walls(walls.to_vec()).unwrap();
+            let mut world = walled(of_kind(crowd(200, 20.0, 9.0, 5), filter), walls.to_vec(), on);
             run(&mut world, 100);
             assert_eq!(motion(&world, 0, 202), motion(&expected, 0, 202), "{method:?}");
         }
@@ -219,7 +203,7 @@ fn overlaps_are_those_of_brute_force() {
         .collect();
     for method in [Method::Quadtree, Method::Brute] {
         let settings = WorldSettings { on_touch: OnTouch::Ignore, method, ..Default::default() };
-        let world = World::new(all.clone(), settings).unwrap();
+        let world = world_of(all.clone(), settings);
         let contacts = world.contacts().unwrap();
         let mut found: Vec<[u32; 2]> =
             contacts.iter().map(|touch| touch.pair.map(|id| id as u32)).collect();
@@ -227,7 +211,7 @@ fn overlaps_are_those_of_brute_force() {
         assert_eq!(found, expected);
     }
     assert!(expected.len() > 50);
-    let world = World::new(all, WorldSettings::default()).unwrap();
+    let world = world_of(all, WorldSettings::default());
     let found = pairs::within(&world.quadtree().unwrap(), None, 1 << 20).unwrap();
     assert_eq!(found.pairs.len(), expected.len(), "the tree of a world carries them");
 }
@@ -240,27 +224,25 @@ fn filters_do_not_show_how_pairs_are_found() {
             let base = WorldSettings { container, on_touch, tree, ..Default::default() };
             let settings = WorldSettings { gravity: [0.0, 5.0], restitution: 0.5, ..base };
             let all = mixed(300, 20.0, 4);
-            let mut expected = World::new(all.clone(), settings).unwrap();
+            let mut expected = world_of(all.clone(), settings);
             run(&mut expected, 60);
             let brute = WorldSettings { method: Method::Brute, ..settings };
-            let mut other = World::new(all.clone(), brute).unwrap();
+            let mut other = world_of(all.clone(), brute);
             run(&mut other, 60);
             let same = other.particles() == expected.particles();
             assert!(same, "{on_touch:?} {container:?}: brute force");
-            let mut half = World::new(all.clone(), settings).unwrap();
+            let mut half = world_of(all.clone(), settings);
             run(&mut half, 30);
             let mut half = World::restore(&half.snapshot()).unwrap();
             run(&mut half, 30);
             assert!(half.particles() == expected.particles(), "{on_touch:?}: a snapshot");
             assert_eq!(half.snapshot(), expected.snapshot());
             let order = shuffled(all.len(), 9);
-            let mut particles = Particles::default();
-            particles.gather(&all, &order, None);
-            let mut other = World::new(particles, settings).unwrap();
+            let particles = gathered(&all, &order);
+            let mut other = world_of(particles, settings);
             run(&mut other, 60);
             if on_touch == OnTouch::Bounce {
-                let mut permuted = Particles::default();
-                permuted.gather(&expected.particles(), &order, None);
+                let permuted = gathered(&expected.particles(), &order);
                 assert!(other.particles() == permuted, "{container:?}: the order of adding");
             } else {
                 // Where particles merge, rows close up.
@@ -275,7 +257,7 @@ fn filters_do_not_show_how_pairs_are_found() {
 fn threads_do_not_show_in_filters() {
     let hashes = [1, 2, 8].map(|threads| {
         let tree = Settings { threads: Some(threads), ..Settings::default() };
-        let container = Container::Box { min: [0.0; 2], max: [160.0; 2] };
+        let container = boxed([0.0; 2], [160.0; 2]);
         let settings = WorldSettings {
             gravity: [0.0, 9.0],
             restitution: 0.5,
@@ -283,7 +265,7 @@ fn threads_do_not_show_in_filters() {
             tree,
             ..Default::default()
         };
-        let mut world = World::new(mixed(30_000, 160.0, 6), settings).unwrap();
+        let mut world = world_of(mixed(30_000, 160.0, 6), settings);
         run(&mut world, 3);
         (world.state_hash(), world.contacts().unwrap())
     });
@@ -294,9 +276,9 @@ fn threads_do_not_show_in_filters() {
 fn coincident_particles_are_ordered_by_their_filters() {
     let filters = [GHOST, ROCK, Filter { category: 3, mask: 3 }, Filter::default()];
     let world = |order: [usize; 4]| {
-        let mut all = Particles::new(vec![[0.0; 2]; 4], vec![[0.0; 2]; 4], vec![1.0; 4], 1.0);
+        let mut all = still(&[[0.0; 2]; 4], 1.0);
         all.filters = order.map(|at| filters[at]).to_vec();
-        let mut world = World::new(all, WorldSettings::default()).unwrap();
+        let mut world = world_of(all, WorldSettings::default());
         run(&mut world, 20);
         let mut all: Vec<_> = world.filters().into_iter().zip(world.positions()).collect();
         all.sort_by_key(|&(filter, _)| filter);
@@ -310,13 +292,13 @@ fn coincident_particles_are_ordered_by_their_filters() {
 
 #[test]
 fn without_filters_nothing_is_stored() {
-    let bytes = |all: Particles| World::new(all, WorldSettings::default()).unwrap().snapshot();
+    let bytes = |all: Particles| world_of(all, WorldSettings::default()).snapshot();
     let mut all = crowd(50, 9.0, 1.0, 2);
     let plain = bytes(all.clone());
     all.filters_mut();
     assert_eq!(bytes(all.clone()), plain, "defaults are not stored");
     all.filters_mut()[7].mask = 5;
-    let mut world = World::new(all, WorldSettings::default()).unwrap();
+    let mut world = world_of(all, WorldSettings::default());
     assert_eq!(world.particles().filters.len(), 52);
     assert_ne!(world.state_hash(), World::restore(&plain).unwrap().state_hash());
     world.remove(&[7]).unwrap();
@@ -326,13 +308,13 @@ fn without_filters_nothing_is_stored() {
 /// Discs on a floor: rocks at the same places as ghosts.
 fn resting() -> World {
     let rows = [-2.0, 0.0, 2.0].map(|x| [x, 1.0]);
-    let discs = Particles::new(rows.to_vec(), vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
+    let discs = still(&rows, 1.0);
     let mut all = of_kind(discs.clone(), ROCK);
     all.extend(&of_kind(discs, GHOST));
-    let container = Container::Box { min: [-20.0, 0.0], max: [20.0, 50.0] };
+    let container = boxed([-20.0, 0.0], [20.0, 50.0]);
     let settings =
         WorldSettings { gravity: [0.0, -9.8], restitution: 0.3, container, ..Default::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     run(&mut world, 90);
     assert_eq!(world.asleep(), [true; 6]);
     world
@@ -341,7 +323,7 @@ fn resting() -> World {
 #[test]
 fn sleeping_particles_wake_only_for_what_they_may_touch() {
     let mut world = resting();
-    let mut ball = Particles::new(vec![[-10.0, 1.0]], vec![[6.0, 0.0]], vec![1.0], 1.0);
+    let mut ball = discs(&[([-10.0, 1.0], [6.0, 0.0])], 1.0);
     ball.filters = vec![GHOST];
     world.add(ball.clone()).unwrap();
     let mut half = World::restore(&world.snapshot()).unwrap();
@@ -397,11 +379,11 @@ fn changed_filters_wake_and_count() {
 #[test]
 fn merging_follows_filters() {
     let positions = vec![[0.0, 0.0], [1.0, 0.0], [1.8, 0.0], [2.8, 0.0]];
-    let mut all = Particles::new(positions, vec![[0.0; 2]; 4], vec![1.0; 4], 1.0);
+    let mut all = still(&positions, 1.0);
     let both = Filter { category: 4, mask: 1 };
     all.filters = vec![ROCK, GHOST, Filter { category: 1, mask: 5 }, both];
     let settings = WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     run(&mut world, 1);
     // The last two merge; what they are together touches the first.
     assert_eq!(world.filters(), [Filter { category: 5, mask: 5 }, GHOST]);

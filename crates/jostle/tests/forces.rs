@@ -10,21 +10,13 @@ use jostle_world::forces::{
 };
 use jostle_world::{Container, Force, Particles, World, WorldSettings};
 
+use crate::common::worlds::{boxed, forced, gathered, inside, run, run_for, world_of};
+
 fn particles(positions: Vec<[f32; 2]>, velocities: Vec<[f32; 2]>, masses: Vec<f32>) -> Particles {
     let len = positions.len();
     let mut all = Particles::new(positions, velocities, vec![0.01; len], 1.0);
     all.masses = masses;
     all
-}
-
-fn world(particles: Particles, settings: WorldSettings, forces: Vec<Force>) -> World {
-    let mut world = World::new(particles, settings).expect("the test's particles are valid");
-    world.set_forces(forces).expect("the test's forces are valid");
-    world
-}
-
-fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps).expect("a step succeeds");
 }
 
 fn distance(a: [f32; 2], b: [f32; 2]) -> f64 {
@@ -204,9 +196,9 @@ fn orbit_error(softer: f32, angle: f32) -> f64 {
     let velocities = [[0.0, -0.25 * speed], [0.0, 0.75 * speed]].map(turned).to_vec();
     let bodies = particles(start.clone(), velocities, vec![3.0, 1.0]);
     let forces = vec![Force::Gravitation(gravitation(0.5))];
-    let mut world = world(bodies, WorldSettings::default(), forces);
+    let mut world = forced(bodies, forces, WorldSettings::default());
     let steps = 250 * 100; // of four sub-steps
-    run(&mut world, 100.0 * period / steps as f64, steps);
+    run_for(&mut world, 100.0 * period / steps as f64, steps);
     assert!(world.momentum().iter().all(|p| p.abs() < 1e-4), "{:?}", world.momentum());
     distance(world.positions()[1], start[1]) / axis
 }
@@ -235,12 +227,12 @@ fn momentum_is_kept() {
         let pairs = bodies.masses.iter().zip(&bodies.velocities);
         pairs.map(|(&m, v)| f64::from(m) * f64::from(v[0].hypot(v[1]))).sum()
     };
-    let mut world = world(bodies, WorldSettings::default(), forces);
+    let mut world = forced(bodies, forces, WorldSettings::default());
     // The discs overlap at first, and one that is hit too often stands still for the rest of a step.
     let mut steps = 0;
     let mut before = world.momentum();
     while steps < 50 {
-        run(&mut world, 0.002, 1);
+        run_for(&mut world, 0.002, 1);
         steps = if world.stats().unresolved > 0 { 0 } else { steps + 1 };
         assert!(world.time() < 5.0, "discs are hit too often");
         if steps == 0 {
@@ -260,10 +252,10 @@ fn a_harmonic_attractor_swings_with_its_period() {
     let bodies = particles(vec![[3.0, 1.0]], vec![[0.0, 0.0]], vec![7.0]);
     let pole = Pole::Point([1.0, 1.0]);
     let mut world =
-        world(bodies, WorldSettings::default(), vec![attractor(pole, 4.0, Law::Harmonic)]);
-    run(&mut world, PI / 2.0 / 100.0, 100); // half a period of 2π / √4
+        forced(bodies, vec![attractor(pole, 4.0, Law::Harmonic)], WorldSettings::default());
+    run_for(&mut world, PI / 2.0 / 100.0, 100); // half a period of 2π / √4
     assert!(distance(world.positions()[0], [-1.0, 1.0]) < 1e-3, "{:?}", world.positions());
-    run(&mut world, PI / 2.0 / 100.0, 100);
+    run_for(&mut world, PI / 2.0 / 100.0, 100);
     assert!(distance(world.positions()[0], [3.0, 1.0]) < 1e-3, "{:?}", world.positions());
 }
 
@@ -272,8 +264,8 @@ fn an_inverse_square_attractor_holds_an_orbit() {
     let bodies = particles(vec![[2.0, 0.0]], vec![[0.0, 1.0]], vec![1.0]);
     let pole = Pole::Point([0.0, 0.0]);
     let forces = vec![attractor(pole, 2.0, Law::InverseSquare)];
-    let mut world = world(bodies, WorldSettings::default(), forces);
-    run(&mut world, 4.0 * PI / 200.0, 200 * 10);
+    let mut world = forced(bodies, forces, WorldSettings::default());
+    run_for(&mut world, 4.0 * PI / 200.0, 200 * 10);
     assert!(distance(world.positions()[0], [2.0, 0.0]) < 0.02, "{:?}", world.positions());
 }
 
@@ -282,9 +274,9 @@ fn nothing_is_flung_out_of_an_inverse_square_attractor() {
     let mut bodies = particles(vec![[1.0, 0.0]], vec![[0.0, 0.0]], vec![1.0]);
     bodies.radii = vec![0.1];
     let forces = vec![attractor(Pole::Point([0.0, 0.0]), 1.0, Law::InverseSquare)];
-    let mut world = world(bodies, WorldSettings::default(), forces);
+    let mut world = forced(bodies, forces, WorldSettings::default());
     for _ in 0..500 {
-        run(&mut world, 0.01, 1);
+        run_for(&mut world, 0.01, 1);
         assert!(distance(world.positions()[0], [0.0, 0.0]) < 1.05, "{:?}", world.positions());
     }
 }
@@ -296,20 +288,20 @@ fn an_attractor_follows_its_particle_and_goes_with_it() {
         vec![[0.0; 2], [1.0, 0.0], [1.0, 0.0]],
         vec![1.0; 3],
     );
-    let mut world = world(
+    let mut world = forced(
         bodies,
-        WorldSettings::default(),
         vec![
             attractor(Pole::Particle(1), 1.0, Law::Harmonic),
             attractor(Pole::Particle(2), 1.0, Law::Harmonic),
         ],
+        WorldSettings::default(),
     );
     world.remove(&[0]).expect("it is there");
     let poles = [1, 2].map(|id| attractor(Pole::Particle(id), 1.0, Law::Harmonic));
     assert_eq!(world.forces(), poles);
     world.remove(&[2]).expect("it is there");
     assert_eq!(world.forces(), &poles[..1]);
-    run(&mut world, 0.5, 2);
+    run_for(&mut world, 0.5, 2);
     assert_eq!(world.positions(), [[1.0, 0.0]]); // its own attractor does not move it
 }
 
@@ -320,7 +312,7 @@ fn period(world: &mut World, row: usize, middle: f32, dt: f64) -> f64 {
     let mut crossings = Vec::new();
     let mut last = world.positions()[row][0];
     while crossings.len() < 11 {
-        run(world, dt, 1);
+        run_for(world, dt, 1);
         let now = world.positions()[row][0];
         if last < middle && now >= middle {
             crossings.push(world.time() - dt * f64::from((now - middle) / (now - last)));
@@ -341,7 +333,7 @@ fn a_spring_swings_with_its_period() {
                 particles(vec![[0.0, 0.0], [2.2, 0.0]], vec![[0.0; 2]; 2], vec![3.0 * mass, mass]);
             bodies.movable[0] = free;
             let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, stiffness)]))];
-            let mut world = world(bodies, WorldSettings::default(), forces);
+            let mut world = forced(bodies, forces, WorldSettings::default());
             // Two free ends swing as one of the reduced mass does.
             let expected = if free { expected * 0.75f64.sqrt() } else { expected };
             let middle = if free { 1.5 * 0.1 + 2.0 - 0.1 } else { 2.0 };
@@ -363,13 +355,13 @@ fn stiff_springs_stay_bounded() {
         let right = (0..100).filter(|i| i % 10 < 9).map(|i| spring([i, i + 1], 1.0, stiffness));
         let down = (0..90).map(|i| spring([i, i + 10], 1.0, stiffness));
         let springs = right.chain(down).map(|tie| Spring { damping: 1e-3 * stiffness, ..tie });
-        let mut world = world(
+        let mut world = forced(
             bodies,
-            WorldSettings::default(),
             vec![Force::Springs(Springs(springs.collect()))],
+            WorldSettings::default(),
         );
         let energy = world.kinetic_energy();
-        run(&mut world, 1.0 / 60.0, 600);
+        run(&mut world, 600);
         assert!(world.kinetic_energy() < energy, "{stiffness}: {}", world.kinetic_energy());
         let momentum = world.momentum();
         assert!((momentum[0] - 30.0).abs() < 0.01 && (momentum[1] - 10.0).abs() < 0.01);
@@ -387,8 +379,8 @@ fn a_spring_breaks_where_it_is_stretched_too_far() {
         // It swings out by v √(m/k).
         let tie = Spring { max_stretch: 0.5, ..spring([0, 1], 1.0, 4.0) };
         let mut world =
-            world(bodies, WorldSettings::default(), vec![Force::Springs(Springs(vec![tie]))]);
-        run(&mut world, 0.01, 1000);
+            forced(bodies, vec![Force::Springs(Springs(vec![tie]))], WorldSettings::default());
+        run_for(&mut world, 0.01, 1000);
         assert_eq!(
             world.forces(),
             [Force::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
@@ -401,10 +393,10 @@ fn a_spring_breaks_where_it_is_stretched_too_far() {
 fn a_spring_goes_with_either_end() {
     let bodies = particles(uniform(5, 0), vec![[0.0; 2]; 5], vec![1.0; 5]);
     let ties = vec![spring([0, 1], 1.0, 1.0), spring([4, 2], 1.0, 1.0), spring([2, 3], 1.0, 1.0)];
-    let mut world = world(bodies, WorldSettings::default(), vec![Force::Springs(Springs(ties))]);
+    let mut world = forced(bodies, vec![Force::Springs(Springs(ties))], WorldSettings::default());
     world.remove(&[3, 0]).expect("they are there");
     assert_eq!(world.forces(), [Force::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]);
-    run(&mut world, 0.1, 10);
+    run_for(&mut world, 0.1, 10);
 }
 
 #[test]
@@ -413,8 +405,8 @@ fn springs_reach_over_the_seam_of_a_torus() {
     let settings =
         WorldSettings { container: Container::Torus { size: [10.0; 2] }, ..Default::default() };
     let tie = Spring { damping: 2.0, ..spring([0, 1], 1.0, 5.0) };
-    let mut world = world(bodies, settings, vec![Force::Springs(Springs(vec![tie]))]);
-    run(&mut world, 0.05, 400);
+    let mut world = forced(bodies, vec![Force::Springs(Springs(vec![tie]))], settings);
+    run_for(&mut world, 0.05, 400);
     let [a, b] = [world.positions()[0], world.positions()[1]];
     assert!((a[0] - 0.5).abs() < 1e-3 && (b[0] - 9.5).abs() < 1e-3, "{a:?} {b:?}");
 }
@@ -431,19 +423,19 @@ fn gas(count: usize) -> Particles {
 
 #[test]
 fn a_thermostat_reaches_its_speed() {
-    let walls = Container::Box { min: [-10.0; 2], max: [10.0; 2] };
+    let walls = boxed([-10.0; 2], [10.0; 2]);
     let round = Container::Circle { center: [0.0; 2], radius: 14.0 };
     for container in [walls, round] {
-        let settings = WorldSettings { container, ..WorldSettings::default() };
+        let settings = inside(container);
         let forces = vec![Force::Thermostat(Thermostat { speed: 3.0, rate: 0.2 })];
         let alone = particles(vec![[0.0, 0.0]], vec![[0.3, 0.1]], vec![1.0]);
-        let mut world = world(alone, settings, forces.clone());
-        run(&mut world, 0.1, 10_000);
+        let mut world = forced(alone, forces.clone(), settings);
+        run_for(&mut world, 0.1, 10_000);
         let [x, y] = world.velocities()[0].map(f64::from);
         let speed = (x * x + y * y).sqrt();
         assert!((speed - 3.0).abs() < 1e-3, "{speed} in {container:?}");
-        let mut gas = self::world(gas(200), settings, forces);
-        run(&mut gas, 0.05, 4000);
+        let mut gas = forced(gas(200), forces, settings);
+        run_for(&mut gas, 0.05, 4000);
         let mass: f32 = gas.masses().iter().sum();
         let speed = (2.0 * gas.kinetic_energy() / f64::from(mass)).sqrt();
         println!("a gas has the speed {speed:.3} in {container:?}");
@@ -458,7 +450,7 @@ fn drift(world: &mut World, dt: f64) -> f64 {
     let total = |world: &World| world.kinetic_energy() + world.potential_energy();
     let (first, mut most, mut worst) = (total(world), 0.0f64, 0.0f64);
     for _ in 0..1000 {
-        run(world, dt, 1);
+        run_for(world, dt, 1);
         worst = worst.max((total(world) - first).abs());
         most = most.max(world.kinetic_energy());
     }
@@ -472,7 +464,7 @@ fn a_spring_pendulum_keeps_its_energy() {
     bodies.movable[0] = false;
     let settings = WorldSettings { gravity: [0.0, 9.8], ..WorldSettings::default() };
     let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, 150.0)]))];
-    assert!(drift(&mut world(bodies, settings, forces), 1.0 / 60.0) < 0.01);
+    assert!(drift(&mut forced(bodies, forces, settings), 1.0 / 60.0) < 0.01);
 }
 
 #[test]
@@ -480,17 +472,17 @@ fn a_kepler_orbit_keeps_its_energy() {
     let two =
         particles(vec![[-1.0, 0.0], [3.0, 0.0]], vec![[0.0, -0.2], [0.0, 0.6]], vec![3.0, 1.0]);
     let pull = Force::Gravitation(gravitation(0.5));
-    assert!(drift(&mut world(two, WorldSettings::default(), vec![pull]), 0.05) < 1e-4);
+    assert!(drift(&mut forced(two, vec![pull], WorldSettings::default()), 0.05) < 1e-4);
     let one = particles(vec![[3.0, 0.0]], vec![[0.0, 0.6]], vec![2.0]);
     let pull = attractor(Pole::Point([0.0, 0.0]), 1.5, Law::InverseSquare);
-    assert!(drift(&mut world(one, WorldSettings::default(), vec![pull]), 0.05) < 1e-4);
+    assert!(drift(&mut forced(one, vec![pull], WorldSettings::default()), 0.05) < 1e-4);
 }
 
 #[test]
 fn a_harmonic_swing_keeps_its_energy() {
     let bodies = particles(vec![[3.0, 1.0]], vec![[0.0, 2.0]], vec![7.0]);
     let pull = attractor(Pole::Point([1.0, 1.0]), 4.0, Law::Harmonic);
-    let mut world = world(bodies, WorldSettings::default(), vec![pull]);
+    let mut world = forced(bodies, vec![pull], WorldSettings::default());
     assert!(drift(&mut world, 0.02) < 1e-4);
 }
 
@@ -501,8 +493,8 @@ fn potentials_follow_their_formulas() {
         let masses = (1..=len).map(|mass| mass as f32).collect();
         let mut bodies = particles(positions.to_vec(), vec![[0.0; 2]; len], masses);
         bodies.radii = vec![radius; len];
-        let settings = WorldSettings { container, ..WorldSettings::default() };
-        world(bodies, settings, forces).potential_energy()
+        let settings = inside(container);
+        forced(bodies, forces, settings).potential_energy()
     };
     let near = |found: f64, expected: f64| {
         assert!((found - expected).abs() < 1e-6 * expected.abs(), "{found} for {expected}");
@@ -537,7 +529,7 @@ fn many_bodies_have_the_energy_of_the_sum_over_all() {
         let of = |theta| {
             let bodies = particles(clustered(count, 2), vec![[0.0; 2]; count], mixed_masses(count));
             let pull = Gravitation { softening, ..gravitation(theta) };
-            world(bodies, WorldSettings::default(), vec![Force::Gravitation(pull)])
+            forced(bodies, vec![Force::Gravitation(pull)], WorldSettings::default())
                 .potential_energy()
         };
         let (tree, direct) = (of(0.5), of(0.0));
@@ -584,7 +576,7 @@ fn crowd_of(count: usize, radius: f32) -> Particles {
 }
 
 fn containers() -> [Container; 3] {
-    let walls = Container::Box { min: [-10.0; 2], max: [120.0; 2] };
+    let walls = boxed([-10.0; 2], [120.0; 2]);
     [Container::None, walls, Container::Torus { size: [110.0; 2] }]
 }
 
@@ -596,8 +588,8 @@ fn threads_and_methods_do_not_show() {
             settings.tree.threads = threads;
             let radius = if count > 1000 { 0.003 } else { 0.2 };
             let mut world =
-                world(crowd_of(count, radius), settings, all_forces(count as u32, |i| i));
-            run(&mut world, dt, steps);
+                forced(crowd_of(count, radius), all_forces(count as u32, |i| i), settings);
+            run_for(&mut world, dt, steps);
             world.state_hash()
         };
         // Enough to wake other threads.
@@ -617,40 +609,38 @@ fn the_order_of_adding_does_not_show() {
         for i in (1..count).rev() {
             order.swap(i, random.between(0.0, (i + 1) as f32) as usize % (i + 1));
         }
-        let mut shuffled = Particles::default();
-        shuffled.gather(&all, &order, Some(1));
+        let shuffled = gathered(&all, &order);
         let mut row_of = vec![0; count];
         order.iter().enumerate().for_each(|(row, &i)| row_of[i as usize] = row as u32);
-        let settings = WorldSettings { container, ..WorldSettings::default() };
-        let mut first = world(all, settings, all_forces(count as u32, |i| i));
+        let settings = inside(container);
+        let mut first = forced(all, all_forces(count as u32, |i| i), settings);
         let mut second =
-            world(shuffled, settings, all_forces(count as u32, |i| row_of[i as usize]));
-        run(&mut first, 0.01, 10);
-        run(&mut second, 0.01, 10);
+            forced(shuffled, all_forces(count as u32, |i| row_of[i as usize]), settings);
+        run_for(&mut first, 0.01, 10);
+        run_for(&mut second, 0.01, 10);
         let (first, second) = (first.particles(), second.particles());
-        let mut back = Particles::default();
-        back.gather(&second, &row_of, Some(1));
+        let back = gathered(&second, &row_of);
         assert!(back == first, "{count} in {container:?}");
     }
 }
 
 #[test]
 fn many_steps_in_one_call_are_the_same() {
-    let make = || world(crowd(500), WorldSettings::default(), all_forces(500, |i| i));
+    let make = || forced(crowd(500), all_forces(500, |i| i), WorldSettings::default());
     let (mut once, mut often) = (make(), make());
-    run(&mut once, 0.01, 20);
-    (0..20).for_each(|_| run(&mut often, 0.01, 1));
+    run_for(&mut once, 0.01, 20);
+    (0..20).for_each(|_| run_for(&mut often, 0.01, 1));
     assert_eq!(once.state_hash(), often.state_hash());
 }
 
 #[test]
 fn forces_can_be_taken_away() {
-    let mut world = world(crowd(500), WorldSettings::default(), all_forces(500, |i| i));
-    run(&mut world, 0.01, 5);
-    let mut without = World::new(world.particles(), *world.settings()).expect("valid");
+    let mut world = forced(crowd(500), all_forces(500, |i| i), WorldSettings::default());
+    run_for(&mut world, 0.01, 5);
+    let mut without = world_of(world.particles(), *world.settings());
     world.set_forces(Vec::new()).expect("none is fine");
-    run(&mut world, 0.01, 1);
-    run(&mut without, 0.01, 1);
+    run_for(&mut world, 0.01, 1);
+    run_for(&mut without, 0.01, 1);
     assert_eq!(world.state_hash(), without.state_hash());
 }
 
@@ -659,7 +649,7 @@ fn forces_can_be_taken_away() {
 #[test]
 fn what_cannot_be_is_refused_by_name() {
     let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
-    let mut world = world(bodies, WorldSettings::default(), Vec::new());
+    let mut world = forced(bodies, Vec::new(), WorldSettings::default());
     let thermostat = Force::Thermostat(Thermostat { speed: 1.0, rate: 0.5 });
     let wrong = [
         (
@@ -685,10 +675,10 @@ fn a_step_too_long_for_the_forces_is_refused() {
     let pull = attractor(Pole::Point([1e6, 0.0]), 1.0, Law::Harmonic);
     let tie = Force::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
     for force in [pull, tie] {
-        let mut world = world(bodies.clone(), WorldSettings::default(), vec![force]);
+        let mut world = forced(bodies.clone(), vec![force], WorldSettings::default());
         let error = world.step(1e20, 1).expect_err("too long").to_string();
         assert!(error.contains("forces would move particle "), "{error}");
         assert_eq!(world.positions(), bodies.positions);
-        run(&mut world, 0.01, 1);
+        run_for(&mut world, 0.01, 1);
     }
 }

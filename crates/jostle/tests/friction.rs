@@ -1,15 +1,9 @@
 //! Friction and spin, against analysis and conservation laws.
 
 use jostle_scenes::{STEP, random::Random};
-use jostle_world::{Container, Particles, Spin, World, WorldSettings};
+use jostle_world::{Particles, Spin, World, WorldSettings};
 
-fn world(particles: Particles, settings: WorldSettings) -> World {
-    World::new(particles, settings).expect("the test's particles are valid")
-}
-
-fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{boxed, discs, inside, run, run_for, still, world_of};
 
 fn spin(friction: f32, velocity: f32) -> Spin {
     Spin { friction, velocity, angle: 0.0 }
@@ -56,8 +50,8 @@ impl Two {
         all.masses = self.masses.to_vec();
         all.spins = self.spins.to_vec();
         let settings = WorldSettings { restitution: self.restitution, ..Default::default() };
-        let mut world = world(all, settings);
-        run(&mut world, 2.0, 1);
+        let mut world = world_of(all, settings);
+        run_for(&mut world, 2.0, 1);
         world
     }
 }
@@ -105,11 +99,11 @@ fn oblique_bounces_stick_or_slide() {
 fn a_ball_that_bounces_on_a_floor_gets_spin() {
     // The floor is at y = 0 and y grows upwards.
     for (friction, is_sticking) in [(0.05, false), (2.0, true)] {
-        let mut all = Particles::new(vec![[0.0, 3.0]], vec![[2.0, -2.0]], vec![1.0], 1.0);
+        let mut all = discs(&[([0.0, 3.0], [2.0, -2.0])], 1.0);
         all.spins = vec![spin(friction, 0.0)];
-        let container = Container::Box { min: [-50.0, 0.0], max: [50.0, 50.0] };
-        let mut world = world(all, WorldSettings { container, ..Default::default() });
-        run(&mut world, 1.5, 1);
+        let container = boxed([-50.0, 0.0], [50.0, 50.0]);
+        let mut world = world_of(all, inside(container));
+        run_for(&mut world, 1.5, 1);
         let Particles { velocities, spins, .. } = world.particles();
         // The impulse along the normal is 4 for a mass of 1.
         let along = if is_sticking { -2.0 / 3.0 } else { -4.0 * friction };
@@ -159,12 +153,12 @@ fn angular_momentum(all: &Particles, about: [f64; 2]) -> f64 {
 #[test]
 fn impacts_with_friction_conserve_momentum_and_angular_momentum_and_add_no_energy() {
     for seed in 0..10 {
-        let mut world = world(rough_cloud(60, seed), WorldSettings::default());
+        let mut world = world_of(rough_cloud(60, seed), WorldSettings::default());
         let before = world.particles();
         let (momentum, start) = (world.momentum(), world.kinetic_energy());
         let mut energy = start;
         for _ in 0..60 {
-            run(&mut world, 0.05, 1);
+            run_for(&mut world, 0.05, 1);
             let new = world.kinetic_energy();
             assert!(new <= energy * (1.0 + 1e-6), "{new} after {energy}");
             energy = new;
@@ -198,10 +192,10 @@ fn simultaneous_impacts_with_friction_add_no_energy() {
         all.spins =
             (0..16).map(|_| spin(random.between(0.0, 2.0), random.between(-2.0, 2.0))).collect();
         let restitution = random.between(0.0, 1.0);
-        let mut world = world(all, WorldSettings { restitution, ..Default::default() });
+        let mut world = world_of(all, WorldSettings { restitution, ..Default::default() });
         let (momentum, mut energy) = (world.momentum(), world.kinetic_energy());
         for _ in 0..20 {
-            run(&mut world, 0.02, 1);
+            run_for(&mut world, 0.02, 1);
             let new = world.kinetic_energy();
             assert!(new <= energy * (1.0 + 1e-6), "{seed}: {new} after {energy}");
             energy = new;
@@ -218,8 +212,8 @@ fn a_disc_without_friction_keeps_its_angular_velocity() {
         let mut all = Particles::new(positions, vec![[1.0, 0.0], [0.0; 2]], vec![1.0; 2], 1.0);
         all.spins = vec![spin(0.0, 1.5), spin(1.0, -0.25)];
         let settings = WorldSettings { drag, ..Default::default() };
-        let mut world = world(all, settings);
-        run(&mut world, 0.25, 8);
+        let mut world = world_of(all, settings);
+        run_for(&mut world, 0.25, 8);
         let Particles { velocities, spins, .. } = world.particles();
         assert!(drag > 0.0 || velocities[1][0] > 0.0, "they collide");
         let expected = [1.5 * 2.0, -0.25 * 2.0];
@@ -237,9 +231,9 @@ fn immovable_discs_keep_their_angular_velocity_and_points_do_not_turn() {
     all.masses[1] = 1.0;
     all.movable[0] = false;
     all.spins = vec![spin(0.5, 3.0); 3];
-    let mut world = world(all, WorldSettings::default());
+    let mut world = world_of(all, WorldSettings::default());
     assert_eq!(world.angular_velocities(), [3.0, 0.0, 3.0]);
-    run(&mut world, STEP, 60);
+    run(&mut world, 60);
     let angles = world.angles();
     let expected = [3.0, 0.0, 3.0];
     assert!((0..3).all(|row| (angles[row] - expected[row]).abs() < 1e-6), "{angles:?}");
@@ -251,9 +245,9 @@ fn particles_without_friction_and_rotation_have_no_column_for_them() {
     let mut bare = all.clone();
     bare.spins.clear();
     let settings = WorldSettings::default();
-    let expected = world(bare, settings).state_hash();
+    let expected = world_of(bare, settings).state_hash();
     all.spins = vec![Spin::default(); 5];
-    let mut world = world(all, settings);
+    let mut world = world_of(all, settings);
     assert_eq!(world.state_hash(), expected);
     let edit = |world: &mut World, friction: f32| {
         let change = |all: &mut Particles| {
@@ -281,8 +275,8 @@ fn merged_discs_keep_angular_momentum() {
     all.spins = vec![spin(0.2, 1.0), spin(0.6, 2.0), Spin::default(), Spin::default()];
     let settings =
         WorldSettings { on_touch: jostle_world::OnTouch::Merge, ..WorldSettings::default() };
-    let mut world = world(all.clone(), settings);
-    run(&mut world, 0.1, 20);
+    let mut world = world_of(all.clone(), settings);
+    run_for(&mut world, 0.1, 20);
     let merged = world.particles();
     assert_eq!(merged.len(), 2);
     assert_eq!(merged.spin(0).friction, 0.4);
@@ -298,15 +292,15 @@ fn merged_discs_keep_angular_momentum() {
 
 /// A disc of radius 1 on the floor of a box, under a gravity that is tilted by `angle`.
 fn on_an_incline(angle: f32, friction: f32, speed: f32) -> World {
-    let mut all = Particles::new(vec![[0.0, 1.0]], vec![[speed, 0.0]], vec![1.0], 1.0);
+    let mut all = discs(&[([0.0, 1.0], [speed, 0.0])], 1.0);
     all.spins = vec![spin(friction, 0.0)];
     let settings = WorldSettings {
         gravity: [10.0 * angle.sin(), -10.0 * angle.cos()],
         restitution: 0.5,
-        container: Container::Box { min: [-5000.0, 0.0], max: [5000.0, 50.0] },
+        container: boxed([-5000.0, 0.0], [5000.0, 50.0]),
         ..Default::default()
     };
-    world(all, settings)
+    world_of(all, settings)
 }
 
 #[test]
@@ -314,7 +308,7 @@ fn a_disc_slides_or_rolls_down_an_incline() {
     for angle in [0.1f32, 0.5, 1.0] {
         for friction in [0.0, 0.1, 0.3, 0.8] {
             let mut world = on_an_incline(angle, friction, 0.0);
-            run(&mut world, STEP, 300);
+            run(&mut world, 300);
             let (sin, cos) = (10.0 * angle.sin(), 10.0 * angle.cos());
             let slides = angle.tan() > 3.0 * friction;
             let expected = if slides { sin - friction * cos } else { 2.0 / 3.0 * sin };
@@ -338,11 +332,11 @@ fn a_disc_slides_or_rolls_down_an_incline() {
 fn a_sliding_disc_begins_to_roll_at_two_thirds_of_its_speed() {
     for friction in [0.1, 0.5] {
         let mut world = on_an_incline(0.0, friction, 9.0);
-        run(&mut world, STEP, 10);
+        run(&mut world, 10);
         // Until then it is braked by μ g.
         let braked = 9.0 - 10.0 * friction * 10.0 * STEP as f32;
         assert!((world.velocities()[0][0] - braked).abs() < 0.01 * braked);
-        run(&mut world, STEP, 240);
+        run(&mut world, 240);
         assert!((world.velocities()[0][0] - 6.0).abs() < 1e-4, "{:?}", world.velocities());
         assert!((world.angular_velocities()[0] + 6.0).abs() < 1e-4);
     }
@@ -361,11 +355,11 @@ fn results_scale_with_the_units() {
         all.spins.iter_mut().for_each(|spin| spin.velocity /= time);
         let settings = WorldSettings {
             gravity: [0.0, -10.0 * length / (time * time)],
-            container: Container::Box { min: [0.0; 2], max: [9.0 * length; 2] },
+            container: boxed([0.0; 2], [9.0 * length; 2]),
             ..Default::default()
         };
-        let mut world = world(all, settings);
-        run(&mut world, 0.5 * STEP * f64::from(time), 60);
+        let mut world = world_of(all, settings);
+        run_for(&mut world, 0.5 * STEP * f64::from(time), 60);
         world
     });
     let [one, other] = worlds.map(|world| world.particles());
@@ -383,17 +377,17 @@ fn two_logs_hold_a_third_if_friction_is_large_enough() {
     let least = (15.0f32).to_radians().tan();
     let moved = |friction: f32| {
         let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
-        let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![0.5; 3], 1.0);
+        let mut all = still(&positions, 0.5);
         all.spins = vec![spin(friction, 0.0); 3];
         let settings = WorldSettings {
             gravity: [0.0, -10.0],
             restitution: 0.3,
-            container: Container::Box { min: [-20.0, 0.0], max: [24.0, 50.0] },
+            container: boxed([-20.0, 0.0], [24.0, 50.0]),
             ..Default::default()
         };
-        let mut world = world(all, settings);
+        let mut world = world_of(all, settings);
         let before = world.positions();
-        run(&mut world, STEP, 300);
+        run(&mut world, 300);
         let moved = before.iter().zip(world.positions());
         moved.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f32::max)
     };
@@ -430,16 +424,16 @@ fn forces(world: &World, dt: f64) -> Vec<[f64; 2]> {
 #[test]
 fn contacts_carry_the_weight_of_discs_at_rest() {
     let positions = vec![[0.0, 0.5], [1.0, 0.5], [0.5, 0.5 + 0.75f32.sqrt()]];
-    let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![0.5; 3], 1.0);
+    let mut all = still(&positions, 0.5);
     all.spins = vec![spin(0.6, 0.0); 3];
     let settings = WorldSettings {
         gravity: [0.0, -10.0],
         restitution: 0.3,
-        container: Container::Box { min: [-20.0, 0.0], max: [24.0, 50.0] },
+        container: boxed([-20.0, 0.0], [24.0, 50.0]),
         ..Default::default()
     };
-    let mut world = world(all, settings);
-    run(&mut world, STEP, 120);
+    let mut world = world_of(all, settings);
+    run(&mut world, 120);
     let weight = 10.0 * 0.25;
     for [x, y] in forces(&world, STEP) {
         assert!(x.abs() < 2e-3 * weight && (y - weight).abs() < 2e-3 * weight, "{x} {y}");
@@ -463,7 +457,7 @@ fn the_walls_carry_the_weight_of_a_pile() {
             Ok(())
         };
         world.edit(roughen).expect("valid");
-        run(&mut world, STEP, 480);
+        run(&mut world, 480);
         let masses: f64 = world.masses().iter().map(|&mass| f64::from(mass)).sum();
         let weight = masses * f64::from(world.settings().gravity[1]);
         // With friction the side walls carry a part (H. A. Janssen, 1895).
@@ -475,7 +469,7 @@ fn the_walls_carry_the_weight_of_a_pile() {
         let mut shares = Vec::new();
         for _ in 0..20 {
             let momentum = world.momentum()[1];
-            run(&mut world, STEP, 1);
+            run(&mut world, 1);
             let sum: f64 = world.wall_contacts().iter().map(upwards).sum();
             // What the walls do not carry changes the momentum.
             let carried = weight - (world.momentum()[1] - momentum) / STEP;
@@ -507,13 +501,13 @@ fn impulses_are_those_of_impacts() {
 #[test]
 fn impulses_of_walls_change_the_momentum() {
     for dt in [0.1, 0.5, 3.0] {
-        let container = Container::Box { min: [-0.5; 2], max: [8.5; 2] };
-        let settings = WorldSettings { container, ..Default::default() };
-        let mut world = world(rough_cloud(60, 1), settings);
+        let container = boxed([-0.5; 2], [8.5; 2]);
+        let settings = inside(container);
+        let mut world = world_of(rough_cloud(60, 1), settings);
         let mut pushed = 0;
         for _ in 0..10 {
             let before = world.momentum();
-            run(&mut world, dt, 1);
+            run_for(&mut world, dt, 1);
             let after = world.momentum();
             let mut sum = [0.0; 2];
             for touch in world.wall_contacts() {
@@ -533,15 +527,15 @@ fn impulses_of_walls_change_the_momentum() {
 #[test]
 fn impulses_of_walls_follow_their_particles() {
     let positions = vec![[2.0, 1.0], [5.0, 1.0], [8.0, 1.0]];
-    let all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
+    let all = still(&positions, 1.0);
     let settings = WorldSettings {
         gravity: [0.0, -10.0],
         restitution: 0.3,
-        container: Container::Box { min: [0.0; 2], max: [10.0; 2] },
+        container: boxed([0.0; 2], [10.0; 2]),
         ..Default::default()
     };
-    let mut world = world(all, settings);
-    run(&mut world, STEP, 3);
+    let mut world = world_of(all, settings);
+    run(&mut world, 3);
     let ids = |world: &World| world.wall_contacts().iter().map(|of| of.id).collect::<Vec<_>>();
     assert_eq!(ids(&world), [0, 1, 2]);
     let again = World::restore(&world.snapshot()).unwrap();
@@ -550,7 +544,7 @@ fn impulses_of_walls_follow_their_particles() {
     assert_eq!(again.wall_contacts(), world.wall_contacts());
     world.remove(&[1]).unwrap();
     assert_eq!(ids(&world), [0, 2]);
-    let container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
+    let container = boxed([0.0; 2], [20.0; 2]);
     world.configure(WorldSettings { container, ..*world.settings() }).unwrap();
     assert!(world.wall_contacts().is_empty());
 }

@@ -2,22 +2,17 @@
 
 use jostle_base::Method;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{OnTouch, Particles, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{boxed, run, still, world_of};
 
 fn discs(positions: &[[f32; 2]]) -> Particles {
-    let len = positions.len();
-    Particles::new(positions.to_vec(), vec![[0.0; 2]; len], vec![0.5; len], 1.0)
+    still(positions, 0.5)
 }
 
 #[test]
 fn a_given_acceleration_leads_to_a_parabola() {
-    let mut world = World::new(discs(&[[0.0; 2], [5.0, 0.0]]), WorldSettings::default()).unwrap();
+    let mut world = world_of(discs(&[[0.0; 2], [5.0, 0.0]]), WorldSettings::default());
     world.set_accelerations(vec![[3.0, -4.0], [0.0; 2]]).unwrap();
     assert_eq!(world.given_accelerations(), [[3.0, -4.0], [0.0; 2]]);
     run(&mut world, 60);
@@ -35,7 +30,7 @@ fn forces_add_up_and_are_divided_by_the_mass() {
     let mut all = discs(&[[0.0; 2], [5.0, 0.0], [9.0, 0.0]]);
     all.masses = vec![2.0, 4.0, 1.0];
     all.movable[2] = false;
-    let mut world = World::new(all, WorldSettings::default()).unwrap();
+    let mut world = world_of(all, WorldSettings::default());
     world.remove(&[0]).unwrap();
     world.add_forces(&[1, 2, 1], &[[4.0, 0.0], [1.0, 1.0], [0.0, 2.0]]).unwrap();
     world.add_forces(&[1], &[[4.0, 0.0]]).unwrap();
@@ -54,7 +49,7 @@ fn crowd(order: &[usize], method: Method, threads: usize) -> World {
     let positions: Vec<[f32; 2]> =
         (0..200).map(|_| [0, 1].map(|_| random.between(1.0, 19.0))).collect();
     let mut settings = WorldSettings {
-        container: Container::Box { min: [0.0; 2], max: [20.0; 2] },
+        container: boxed([0.0; 2], [20.0; 2]),
         gravity: [0.0, -9.8],
         restitution: 0.5,
         method,
@@ -62,7 +57,7 @@ fn crowd(order: &[usize], method: Method, threads: usize) -> World {
     };
     settings.tree.threads = Some(threads);
     let positions: Vec<[f32; 2]> = order.iter().map(|&k| positions[k]).collect();
-    World::new(discs(&positions), settings).unwrap()
+    world_of(discs(&positions), settings)
 }
 
 /// Steps with a field that depends on place and velocity.
@@ -110,12 +105,12 @@ fn snapshots_contain_what_was_given() {
 #[test]
 fn pushed_particles_do_not_sleep_and_others_do() {
     let settings = WorldSettings {
-        container: Container::Box { min: [0.0; 2], max: [20.0; 2] },
+        container: boxed([0.0; 2], [20.0; 2]),
         gravity: [0.0, -9.8],
         restitution: 0.3,
         ..WorldSettings::default()
     };
-    let mut world = World::new(discs(&[[2.0, 0.5], [9.0, 0.5]]), settings).unwrap();
+    let mut world = world_of(discs(&[[2.0, 0.5], [9.0, 0.5]]), settings);
     for _ in 0..120 {
         // It presses the disc against the floor.
         world.add_forces(&[0], &[[0.0, -1.0]]).unwrap();
@@ -137,7 +132,7 @@ fn particles_that_merge_keep_the_given_force() {
     let mut all = discs(&[[0.0; 2], [0.9, 0.0]]);
     all.masses = vec![1.0, 3.0];
     let settings = WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     world.add_forces(&[0, 1], &[[8.0, 0.0], [0.0, 4.0]]).unwrap();
     run(&mut world, 60);
     assert_eq!(world.len(), 1);
@@ -147,7 +142,7 @@ fn particles_that_merge_keep_the_given_force() {
 
 #[test]
 fn a_step_that_fails_keeps_them() {
-    let mut world = World::new(discs(&[[0.0; 2]]), WorldSettings::default()).unwrap();
+    let mut world = world_of(discs(&[[0.0; 2]]), WorldSettings::default());
     world.add_forces(&[0], &[[1e10, 0.0]]).unwrap();
     let before = world.snapshot();
     let text = world.step(1e10, 1).unwrap_err().to_string();
@@ -159,7 +154,7 @@ fn a_step_that_fails_keeps_them() {
 fn wrong_ones_are_refused() {
     let mut all = discs(&[[0.0; 2], [5.0, 0.0]]);
     all.masses[1] = 1e-6;
-    let mut world = World::new(all, WorldSettings::default()).unwrap();
+    let mut world = world_of(all, WorldSettings::default());
     let before = world.snapshot();
     let text = world.set_accelerations(vec![[0.0; 2]]).unwrap_err().to_string();
     assert!(text.contains("accelerations"), "{text}");

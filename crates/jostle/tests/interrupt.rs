@@ -10,7 +10,9 @@ use jostle_index::query::{Circle, Ray};
 use jostle_index::{Each, Quadtree, Shapes, pairs, query};
 use jostle_space::Space;
 use jostle_world::forces::{Flocking, Force, Gravitation};
-use jostle_world::{OnTouch, Particles, World, WorldSettings};
+use jostle_world::{OnTouch, Particles, WorldSettings};
+
+use crate::common::worlds::world_of;
 
 thread_local! {
     /// Polls that do not stop.
@@ -175,7 +177,7 @@ fn forces_between_all_particles_and_neighbours_poll_often() {
     };
     for force in [gravitation, Force::Flocking(flocking)] {
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..Default::default() };
-        let mut world = World::new(all.clone(), settings).unwrap();
+        let mut world = world_of(all.clone(), settings);
         let without = polls(|| world.step(0.01, 1).unwrap());
         world.set_forces(vec![force]).unwrap();
         let with = polls(|| world.step(0.01, 1).unwrap());

@@ -5,11 +5,7 @@ use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Spin, World, WorldSettings};
 use proptest::prelude::*;
 
-const STEP: f64 = 1.0 / 60.0;
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{STEP, boxed, falling, gathered, run, world_of};
 
 /// Discs of radius 1, each with a position and a velocity; the first `kinematic` are immovable.
 fn discs(rows: &[([f32; 2], [f32; 2])], kinematic: usize) -> Particles {
@@ -19,23 +15,15 @@ fn discs(rows: &[([f32; 2], [f32; 2])], kinematic: usize) -> Particles {
     all
 }
 
-fn world(all: Particles, settings: WorldSettings) -> World {
-    World::new(all, settings).expect("valid")
-}
-
-fn falling(restitution: f32) -> WorldSettings {
-    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
-}
-
 #[test]
 fn nothing_changes_the_velocity() {
     let mut all =
         discs(&[([0.0, 0.0], [3.0, 1.0]), ([5.0, 0.0], [-40.0, 0.0]), ([9.0, 2.0], [0.0; 2])], 1);
     all.spins = vec![Spin { friction: 0.5, velocity: 2.0, angle: 0.0 }; 3];
-    let container = Container::Box { min: [-8.0, -6.0], max: [14.0, 6.0] };
+    let container = boxed([-8.0, -6.0], [14.0, 6.0]);
     for drag in [0.0, 0.8] {
         let settings = WorldSettings { container, drag, ..falling(0.7) };
-        let mut world = world(all.clone(), settings);
+        let mut world = world_of(all.clone(), settings);
         let (momentum, energy) = (world.momentum(), world.kinetic_energy());
         assert!(momentum[1] == 0.0 && (energy - 802.0).abs() < 1e-3, "{momentum:?} {energy}");
         // It also leaves the container.
@@ -61,7 +49,7 @@ fn a_disc_leaves_with_the_relative_speed() {
     ] {
         let rows = [([0.0, 0.0], [pushing, 0.0]), ([12.0, 0.0], [own, 0.0])];
         let settings = WorldSettings { restitution, ..WorldSettings::default() };
-        let mut world = world(discs(&rows, 1), settings);
+        let mut world = world_of(discs(&rows, 1), settings);
         run(&mut world, 400);
         let expected = pushing + restitution * (pushing - own);
         let [found, across] = world.velocities()[1];
@@ -90,7 +78,7 @@ proptest! {
             .map(|(place, velocity)| (*place, [0, 1].map(|k| velocity[k] - own[k])))
             .collect();
         let settings = WorldSettings { restitution: 0.9, ..WorldSettings::default() };
-        let mut both = [rows, at_rest].map(|rows| world(discs(&rows, 1), settings));
+        let mut both = [rows, at_rest].map(|rows| world_of(discs(&rows, 1), settings));
         both.iter_mut().for_each(|world| run(world, 30));
         let [moving, at_rest] = both.map(|world| (world.positions(), world.velocities()));
         for row in 0..7 {
@@ -112,7 +100,7 @@ fn on_a_belt(velocity: [f32; 2], turning: f32, friction: f32) -> World {
     all.radii[0] = 10_000.0;
     all.spins = vec![Spin { friction, velocity: 0.0, angle: 0.0 }; 2];
     all.spins[0].velocity = turning;
-    world(all, falling(0.5))
+    world_of(all, falling(0.5))
 }
 
 #[test]
@@ -152,7 +140,7 @@ fn a_disc_is_caught_on_a_torus() {
         ..WorldSettings::default()
     };
     let mut world =
-        world(discs(&[([1.0, 20.0], [-9.0, 0.0]), ([30.0, 20.0], [0.0; 2])], 1), settings);
+        world_of(discs(&[([1.0, 20.0], [-9.0, 0.0]), ([30.0, 20.0], [0.0; 2])], 1), settings);
     run(&mut world, 90);
     assert_eq!(world.velocities()[1], [-18.0, 0.0]);
     assert!((world.positions()[0][0] - 27.5).abs() < 1e-4);
@@ -172,8 +160,8 @@ fn stirred(count: usize, seed: u64, settings: WorldSettings) -> World {
     let mut all = discs(&rows, 6);
     all.spins = vec![Spin { friction: 0.4, velocity: 0.0, angle: 0.0 }; count];
     all.spins[..3].iter_mut().for_each(|spin| spin.velocity = 5.0);
-    let container = Container::Box { min: [-2.0; 2], max: [50.0; 2] };
-    world(all, WorldSettings { container, ..settings })
+    let container = boxed([-2.0; 2], [50.0; 2]);
+    world_of(all, WorldSettings { container, ..settings })
 }
 
 #[test]
@@ -183,13 +171,12 @@ fn methods_threads_and_order_do_not_show() {
     run(&mut first, 60);
     let all = stirred(300, 1, settings).particles();
     let brute = WorldSettings { method: Method::Brute, ..*first.settings() };
-    let mut other = world(all.clone(), brute);
+    let mut other = world_of(all.clone(), brute);
     run(&mut other, 60);
     assert_eq!(other.state_hash(), first.state_hash());
     let order: Vec<u32> = (0..300).rev().collect();
-    let mut permuted = Particles::default();
-    permuted.gather(&all, &order, Some(1));
-    let mut other = world(permuted, *first.settings());
+    let permuted = gathered(&all, &order);
+    let mut other = world_of(permuted, *first.settings());
     run(&mut other, 30);
     let mut other = World::restore(&other.snapshot()).expect("valid");
     run(&mut other, 30);
@@ -199,7 +186,7 @@ fn methods_threads_and_order_do_not_show() {
     for threads in [1, 2, 5] {
         let mut settings = *first.settings();
         settings.tree.threads = Some(threads);
-        let mut other = world(all.clone(), settings);
+        let mut other = world_of(all.clone(), settings);
         run(&mut other, 60);
         assert_eq!(other.state_hash(), first.state_hash(), "{threads}");
     }
@@ -237,7 +224,7 @@ fn asleep() -> World {
         ([40.0, 0.0], [0.0; 2]),
         ([1.0, 1.8], [0.0; 2]),
     ];
-    let mut world = world(discs(&rows, 3), falling(0.2));
+    let mut world = world_of(discs(&rows, 3), falling(0.2));
     run(&mut world, 300);
     assert_eq!(world.asleep(), [false, false, false, true]);
     world

@@ -9,6 +9,8 @@ use jostle_base::{Error, Id, Method, Settings};
 use jostle_world::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
 use jostle_world::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
+use crate::common::worlds::{boxed, inside, still, world_of};
+
 /// Much more than any of these steps takes; an unbounded step took hundreds of times as long.
 const SOON: Duration = Duration::from_secs(20);
 
@@ -26,17 +28,17 @@ fn state(world: &World) -> (Vec<u8>, Option<Vec<Option<Id>>>) {
 /// Three heavy discs that press against each other with more than float32 can hold.
 fn overflowing() -> World {
     let positions = vec![[0.0, 0.0], [3.0, 0.0], [6.0, 0.0]];
-    let mut all = Particles::new(positions, vec![[0.0; 2]; 3], vec![1.0; 3], 1.0);
+    let mut all = still(&positions, 1.0);
     all.masses = vec![1e26; 3];
     let settings = WorldSettings {
         gravity: [0.0, 10.0],
         drag: 1e3,
-        container: Container::Box { min: [-20.0; 2], max: [20.0; 2] },
+        container: boxed([-20.0; 2], [20.0; 2]),
         substeps: Some(1),
         restitution: 0.5,
         ..Default::default()
     };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
     let forces = vec![Force::Gravitation(gravitation)];
     world.set_forces(forces).unwrap();
@@ -87,7 +89,7 @@ fn worlds() -> Vec<(&'static str, World)> {
     let pile = WorldSettings {
         gravity: [0.0, 40.0],
         restitution: 0.3,
-        container: Container::Box { min: [-1.0; 2], max: [31.0; 2] },
+        container: boxed([-1.0; 2], [31.0; 2]),
         ..Default::default()
     };
     let torus = Container::Torus { size: [30.0; 2] };
@@ -104,7 +106,7 @@ fn worlds() -> Vec<(&'static str, World)> {
     outside.positions[3] = [-95.0, 64.0];
     let mut one_fast = crowd(200, 30.0);
     one_fast.velocities[7] = [9000.0, 4000.0];
-    let make = |all, settings| World::new(all, settings).unwrap();
+    let make = |all, settings| world_of(all, settings);
     let mut sprung = make(crowd(60, 30.0), pile);
     sprung.set_forces(vec![Force::Springs(Springs((0..50).map(spring).collect()))]).unwrap();
     let many_parts = {
@@ -178,7 +180,7 @@ fn positions_that_a_caller_gave_are_back_after_a_step_that_is_undone() {
     let torus = Container::Torus { size: [10.0; 2] };
     let all = Particles::new(vec![[-3.0, 25.0], [5.0, 5.0]], vec![[1.0; 2]; 2], vec![1.0; 2], 1.0);
     let settings = WorldSettings { container: torus, ..Default::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     watch(|| true, || world.step(0.1, 1)).unwrap_err();
     assert_eq!(world.positions()[0], [-3.0, 25.0]);
 }
@@ -190,7 +192,7 @@ fn a_round_wall_far_from_the_origin_takes_no_longer() {
     let positions = (0..1000).map(|k| [center[0] + (k % 7) as f32, center[1] - (k % 5) as f32]);
     let all = Particles::new(positions.collect(), vec![[1.0, 0.5]; 1000], vec![0.5; 1000], 1.0);
     let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     within_bounds(|| world.step(0.1, 3).unwrap());
     for [x, y] in world.positions() {
         let [x, y] = [x - center[0], y - center[1]].map(f64::from);
@@ -204,7 +206,7 @@ fn torus_with_one_fast(speed: f32, len: usize, on_touch: OnTouch) -> World {
     all.radii.iter_mut().for_each(|radius| *radius *= 0.3);
     all.velocities[0] = [speed, 0.618 * speed];
     let container = Container::Torus { size: [side; 2] };
-    World::new(all, WorldSettings { container, on_touch, ..Default::default() }).unwrap()
+    world_of(all, WorldSettings { container, on_touch, ..Default::default() })
 }
 
 #[test]
@@ -212,7 +214,7 @@ fn a_fast_particle_on_a_torus_collides_again_and_again_in_a_step() {
     let mut stages = 0;
     let mut world = torus_with_one_fast(6e6, 400, OnTouch::Bounce);
     let (momentum, energy) = (world.momentum(), world.kinetic_energy());
-    let mut count = |stage| stages += i32::from(stage == Stage::Build);
+    let mut count = |stage: Stage, _: &World| stages += i32::from(stage == Stage::Build);
     within_bounds(|| world.step_watched(0.01, 1, &mut count).unwrap());
     assert!(stages <= 300, "all particles made {stages} parts");
     let close = |a: f64, b: f64, size: f64| (a - b).abs() < 1e-5 * size;
@@ -232,9 +234,9 @@ fn the_number_of_steps_has_no_effect_on_a_fast_particle() {
     for (container, angle) in cases {
         let mut all = torus_with_one_fast(0.0, 100, OnTouch::Bounce).particles();
         all.velocities[0] = [(angle as f32).cos(), (angle as f32).sin()].map(|v| v * 3e4);
-        let settings = WorldSettings { container, ..Default::default() };
+        let settings = inside(container);
         let [once, often, oftener] = [1, 40, 60].map(|steps| {
-            let mut world = World::new(all.clone(), settings).unwrap();
+            let mut world = world_of(all.clone(), settings);
             world.step(0.02 / steps as f64, steps).unwrap();
             world.velocities()
         });
@@ -261,9 +263,9 @@ fn discs_that_meet_in_another_image_of_the_torus_collide() {
     let velocities = vec![[-98.0, 0.0], [0.0; 2], [40.0, 0.0]];
     let all = Particles::new(positions, velocities, vec![1.0; 3], 1.0);
     let container = Container::Torus { size: [side; 2] };
-    let settings = WorldSettings { container, ..Default::default() };
+    let settings = inside(container);
     let [once, often] = [1, 20].map(|steps| {
-        let mut world = World::new(all.clone(), settings).unwrap();
+        let mut world = world_of(all.clone(), settings);
         world.step(1.0 / steps as f64, steps).unwrap();
         world.velocities()
     });
@@ -276,12 +278,12 @@ fn discs_that_meet_in_another_image_of_the_torus_collide() {
 #[test]
 fn few_discs_travel_often_around_a_torus() {
     let container = Container::Torus { size: [1000.0; 2] };
-    let settings = WorldSettings { container, ..Default::default() };
+    let settings = inside(container);
     let angles = [0.3f32, 1.9, 3.1, 4.4, 5.2, 5.9];
     let velocities = angles.map(|angle| [angle.cos() * 4e4, angle.sin() * 4e4]);
     let positions = (0..6).map(|k| [150.0 * k as f32, 77.0 * (k * k) as f32]).collect();
     let all = Particles::new(positions, velocities.to_vec(), vec![4.0; 6], 1.0);
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     let energy = world.kinetic_energy();
     within_bounds(|| world.step(1.0, 3).unwrap());
     assert!((world.kinetic_energy() / energy - 1.0).abs() < 1e-5);
@@ -306,11 +308,11 @@ fn strong_forces_on_a_torus_take_bounded_time() {
 #[test]
 fn a_fast_particle_in_a_wide_torus_with_many_others_takes_bounded_time() {
     let container = Container::Torus { size: [1000.0; 2] };
-    let settings = WorldSettings { container, ..Default::default() };
+    let settings = inside(container);
     let mut all = crowd(10_000, 1000.0);
     all.radii.fill(0.05);
     all.velocities[0] = [1.2e5, 0.7e5];
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     within_bounds(|| world.step(1.0, 1).unwrap());
 }
 
@@ -339,7 +341,7 @@ fn the_order_of_adding_has_no_effect_if_few_are_fast() {
             let order: Vec<u32> = (0..200).rev().collect();
             all.gather(&world.particles(), &order, Some(1));
         }
-        World::new(all, *world.settings()).unwrap()
+        world_of(all, *world.settings())
     });
     worlds.iter_mut().for_each(|world| world.step(0.01, 3).unwrap());
     let [first, second] = worlds.map(|world| world.positions());
@@ -356,7 +358,7 @@ fn inelastic_collapse_of_a_long_row_takes_bounded_time() {
     let mut all = Particles::new(positions, velocities, vec![0.5; len + 1], 1.0);
     all.movable[len] = false;
     let settings = WorldSettings { restitution: 0.0, substeps: Some(1), ..Default::default() };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     within_bounds(|| world.step(0.1, 1).unwrap());
     assert!(world.positions().iter().all(|p| p[0] <= 1.0), "nothing has passed the obstacle");
 }
@@ -374,7 +376,7 @@ fn an_overflow_at_a_round_wall_is_no_panic() {
         container: Container::Circle { center: [-9.99e17, 0.56], radius: 9.9e17 },
         ..Default::default()
     };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     let before = state(&world);
     if world.step(1.0 / 60.0, 1).is_err() {
         assert_eq!(state(&world), before);
@@ -395,9 +397,9 @@ fn in_a_box(speed: f32, radius: f32, method: Method, threads: usize) -> World {
     let mut all = crowd(20, 10.0);
     all.radii.fill(radius);
     all.velocities.iter_mut().flatten().for_each(|v| *v *= speed);
-    let container = Container::Box { min: [0.0; 2], max: [10.0, 8.0] };
+    let container = boxed([0.0; 2], [10.0, 8.0]);
     let tree = Settings { threads: Some(threads), ..Default::default() };
-    World::new(all, WorldSettings { container, method, tree, ..Default::default() }).unwrap()
+    world_of(all, WorldSettings { container, method, tree, ..Default::default() })
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use jostle_index::Filter;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Particles, Wall, WorldSettings};
+
+use crate::common::worlds::{boxed, walled};
 
 /// What the particles of a scene touch, and what none of them touches.
 const OWN: Filter = Filter { category: 1, mask: 1 };
@@ -30,7 +32,7 @@ fn containers() -> [Container; 4] {
     let half = 0.5 * SIDE;
     [
         Container::None,
-        Container::Box { min: [0.0; 2], max: [SIDE; 2] },
+        boxed([0.0; 2], [SIDE; 2]),
         Container::Circle { center: [half; 2], radius: 1.6 * half },
         Container::Torus { size: [SIDE; 2] },
     ]
@@ -163,8 +165,7 @@ fn state(base: &Base, extra: Option<(Particles, Vec<Wall>)>) -> Vec<u64> {
         particles.extend(&more);
         walls.extend(more_walls);
     }
-    let mut world = World::new(particles, base.settings).expect("valid");
-    world.set_walls(walls).expect("valid");
+    let mut world = walled(particles, walls, base.settings);
     world.step(base.dt, base.steps).expect("a step succeeds");
     let all = world.particles();
     let numbers = |all: &[[f32; 2]]| {
@@ -282,8 +283,7 @@ fn sleeper(seed: u64) -> Base {
 fn what_touches_nothing_wakes_no_pile() {
     let bases: Vec<Base> = (0..8).map(sleeper).collect();
     let count_asleep = |base: &Base| {
-        let mut world = World::new(base.particles.clone(), base.settings).expect("valid");
-        world.set_walls(base.walls.clone()).expect("valid");
+        let mut world = walled(base.particles.clone(), base.walls.clone(), base.settings);
         world.step(base.dt, base.steps).expect("a step succeeds");
         world.asleep().iter().filter(|asleep| **asleep).count()
     };

@@ -5,13 +5,7 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
 use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 
-fn world(particles: Particles, settings: WorldSettings) -> World {
-    World::new(particles, settings).expect("the test's particles are valid")
-}
-
-fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{boxed, gathered, run, run_for, world_of};
 
 fn merging() -> WorldSettings {
     WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() }
@@ -57,11 +51,11 @@ fn new_ids(world: &World) -> Option<Vec<Id>> {
 #[test]
 fn mass_momentum_and_area_are_kept_while_a_crowd_merges() {
     for container in [Container::None, Container::Torus { size: [60.0; 2] }] {
-        let mut world = world(crowd(2000, 60.0), WorldSettings { container, ..merging() });
+        let mut world = world_of(crowd(2000, 60.0), WorldSettings { container, ..merging() });
         let before = sums(&world);
         let mut last = world.len();
         for _ in 0..200 {
-            run(&mut world, 1.0 / 60.0, 1);
+            run(&mut world, 1);
             assert!(world.len() <= last);
             last = world.len();
         }
@@ -80,9 +74,9 @@ fn mass_momentum_and_area_are_kept_while_a_crowd_merges() {
 
 #[test]
 fn the_centre_of_mass_goes_straight_on() {
-    let mut world = world(crowd(500, 30.0), merging());
+    let mut world = world_of(crowd(500, 30.0), merging());
     let before = sums(&world);
-    run(&mut world, 1.0 / 60.0, 60);
+    run(&mut world, 60);
     let after = sums(&world);
     assert!(world.len() < 400);
     for k in [0, 1] {
@@ -97,8 +91,8 @@ fn two_become_one_as_written() {
     all.masses = vec![1.0, 3.0];
     all.radii = vec![0.75, 1.0];
     all.restitutions = vec![0.2, 0.6];
-    let mut world = world(all, merging());
-    run(&mut world, 0.25, 1);
+    let mut world = world_of(all, merging());
+    run_for(&mut world, 0.25, 1);
     let one = world.particles();
     assert_eq!(one.masses, [4.0]);
     assert_eq!(one.velocities, [[1.0, 6.0]]);
@@ -110,8 +104,8 @@ fn two_become_one_as_written() {
 
 #[test]
 fn touching_is_not_overlapping() {
-    let mut world = world(row(&[[0.0, 0.0], [2.0, 0.0]], &[[0.0; 2]; 2], 1.0), merging());
-    run(&mut world, 0.1, 10);
+    let mut world = world_of(row(&[[0.0, 0.0], [2.0, 0.0]], &[[0.0; 2]; 2], 1.0), merging());
+    run_for(&mut world, 0.1, 10);
     assert_eq!((world.len(), new_ids(&world)), (2, None));
 }
 
@@ -119,13 +113,13 @@ fn touching_is_not_overlapping() {
 fn a_chain_merges_in_one_go_and_what_that_makes_touch_follows() {
     // 1–3–4 touch in a row; 0 is touched by what they become, 2 by nothing.
     let at = [[1.9, 2.1], [0.0, 0.0], [50.0, 0.0], [1.9, 0.0], [3.8, 0.0]];
-    let mut world = world(row(&at, &[[0.0; 2]; 5], 1.0), merging());
-    run(&mut world, 1e-3, 1);
+    let mut world = world_of(row(&at, &[[0.0; 2]; 5], 1.0), merging());
+    run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), Some(vec![0, 0, 2, 0, 0]));
     assert_eq!(world.radii(), [2.0, 1.0]);
     assert_eq!(world.positions()[1], [50.0, 0.0]);
     world.begin_record();
-    run(&mut world, 1e-3, 1);
+    run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), None);
 }
 
@@ -133,8 +127,8 @@ fn a_chain_merges_in_one_go_and_what_that_makes_touch_follows() {
 fn coincident_particles_merge() {
     let mut all = row(&[[3.0, 4.0]; 300], &[[1.0, 0.0]; 300], 0.5);
     all.radii[7] = 0.0; // a point inside others
-    let mut world = world(all, merging());
-    run(&mut world, 0.5, 1);
+    let mut world = world_of(all, merging());
+    run_for(&mut world, 0.5, 1);
     assert_eq!(world.positions(), [[3.5, 4.0]]);
     assert_eq!(world.velocities(), [[1.0, 0.0]]);
     assert!(world.particles().validate().is_ok());
@@ -144,8 +138,8 @@ fn coincident_particles_merge() {
 fn nothing_is_missed_however_fast() {
     // A hundred radii a sub-step, straight through the other.
     let mut world =
-        world(row(&[[-200.0, 0.3], [0.0, 0.0]], &[[4e4, 0.0], [0.0; 2]], 0.5), merging());
-    run(&mut world, 1e-2, 1);
+        world_of(row(&[[-200.0, 0.3], [0.0, 0.0]], &[[4e4, 0.0], [0.0; 2]], 0.5), merging());
+    run_for(&mut world, 1e-2, 1);
     assert_eq!(world.len(), 1);
     assert_eq!(world.velocities(), [[2e4, 0.0]]);
 }
@@ -154,8 +148,8 @@ fn nothing_is_missed_however_fast() {
 fn on_a_torus_the_minimum_image_is_used() {
     let container = Container::Torus { size: [10.0, 8.0] };
     let all = row(&[[0.25, 4.0], [9.25, 4.0]], &[[0.0; 2]; 2], 0.75);
-    let mut world = world(all, WorldSettings { container, ..merging() });
-    run(&mut world, 0.1, 1);
+    let mut world = world_of(all, WorldSettings { container, ..merging() });
+    run_for(&mut world, 0.1, 1);
     assert_eq!(world.positions(), [[9.75, 4.0]]);
 }
 
@@ -164,8 +158,8 @@ fn what_cannot_be_moved_stays_and_holds() {
     let mut all = row(&[[0.0, 0.0], [1.5, 0.0], [9.0, 0.0]], &[[0.0; 2]; 3], 1.0);
     all.velocities[2] = [-100.0, 0.0];
     all.movable[1] = false;
-    let mut world = world(all, merging());
-    run(&mut world, 0.1, 2);
+    let mut world = world_of(all, merging());
+    run_for(&mut world, 0.1, 2);
     let one = world.particles();
     assert_eq!((one.positions, one.velocities), (vec![[1.5, 0.0]], vec![[0.0; 2]]));
     assert_eq!((one.masses, one.movable), (vec![3.0], vec![false]));
@@ -175,8 +169,8 @@ fn what_cannot_be_moved_stays_and_holds() {
 fn what_would_not_fit_as_one_stays_apart() {
     let container = Container::Torus { size: [10.0; 2] };
     let all = row(&[[1.0, 1.0], [2.0, 1.0]], &[[0.0; 2]; 2], 2.0);
-    let mut world = world(all, WorldSettings { container, ..merging() });
-    run(&mut world, 0.1, 3);
+    let mut world = world_of(all, WorldSettings { container, ..merging() });
+    run_for(&mut world, 0.1, 3);
     assert_eq!(world.len(), 2);
     assert_eq!(world.contacts().unwrap().len(), 1);
     assert_eq!(world.positions(), [[1.0, 1.0], [2.0, 1.0]]);
@@ -184,10 +178,10 @@ fn what_would_not_fit_as_one_stays_apart() {
 
 #[test]
 fn what_grows_at_a_wall_stays_inside() {
-    let container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
+    let container = boxed([0.0; 2], [20.0; 2]);
     let all = row(&[[1.0, 1.0], [1.0, 2.5]], &[[0.0; 2]; 2], 1.0);
-    let mut world = world(all, WorldSettings { container, ..merging() });
-    run(&mut world, 0.1, 1);
+    let mut world = world_of(all, WorldSettings { container, ..merging() });
+    run_for(&mut world, 0.1, 1);
     let ([x, _], radius) = (world.positions()[0], world.radii()[0]);
     assert!(x >= radius, "{x} {radius}");
 }
@@ -195,7 +189,7 @@ fn what_grows_at_a_wall_stays_inside() {
 #[test]
 fn forces_follow_what_their_particles_become() {
     let at = [[0.0, 0.0], [9.0, 0.0], [1.5, 0.0], [20.0, 0.0]];
-    let mut world = world(row(&at, &[[0.0; 2]; 4], 1.0), merging());
+    let mut world = world_of(row(&at, &[[0.0; 2]; 4], 1.0), merging());
     let tie = |pair| Spring {
         pair,
         length: 8.0,
@@ -210,18 +204,18 @@ fn forces_follow_what_their_particles_become() {
     let ties =
         |pairs: &[[Id; 2]]| Force::Springs(Springs(pairs.iter().map(|&pair| tie(pair)).collect()));
     world.set_forces(vec![pull(2), pull(3), ties(&[[0, 2], [2, 3], [1, 3]])]).expect("valid");
-    run(&mut world, 1e-3, 1);
+    run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), Some(vec![0, 1, 0, 3]));
     assert_eq!(world.forces(), [pull(0), pull(3), ties(&[[0, 3], [1, 3]])]);
-    run(&mut world, 1e-3, 5);
+    run_for(&mut world, 1e-3, 5);
 }
 
 #[test]
 fn account_of_merging_is_kept_over_several_steps() {
-    let mut world = world(crowd(400, 20.0), merging());
+    let mut world = world_of(crowd(400, 20.0), merging());
     let all = world.particles();
     let marks = |world: &World| world.masses().iter().map(|&m| f64::from(m)).collect::<Vec<_>>();
-    run(&mut world, 1.0 / 60.0, 50);
+    run(&mut world, 50);
     let map = new_ids(&world).expect("some merged");
     assert_eq!(map.len(), 400);
     let mut expected = vec![0.0; world.len()];
@@ -247,10 +241,10 @@ fn account_of_merging_is_kept_over_several_steps() {
 #[test]
 fn removing_changes_no_id() {
     let at = [[0.0; 2], [9.0, 0.0], [18.0, 0.0], [10.5, 0.0]];
-    let mut world = world(row(&at, &[[0.0; 2]; 4], 1.0), merging());
+    let mut world = world_of(row(&at, &[[0.0; 2]; 4], 1.0), merging());
     world.remove(&[2]).expect("it is there");
     assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1, 3], None));
-    run(&mut world, 0.1, 1);
+    run_for(&mut world, 0.1, 1);
     let merged = vec![Some(0), Some(1), None, Some(1)];
     assert_eq!((world.ids(), world.renumbered().unwrap()), (vec![0, 1], Some(merged)));
     let error = world.remove(&[3]).expect_err("it is part of another").to_string();
@@ -274,7 +268,7 @@ fn star_settings(threads: Option<usize>, method: Method) -> WorldSettings {
 }
 
 fn stars(all: Particles, threads: Option<usize>, method: Method) -> World {
-    let mut world = world(all, star_settings(threads, method));
+    let mut world = world_of(all, star_settings(threads, method));
     let pull = Gravitation { g: 0.05, softening: 0.05, theta: 0.5 };
     world.set_forces(vec![Force::Gravitation(pull)]).expect("valid");
     world
@@ -284,7 +278,7 @@ fn stars(all: Particles, threads: Option<usize>, method: Method) -> World {
 fn threads_and_methods_do_not_show() {
     let end = |count, threads, method| {
         let mut world = stars(crowd(count, 70.0), threads, method);
-        run(&mut world, 1.0 / 60.0, 5);
+        run(&mut world, 5);
         (world.state_hash(), world.contacts().unwrap(), new_ids(&world))
     };
     let one = end(13_000, Some(1), Method::Quadtree);
@@ -299,11 +293,10 @@ fn the_order_of_adding_moves_slots_and_nothing_else() {
     let mut order: Vec<u32> = (0..1500).collect();
     let mut random = Random::new(12);
     (1..1500).rev().for_each(|last| order.swap(last, random.whole(0, last as u32) as usize));
-    let mut shuffled = Particles::default();
-    shuffled.gather(&all, &order, Some(1));
+    let shuffled = gathered(&all, &order);
     let [mut first, mut second] = [all, shuffled].map(|all| stars(all, Some(1), Method::Quadtree));
-    run(&mut first, 1.0 / 60.0, 40);
-    run(&mut second, 1.0 / 60.0, 40);
+    run(&mut first, 40);
+    run(&mut second, 40);
     assert!(first.len() < 1200);
     assert_eq!(first.len(), second.len());
     // Where each of the second stands in the first, by way of the rows they began in.
@@ -314,8 +307,7 @@ fn the_order_of_adding_moves_slots_and_nothing_else() {
     let (map, other) = (rows(&first, &map), rows(&second, &other));
     let mut back = vec![0; first.len()];
     order.iter().zip(other).for_each(|(&row, new)| back[map[row as usize] as usize] = new);
-    let mut permuted = Particles::default();
-    permuted.gather(&second.particles(), &back, Some(1));
+    let permuted = gathered(&second.particles(), &back);
     assert!(permuted == first.particles());
     assert_eq!(first.momentum(), second.momentum());
 }
@@ -324,22 +316,22 @@ fn the_order_of_adding_moves_slots_and_nothing_else() {
 
 #[test]
 fn ghosts_pass_through_each_other_and_not_through_walls() {
-    let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
+    let container = boxed([0.0; 2], [10.0; 2]);
     let settings =
         WorldSettings { on_touch: OnTouch::Ignore, container, ..WorldSettings::default() };
     let mut world =
-        world(row(&[[2.0, 5.0], [8.0, 5.0]], &[[1.0, 0.0], [-1.0, 0.0]], 1.0), settings);
-    run(&mut world, 0.1, 25);
+        world_of(row(&[[2.0, 5.0], [8.0, 5.0]], &[[1.0, 0.0], [-1.0, 0.0]], 1.0), settings);
+    run_for(&mut world, 0.1, 25);
     let touches = world.contacts().unwrap();
     assert_eq!(touches.len(), 1);
     assert_eq!((touches[0].pair, touches[0].normal), ([0, 1], [1.0, 0.0]));
     assert!((touches[0].depth - 1.0).abs() < 1e-4, "{touches:?}");
     assert_eq!(world.stats().tests, 0);
-    run(&mut world, 0.1, 25);
+    run_for(&mut world, 0.1, 25);
     let at = world.positions();
     assert!((at[0][0] - 7.0).abs() < 1e-4 && (at[1][0] - 3.0).abs() < 1e-4, "{at:?}");
     assert!(world.contacts().unwrap().is_empty());
-    run(&mut world, 0.1, 40); // two on to the wall, two back
+    run_for(&mut world, 0.1, 40); // two on to the wall, two back
     assert_eq!(world.velocities(), [[-1.0, 0.0], [1.0, 0.0]]);
     assert_eq!(world.len(), 2);
 }
@@ -348,13 +340,13 @@ fn ghosts_pass_through_each_other_and_not_through_walls() {
 fn ghosts_rest_on_the_floor() {
     let settings = WorldSettings {
         on_touch: OnTouch::Ignore,
-        container: Container::Box { min: [0.0; 2], max: [10.0; 2] },
+        container: boxed([0.0; 2], [10.0; 2]),
         gravity: [0.0, 10.0],
         restitution: 0.3,
         ..WorldSettings::default()
     };
-    let mut world = world(row(&[[5.0, 5.0], [5.2, 2.0]], &[[0.0; 2]; 2], 1.0), settings);
-    run(&mut world, 1.0 / 60.0, 600);
+    let mut world = world_of(row(&[[5.0, 5.0], [5.2, 2.0]], &[[0.0; 2]; 2], 1.0), settings);
+    run(&mut world, 600);
     assert!(world.positions().iter().all(|p| (p[1] - 9.0).abs() < 1e-3), "{:?}", world.positions());
     assert!(world.kinetic_energy() < 1e-6);
 }
@@ -363,20 +355,20 @@ fn ghosts_rest_on_the_floor() {
 fn any_number_of_ghosts_may_overlap() {
     let all = row(&[[1.0, 1.0]; 20_000], &[[1.0, 0.0]; 20_000], 1.0);
     let settings = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
-    let mut world = world(all, settings);
-    run(&mut world, 0.1, 1); // two hundred million pairs, and none is looked for
+    let mut world = world_of(all, settings);
+    run_for(&mut world, 0.1, 1); // two hundred million pairs, and none is looked for
     let error = world.contacts().unwrap_err().to_string();
     assert!(error.starts_with("more than 33554432 pairs of particles may touch"), "{error}");
 }
 
 #[test]
 fn the_rule_may_change_between_steps() {
-    let mut world = world(crowd(500, 12.0), WorldSettings::default());
+    let mut world = world_of(crowd(500, 12.0), WorldSettings::default());
     for on_touch in [OnTouch::Ignore, OnTouch::Bounce, OnTouch::Merge, OnTouch::Bounce] {
-        run(&mut world, 0.01, 3);
+        run_for(&mut world, 0.01, 3);
         world.configure(WorldSettings { on_touch, ..*world.settings() }).expect("valid");
         world.contacts().unwrap();
     }
-    run(&mut world, 0.01, 3);
+    run_for(&mut world, 0.01, 3);
     assert!(world.len() < 500);
 }

@@ -7,11 +7,7 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Force, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{boxed, run, still, walled, world_of};
 
 fn motor(ids: &[i64], walls: &[u32]) -> Motor {
     Motor {
@@ -27,8 +23,7 @@ fn motor(ids: &[i64], walls: &[u32]) -> Motor {
 /// Immovable discs of radius 0.5, then movable ones.
 fn discs(driven: &[[f32; 2]], free: &[[f32; 2]]) -> Particles {
     let positions = [driven, free].concat();
-    let len = positions.len();
-    let mut all = Particles::new(positions, vec![[0.0; 2]; len], vec![0.5; len], 1.0);
+    let mut all = still(&positions, 0.5);
     all.movable[..driven.len()].fill(false);
     all
 }
@@ -37,7 +32,7 @@ fn discs(driven: &[[f32; 2]], free: &[[f32; 2]]) -> Particles {
 fn a_paddle_turns_about_its_centre_for_an_hour() {
     let center = [3.0, -2.0];
     let at = [1.0f32, 2.0, 3.0].map(|x| [center[0] + x, center[1]]);
-    let mut world = World::new(discs(&at, &[]), WorldSettings::default()).unwrap();
+    let mut world = world_of(discs(&at, &[]), WorldSettings::default());
     let angular_velocity = 1.7;
     let turning = Motor { center, angular_velocity, ..motor(&[0, 1, 2], &[]) };
     world.set_forces(vec![Force::Motor(turning)]).unwrap();
@@ -59,8 +54,8 @@ fn a_paddle_turns_about_its_centre_for_an_hour() {
 fn the_motion_does_not_depend_on_the_steps() {
     let place = |dt: f64, steps: usize| {
         let settings = WorldSettings::default();
-        let mut world = World::new(discs(&[[1.0, 0.0]], &[]), settings).unwrap();
-        world.set_walls(vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])]).unwrap();
+        let mut world =
+            walled(discs(&[[1.0, 0.0]], &[]), vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])], settings);
         let swing = Motor { angular_velocity: 0.8, period: 1.3, ..motor(&[0], &[]) };
         let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
         world.set_forces(vec![Force::Motor(swing), Force::Motor(piston)]).unwrap();
@@ -86,8 +81,7 @@ fn the_motion_does_not_depend_on_the_steps() {
 #[test]
 fn a_disc_that_a_paddle_hits_leaves_with_its_speed() {
     // A paddle that turns by a right angle in a second, with a tip that moves at 4 · π/2.
-    let mut world =
-        World::new(discs(&[[4.0, 0.0]], &[[2.7, 2.95]]), WorldSettings::default()).unwrap();
+    let mut world = world_of(discs(&[[4.0, 0.0]], &[[2.7, 2.95]]), WorldSettings::default());
     let turning = Motor { angular_velocity: PI as f32 / 2.0, ..motor(&[0], &[]) };
     world.set_forces(vec![Force::Motor(turning)]).unwrap();
     run(&mut world, 60);
@@ -124,8 +118,7 @@ fn mill(method: Method, threads: usize) -> World {
     let len = all.len();
     all.spins_mut()[..len].iter_mut().for_each(|spin| spin.friction = 0.4);
     let ids: Vec<i64> = (0..paddles.len() as i64).collect();
-    let mut world = World::new(all, settings).unwrap();
-    world.set_walls(vec![Wall::new([[-3.0, -8.0], [3.0, -8.0]])]).unwrap();
+    let mut world = walled(all, vec![Wall::new([[-3.0, -8.0], [3.0, -8.0]])], settings);
     let turning = Motor { angular_velocity: 2.0, ..motor(&ids, &[]) };
     let piston = Motor { velocity: [0.0, 0.7], period: 1.1, ..motor(&[], &[0]) };
     world.set_forces(vec![Force::Motor(turning), Force::Motor(piston)]).unwrap();
@@ -156,12 +149,12 @@ fn grains_on_a_paddle_do_not_sleep_and_others_do() {
     let mut all = discs(&[[0.0, 1.0]], &[[5.0, 0.5]]);
     all.spins_mut();
     let settings = WorldSettings {
-        container: Container::Box { min: [-10.0, 0.0], max: [10.0, 10.0] },
+        container: boxed([-10.0, 0.0], [10.0, 10.0]),
         gravity: [0.0, -9.8],
         restitution: 0.3,
         ..WorldSettings::default()
     };
-    let mut world = World::new(all, settings).unwrap();
+    let mut world = world_of(all, settings);
     let lift = Motor { velocity: [0.0, 0.5], period: 4.0, ..motor(&[0], &[]) };
     world.set_forces(vec![Force::Motor(lift)]).unwrap();
     run(&mut world, 120);
@@ -172,9 +165,11 @@ fn grains_on_a_paddle_do_not_sleep_and_others_do() {
 #[test]
 fn a_step_that_fails_leaves_the_velocities() {
     let far = 2e5;
-    let mut world =
-        World::new(discs(&[[1.0, 0.0]], &[[far, 0.0]]), WorldSettings::default()).unwrap();
-    world.set_walls(vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])]).unwrap();
+    let mut world = walled(
+        discs(&[[1.0, 0.0]], &[[far, 0.0]]),
+        vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])],
+        WorldSettings::default(),
+    );
     let turning = Motor { angular_velocity: 1.0, velocity: [1.0, 0.0], ..motor(&[0], &[]) };
     let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
     world.set_forces(vec![Force::Motor(turning), Force::Motor(piston)]).unwrap();
@@ -186,7 +181,7 @@ fn a_step_that_fails_leaves_the_velocities() {
 #[test]
 fn motors_of_what_cannot_be_driven_are_refused() {
     let at = [[1.0, 0.0], [3.0, 0.0]];
-    let mut world = World::new(discs(&at, &[[9.0, 0.0]]), WorldSettings::default()).unwrap();
+    let mut world = world_of(discs(&at, &[[9.0, 0.0]]), WorldSettings::default());
     let refusal = |world: &mut World, motor: Motor| {
         world.set_forces(vec![Force::Motor(motor)]).unwrap_err().to_string()
     };

@@ -5,37 +5,14 @@ use std::cell::Cell;
 use jostle_base::Method;
 use jostle_base::interrupt::watch;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, Particles, Spin, Wall, World, WorldSettings};
+use jostle_world::{Spin, World, WorldSettings};
 use proptest::prelude::*;
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{STEP, boxed, discs, falling, moving, run, walled, world_of};
 
 thread_local! {
     /// Polls that do not stop the step.
     static LEFT: Cell<u32> = const { Cell::new(0) };
-}
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn moving(ends: [[f32; 2]; 2], velocity: [f32; 2]) -> Wall {
-    Wall { velocity, ..Wall::new(ends) }
-}
-
-fn discs(rows: &[([f32; 2], [f32; 2])], radius: f32) -> Particles {
-    let (positions, velocities): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
-    Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
-}
-
-fn world(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_walls(walls).expect("valid");
-    world
-}
-
-fn falling(restitution: f32) -> WorldSettings {
-    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
 }
 
 #[test]
@@ -50,7 +27,7 @@ fn a_disc_leaves_with_the_relative_speed() {
         let disc = discs(&[([11.0, 0.3], [own, 0.0])], 1.0);
         let walls = vec![moving([[0.0, -3.0], [0.0, 4.0]], [pushing, 0.0])];
         let settings = WorldSettings { restitution, ..WorldSettings::default() };
-        let mut world = world(disc, walls, settings);
+        let mut world = walled(disc, walls, settings);
         run(&mut world, 400);
         let expected = pushing + restitution * (pushing - own);
         let [found, across] = world.velocities()[0];
@@ -72,10 +49,10 @@ fn an_end_pushes_as_an_immovable_disc_of_radius_0() {
             let settings = WorldSettings { gravity, restitution: 0.8, ..WorldSettings::default() };
             let start = ([3.0, y], [-1.0, 0.3]);
             let walls = vec![moving([[0.0, 0.0], [-4.0, 0.0]], velocity)];
-            let mut with_wall = world(discs(&[start], 1.0), walls, settings);
+            let mut with_wall = walled(discs(&[start], 1.0), walls, settings);
             let mut both = discs(&[start, ([0.0, 0.0], velocity)], 1.0);
             (both.radii[1], both.movable[1]) = (0.0, false);
-            let mut with_point = World::new(both, settings).expect("valid");
+            let mut with_point = world_of(both, settings);
             for _ in 0..40 {
                 run(&mut with_wall, 1);
                 run(&mut with_point, 1);
@@ -106,7 +83,7 @@ fn room(seed: u64, extra: [f32; 2], falls: bool) -> World {
         .collect();
     let gravity = if falls { [0.0, -9.8] } else { [0.0; 2] };
     let settings = WorldSettings { gravity, restitution: 0.9, ..WorldSettings::default() };
-    world(discs(&rows, 0.3), walls.collect(), settings)
+    walled(discs(&rows, 0.3), walls.collect(), settings)
 }
 
 proptest! {
@@ -143,7 +120,7 @@ proptest! {
         let tall = |x: f32, v: f32| moving([[x, -1e4], [x, 1e4]], [v, 0.0]);
         let walls = vec![tall(-2.0, speed), tall(23.0, -0.3 * speed)];
         let settings = WorldSettings { gravity, ..WorldSettings::default() };
-        let mut world = world(discs(&rows, 0.5), walls, settings);
+        let mut world = walled(discs(&rows, 0.5), walls, settings);
         let mut steps = 0;
         // Until there is hardly room left.
         while world.walls()[1].ends[0][0] - world.walls()[0].ends[0][0] > 12.0 && steps < 60 {
@@ -163,7 +140,7 @@ fn a_belt_and_a_lift_carry_discs() {
         let mut all = discs(&[([0.0, 1.0], [0.0, velocity[1]])], 1.0);
         all.spins = vec![Spin { friction: 0.3, ..Spin::default() }];
         let walls = vec![moving([[-100.0, 0.0], [100.0, 0.0]], velocity)];
-        let mut world = world(all, walls, falling(0.5));
+        let mut world = walled(all, walls, falling(0.5));
         run(&mut world, 200);
         // It rolls: v + 2 v is the speed of the belt.
         let ([u, v], spin) = (world.velocities()[0], world.angular_velocities()[0]);
@@ -186,13 +163,13 @@ fn stirred(settings: WorldSettings) -> World {
             (place, [0, 1].map(|_| random.between(-20.0, 20.0)))
         })
         .collect();
-    let container = Container::Box { min: [-2.0; 2], max: [50.0; 2] };
+    let container = boxed([-2.0; 2], [50.0; 2]);
     let walls = vec![
         moving([[1.2, 10.0], [20.0, 37.2]], [4.0, -2.0]),
         moving([[20.0, 37.2], [30.0, 40.8]], [4.0, -2.0]),
         moving([[40.8, 10.0], [40.8, 1.2]], [-8.0, 0.0]),
     ];
-    world(discs(&rows, 0.6), walls, WorldSettings { container, ..settings })
+    walled(discs(&rows, 0.6), walls, WorldSettings { container, ..settings })
 }
 
 #[test]
@@ -244,7 +221,7 @@ fn an_interrupted_step_moves_no_wall() {
 #[test]
 fn a_step_in_which_a_wall_would_go_too_far_is_refused() {
     let walls = vec![moving([[0.0; 2], [1.0, 0.0]], [1e17, 0.0])];
-    let mut world = world(discs(&[], 1.0), walls, WorldSettings::default());
+    let mut world = walled(discs(&[], 1.0), walls, WorldSettings::default());
     let error = world.step(20.0, 1).expect_err("too far").to_string();
     assert_eq!(error, "dt is 20; wall 0 would move out of the range ±1e18");
     world.step(1.0, 1).expect("not too far");

@@ -10,6 +10,8 @@ use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
 use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 
+use crate::common::worlds::{still, world_of};
+
 const TORUS: Container = Container::Torus { size: [100.0, 80.0] };
 
 /// Bodies with everything that forces between neighbours depend on.
@@ -71,7 +73,7 @@ impl State {
         }
     }
 
-    fn permuted(&self, order: &[usize]) -> Self {
+    fn gathered(&self, order: &[usize]) -> Self {
         Self {
             positions: order.iter().map(|&k| self.positions[k]).collect(),
             velocities: order.iter().map(|&k| self.velocities[k]).collect(),
@@ -230,7 +232,7 @@ proptest! {
             prop_assert_eq!(&bits(&state.feel(&force, container, Method::Quadtree, 3)), &expected);
             let mut order: Vec<usize> = (0..len).collect();
             order.sort_by_key(|&k| (k as u64 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 20);
-            let other = state.permuted(&order).feel(&force, container, Method::Quadtree, 2);
+            let other = state.gathered(&order).feel(&force, container, Method::Quadtree, 2);
             for (&row, found) in order.iter().zip(bits(&other)) {
                 prop_assert_eq!(found, expected[row]);
             }
@@ -256,7 +258,7 @@ fn world(positions: Vec<[f32; 2]>, velocities: Vec<[f32; 2]>, container: Contain
     let mut particles = Particles::new(positions, velocities, vec![0.1; len], 1.0);
     particles.masses = vec![1.0; len];
     let settings = WorldSettings { container, on_touch: OnTouch::Ignore, ..Default::default() };
-    World::new(particles, settings).unwrap()
+    world_of(particles, settings)
 }
 
 /// A warm Lennard-Jones fluid on a torus.
@@ -350,8 +352,7 @@ fn kinds_stay_with_their_particles() {
     let mut world = colourful(5, OnTouch::Ignore);
     world.remove(&[1, 3]).unwrap();
     assert_eq!(kinds_of(&world), [0, 2, 4]);
-    let added =
-        world.add(Particles::new(vec![[50.0, 0.0]; 2], vec![[0.0; 2]; 2], vec![1.0; 2], 1.0));
+    let added = world.add(still(&[[50.0, 0.0]; 2], 1.0));
     assert_eq!(kinds_of(&world), [0, 2, 4, 0, 0]);
     let ids: Vec<_> = added.unwrap().collect();
     world.set_kinds(&ids, &[3, 1]).unwrap();

@@ -7,13 +7,7 @@ use jostle_index::{Columns, Each, Shapes, geometry, pairs};
 use jostle_scenes::{STEP, random::Random};
 use jostle_world::{Container, Particles, World, WorldSettings};
 
-fn world(particles: Particles, settings: WorldSettings) -> World {
-    World::new(particles, settings).expect("the test's particles are valid")
-}
-
-fn run(world: &mut World, dt: f64, steps: usize) {
-    world.step(dt, steps).expect("a step succeeds");
-}
+use crate::common::worlds::{boxed, discs, inside, run, run_for, still, world_of};
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
@@ -41,7 +35,7 @@ impl Two {
             ..Particles::default()
         };
         let restitution = self.restitution;
-        world(
+        world_of(
             particles,
             WorldSettings { restitution, substeps: Some(substeps), ..WorldSettings::default() },
         )
@@ -67,7 +61,7 @@ impl Two {
     /// Largest deviation of the world from the analysis, relative to the speed.
     fn error(&self, dt: f64, steps: usize, substeps: usize) -> f64 {
         let mut world = self.world(substeps);
-        run(&mut world, dt, steps);
+        run_for(&mut world, dt, steps);
         let found = world.particles().velocities;
         let scale = self.velocities.iter().flatten().fold(0.0f32, |m, v| m.max(v.abs()));
         let expected = self.analytic();
@@ -108,7 +102,7 @@ fn equal_masses_swap_their_velocities() {
         restitution: 1.0,
     };
     let mut world = two.world(4);
-    run(&mut world, STEP, 60);
+    run(&mut world, 60);
     assert_eq!(world.particles().velocities, [[0.0, 0.0], [60.0, 0.0]]);
 }
 
@@ -149,7 +143,7 @@ fn what_overlaps_and_parts_is_not_kicked() {
             restitution: 1.0,
         };
         let mut world = two.world(4);
-        run(&mut world, STEP, 120);
+        run(&mut world, 120);
         assert_eq!(world.particles().velocities, two.velocities);
     }
 }
@@ -177,9 +171,9 @@ fn momentum_of_a_closed_system_stays() {
         speeds.zip(&p.masses).map(|(v, &m)| v * f64::from(m)).sum()
     };
     let total = size(&particles);
-    let mut world = world(particles, WorldSettings::default());
+    let mut world = world_of(particles, WorldSettings::default());
     let before = world.momentum();
-    run(&mut world, STEP, 1000);
+    run(&mut world, 1000);
     let after = world.momentum();
     let drift = (after[0] - before[0]).hypot(after[1] - before[1]) / total;
     assert!(drift <= 1e-5, "momentum drifted by {drift:e}");
@@ -190,7 +184,7 @@ fn an_elastic_gas_keeps_its_energy() {
     let mut world = jostle_scenes::find("gas").unwrap().create(Some(4000), 3).unwrap();
     let start = world.kinetic_energy();
     for _ in 0..10 {
-        run(&mut world, STEP, 100);
+        run(&mut world, 100);
         let now = world.kinetic_energy();
         assert!((now / start - 1.0).abs() <= 1e-6, "energy {}", now / start);
     }
@@ -201,13 +195,13 @@ fn an_inelastic_gas_never_gains_energy() {
     for restitution in [0.0, 0.5, 0.9] {
         let settings = WorldSettings {
             restitution,
-            container: Container::Box { min: [0.0; 2], max: [420.0; 2] },
+            container: boxed([0.0; 2], [420.0; 2]),
             ..WorldSettings::default()
         };
-        let mut world = world(cloud(1000, 420.0, 5.0, 200.0, 4), settings);
+        let mut world = world_of(cloud(1000, 420.0, 5.0, 200.0, 4), settings);
         let mut last = world.kinetic_energy();
         for step in 0..400 {
-            run(&mut world, STEP, 1);
+            run(&mut world, 1);
             let now = world.kinetic_energy();
             assert!(now <= last * (1.0 + 1e-6), "e {restitution}, step {step}: {last} → {now}");
             last = now;
@@ -234,7 +228,7 @@ fn a_pile_comes_to_rest_and_stays() {
         let mut world = jostle_scenes::find("pile").unwrap().create(Some(1000), seed).unwrap();
         for seconds in times {
             let missing = f64::from(seconds) - world.time();
-            run(&mut world, STEP, (missing * 60.0).round() as usize);
+            run(&mut world, (missing * 60.0).round() as usize);
             let particles = world.particles();
             let overlap = deepest_overlap(&particles);
             let speeds = particles.velocities.iter().map(|v| v[0].hypot(v[1]));
@@ -275,12 +269,12 @@ fn no_shot_passes_through_a_disc() {
             ..Particles::default()
         };
         let substeps = 1 + shot % 4;
-        let mut world = world(
+        let mut world = world_of(
             particles,
             WorldSettings { substeps: Some(substeps), ..WorldSettings::default() },
         );
         let before = world.particles().velocities[0];
-        run(&mut world, STEP, 2 + (distance / way) as usize);
+        run(&mut world, 2 + (distance / way) as usize);
         let after = world.particles().velocities[0];
         assert_ne!(before, after, "shot {shot} went through at {} radii a step", way / radius);
     }
@@ -306,13 +300,13 @@ fn no_shot_passes_through_a_curtain_of_discs() {
         let mut particles = Particles::new(positions, velocities, radii, 1.0);
         particles.movable[..pegs].fill(false);
         let settings = WorldSettings {
-            container: Container::Box { min: [0.0; 2], max: [side; 2] },
+            container: boxed([0.0; 2], [side; 2]),
             substeps: Some(1 + seed as usize % 3),
             ..WorldSettings::default()
         };
-        let mut world = world(particles, settings);
+        let mut world = world_of(particles, settings);
         for step in 0..20 {
-            run(&mut world, STEP, 1);
+            run(&mut world, 1);
             let all = world.particles();
             for (index, [x, y]) in all.positions[pegs..].iter().enumerate() {
                 let inside = (shot..=side - shot).contains(x) && (shot..=side - shot).contains(y);
@@ -348,7 +342,7 @@ fn is_inside(container: &Container, [x, y]: [f32; 2], radius: f32) -> bool {
 #[test]
 fn nothing_leaves_a_container() {
     let containers = [
-        Container::Box { min: [-3.0, 1.0], max: [333.3, 301.7] },
+        boxed([-3.0, 1.0], [333.3, 301.7]),
         Container::Circle { center: [160.0, 150.5], radius: 170.1 },
         Container::Torus { size: [320.0, 300.0] },
     ];
@@ -364,9 +358,9 @@ fn nothing_leaves_a_container() {
             }
             let settings =
                 WorldSettings { container, gravity, restitution: 0.9, ..WorldSettings::default() };
-            let mut world = world(particles, settings);
+            let mut world = world_of(particles, settings);
             for step in 0..300 {
-                run(&mut world, STEP, 1);
+                run(&mut world, 1);
                 let all = world.particles();
                 for (row, (&position, &radius)) in all.positions.iter().zip(&all.radii).enumerate()
                 {
@@ -381,10 +375,10 @@ fn nothing_leaves_a_container() {
 #[test]
 fn a_flight_around_a_torus_comes_back() {
     for speed in [10.0, 500.0, 20_000.0] {
-        let particles = Particles::new(vec![[50.0, 20.0]], vec![[speed, -speed]], vec![1.0], 1.0);
+        let particles = discs(&[([50.0, 20.0], [speed, -speed])], 1.0);
         let container = Container::Torus { size: [100.0, 100.0] };
-        let mut world = world(particles, WorldSettings { container, ..WorldSettings::default() });
-        run(&mut world, 0.01, 1000);
+        let mut world = world_of(particles, inside(container));
+        run_for(&mut world, 0.01, 1000);
         let [x, y] = world.particles().positions[0];
         let gone = f64::from(speed) * 10.0;
         let expected = [(50.0 + gone).rem_euclid(100.0), (20.0 - gone).rem_euclid(100.0)];
@@ -414,9 +408,8 @@ fn pairs_across_the_seams_of_a_torus_collide() {
             let velocities = vec![toward(first[0], first[1]), toward(first[1], first[0])];
             let particles = Particles::new(first.to_vec(), velocities.clone(), vec![2.0; 2], 1.0);
             let container = Container::Torus { size };
-            let mut world =
-                world(particles, WorldSettings { container, ..WorldSettings::default() });
-            run(&mut world, STEP, 30);
+            let mut world = world_of(particles, inside(container));
+            run(&mut world, 30);
             let after = world.particles().velocities;
             for k in 0..2 {
                 let swapped = (after[0][k] - velocities[1][k]).abs() < 1e-3;
@@ -439,17 +432,17 @@ fn a_swirl_in_a_round_container_keeps_its_spin() {
         .sum()
     };
     let before = spin(&world);
-    run(&mut world, STEP, 1000);
+    run(&mut world, 1000);
     // Positions are corrected where bounces overlap, so not to rounding.
     assert!((spin(&world) / before - 1.0).abs() < 0.01, "{before} became {}", spin(&world));
 }
 
 #[test]
 fn a_free_flight_follows_gravity_and_drag() {
-    let particles = Particles::new(vec![[0.0; 2]], vec![[30.0, 0.0]], vec![1.0], 1.0);
+    let particles = discs(&[([0.0; 2], [30.0, 0.0])], 1.0);
     let settings = WorldSettings { gravity: [0.0, 100.0], drag: 0.5, ..WorldSettings::default() };
-    let mut world = world(particles, settings);
-    run(&mut world, 1e-3, 2000);
+    let mut world = world_of(particles, settings);
+    run_for(&mut world, 1e-3, 2000);
     let [[u, v]] = world.particles().velocities[..] else { panic!("one particle") };
     // dv/dt = g − d v from v₀: v = g/d + (v₀ − g/d) exp(−d t).
     let fade = (-0.5f64 * 2.0).exp();
@@ -460,16 +453,15 @@ fn a_free_flight_follows_gravity_and_drag() {
 #[test]
 fn coincident_centres_separate() {
     for gravity in [[0.0, 0.0], [0.0, 500.0]] {
-        let particles =
-            Particles::new(vec![[200.0, 200.0]; 200], vec![[0.0; 2]; 200], vec![5.0; 200], 1.0);
+        let particles = still(&[[200.0, 200.0]; 200], 5.0);
         let settings = WorldSettings {
             gravity,
             restitution: 0.2,
-            container: Container::Box { min: [0.0; 2], max: [400.0; 2] },
+            container: boxed([0.0; 2], [400.0; 2]),
             ..WorldSettings::default()
         };
-        let mut world = world(particles, settings);
-        run(&mut world, STEP, 1200);
+        let mut world = world_of(particles, settings);
+        run(&mut world, 1200);
         let overlap = deepest_overlap(&world.particles());
         assert!(overlap < 0.05, "gravity {gravity:?}: still {overlap} deep");
     }
@@ -483,11 +475,11 @@ fn static_particles_stay() {
     let places = particles.positions[..50].to_vec();
     let settings = WorldSettings {
         gravity: [0.0, 900.0],
-        container: Container::Box { min: [0.0; 2], max: [200.0; 2] },
+        container: boxed([0.0; 2], [200.0; 2]),
         ..WorldSettings::default()
     };
-    let mut world = world(particles, settings);
-    run(&mut world, STEP, 300);
+    let mut world = world_of(particles, settings);
+    run(&mut world, 300);
     assert_eq!(world.particles().positions[..50], places);
     assert!(world.particles().velocities[..50].iter().all(|v| *v == [0.0; 2]));
 }
@@ -502,8 +494,8 @@ fn a_restitution_of_each_particle_multiplies() {
     );
     particles.restitutions = vec![0.5, 0.8];
     let settings = WorldSettings { restitution: 0.5, ..WorldSettings::default() };
-    let mut world = world(particles, settings);
-    run(&mut world, STEP, 60);
+    let mut world = world_of(particles, settings);
+    run(&mut world, 60);
     let after = world.particles().velocities;
     let parting = after[1][0] - after[0][0];
     assert!((parting / 60.0 - 0.5 * 0.8 * 0.5).abs() < 1e-5, "parting at {parting}");
@@ -517,10 +509,10 @@ fn contacts_tell_what_touched() {
         vec![10.0; 2],
         1.0,
     );
-    let mut world = world(particles, WorldSettings::default());
+    let mut world = world_of(particles, WorldSettings::default());
     let mut touches = Vec::new();
     for _ in 0..30 {
-        run(&mut world, STEP, 1);
+        run(&mut world, 1);
         touches.extend(world.contacts().unwrap());
     }
     assert_eq!(touches.len(), 1, "{touches:?}");
@@ -530,29 +522,29 @@ fn contacts_tell_what_touched() {
 
 #[test]
 fn a_world_without_particles_steps() {
-    let mut world = world(Particles::default(), WorldSettings::default());
-    run(&mut world, STEP, 10);
+    let mut world = world_of(Particles::default(), WorldSettings::default());
+    run(&mut world, 10);
     assert_eq!((world.len(), world.momentum()), (0, [0.0; 2]));
     assert!((world.time() - 10.0 * STEP).abs() < 1e-12);
     let one_thread = Settings { threads: Some(1), ..Settings::default() };
     world.configure(WorldSettings { tree: one_thread, ..*world.settings() }).unwrap();
-    run(&mut world, STEP, 1);
+    run(&mut world, 1);
 }
 
 #[test]
 fn removing_particles_keeps_the_contacts_of_the_others() {
     let positions = vec![[0.0, 0.0], [1.5, 0.0], [9.0, 0.0], [10.5, 0.0]];
-    let particles = Particles::new(positions, vec![[0.0; 2]; 4], vec![1.0; 4], 1.0);
-    let mut world = world(particles, WorldSettings::default());
-    run(&mut world, STEP, 1);
+    let particles = still(&positions, 1.0);
+    let mut world = world_of(particles, WorldSettings::default());
+    run(&mut world, 1);
     let pairs =
         |world: &World| world.contacts().unwrap().iter().map(|t| t.pair).collect::<Vec<_>>();
     assert_eq!(pairs(&world), [[0, 1], [2, 3]]);
     world.remove(&[1]).unwrap();
     assert_eq!(pairs(&world), [[2, 3]]);
-    world.add(Particles::new(vec![[50.0; 2]], vec![[0.0; 2]], vec![1.0], 1.0)).unwrap();
+    world.add(still(&[[50.0; 2]], 1.0)).unwrap();
     assert_eq!(pairs(&world), [[2, 3]]);
-    run(&mut world, STEP, 1);
+    run(&mut world, 1);
     assert_eq!(pairs(&world), [[2, 3]]);
     assert_eq!(world.radii(), [1.0; 4]);
 }
@@ -560,12 +552,12 @@ fn removing_particles_keeps_the_contacts_of_the_others() {
 #[test]
 fn a_pile_rests_on_while_its_top_is_taken_away() {
     let mut world = jostle_scenes::find("pile").unwrap().create(Some(300), 0).unwrap();
-    run(&mut world, STEP, 900);
+    run(&mut world, 900);
     for _ in 0..50 {
         let all = world.positions();
         let top = (0..all.len()).min_by(|&a, &b| all[a][1].total_cmp(&all[b][1])).unwrap();
         world.remove(&[world.ids()[top]]).unwrap();
-        run(&mut world, STEP, 2);
+        run(&mut world, 2);
         let speeds = world.velocities().into_iter().map(|v| v[0].hypot(v[1]));
         let speed = speeds.sum::<f32>() / world.len() as f32;
         assert!(speed < 5.0, "{} left: mean speed {speed}", world.len());
@@ -583,16 +575,16 @@ fn a_train_keeps_its_order_when_it_hits_a_wall() {
                 let wall = positions[count - 1][0] + 20.0;
                 let particles =
                     Particles::new(positions, vec![[speed, 0.0]; count], vec![1.0; count], 1.0);
-                let container = Container::Box { min: [0.0; 2], max: [wall, 100.0] };
+                let container = boxed([0.0; 2], [wall, 100.0]);
                 let settings = WorldSettings {
                     restitution,
                     substeps: Some(substeps),
                     container,
                     ..WorldSettings::default()
                 };
-                let mut world = world(particles, settings);
+                let mut world = world_of(particles, settings);
                 for step in 0..20 {
-                    run(&mut world, STEP, 1);
+                    run(&mut world, 1);
                     // Side by side on a line they can only pass by passing through.
                     let x: Vec<f32> = world.positions().iter().map(|p| p[0]).collect();
                     let passed = x.windows(2).any(|pair| pair[1] < pair[0] - 0.1);
@@ -624,14 +616,12 @@ fn a_heavy_disc_pushes_nothing_through_a_curtain() {
         let mut particles = Particles::new(positions, velocities, radii, 1.0);
         particles.movable[..pegs].fill(false);
         particles.masses[pegs] = 1e5;
-        let settings = WorldSettings {
-            container: Container::Box { min: [0.0; 2], max: [side; 2] },
-            ..WorldSettings::default()
-        };
-        let mut world = world(particles, settings);
+        let settings =
+            WorldSettings { container: boxed([0.0; 2], [side; 2]), ..WorldSettings::default() };
+        let mut world = world_of(particles, settings);
         // It strikes the curtain in the third step, then again every five to ten.
         for step in 0..60 {
-            run(&mut world, STEP, 1);
+            run(&mut world, 1);
             let behind = world.positions()[pegs..].iter().filter(|p| p[0] > 250.0).count();
             assert_eq!(behind, 0, "radius {heavy}, step {step}");
         }
@@ -646,8 +636,8 @@ fn a_refused_step_leaves_the_world_as_it_was() {
         vec![1.0; 3],
         1.0,
     );
-    let mut world = world(particles, WorldSettings::default());
-    run(&mut world, 1e-9, 1);
+    let mut world = world_of(particles, WorldSettings::default());
+    run_for(&mut world, 1e-9, 1);
     let (hash, contacts, time) = (world.state_hash(), world.contacts().unwrap(), world.time());
     for dt in [1e30, f64::NAN, 0.0, -1.0, f64::INFINITY] {
         let error = world.step(dt, 1).unwrap_err().to_string();
@@ -666,8 +656,8 @@ fn a_refused_step_leaves_the_world_as_it_was() {
 fn signed_zeros_do_not_let_the_order_of_adding_show() {
     let make = |velocities: [[f32; 2]; 2]| {
         let all = Particles::new(vec![[0.0; 2]; 2], velocities.to_vec(), vec![1.0; 2], 1.0);
-        let mut world = world(all, WorldSettings::default());
-        run(&mut world, STEP, 20);
+        let mut world = world_of(all, WorldSettings::default());
+        run(&mut world, 20);
         world.positions()
     };
     let (plus, minus) = ([0.0, 0.0], [-0.0, 0.0]);
@@ -680,7 +670,7 @@ fn signed_zeros_do_not_let_the_order_of_adding_show() {
 fn an_elastic_gas_in_free_fall_keeps_its_inner_energy() {
     // Gravity is the same for all, so it cannot change how they move against each other.
     let settings = WorldSettings { gravity: [0.0, 900.0], ..WorldSettings::default() };
-    let mut world = world(cloud(400, 400.0, 8.0, 600.0, 9), settings);
+    let mut world = world_of(cloud(400, 400.0, 8.0, 600.0, 9), settings);
     let inner = |world: &World| -> f64 {
         let velocities = world.velocities();
         let count = velocities.len() as f64;
@@ -689,7 +679,7 @@ fn an_elastic_gas_in_free_fall_keeps_its_inner_energy() {
         velocities.iter().map(square).map(|[x, y]| x + y).sum::<f64>()
     };
     let before = inner(&world);
-    run(&mut world, STEP, 60);
+    run(&mut world, 60);
     let kept = inner(&world) / before;
     assert!((0.97..1.001).contains(&kept), "kept {kept}");
 }
@@ -706,10 +696,10 @@ fn slow_discs_far_from_the_origin_collide_as_near_it() {
                 vec![1.0; 2],
                 1.0,
             );
-            let mut world = world(discs, WorldSettings { container, ..WorldSettings::default() });
+            let mut world = world_of(discs, inside(container));
             // They touch after 1/speed seconds; then the second disc moves alone.
             let steps = (120.0 / speed) as usize;
-            run(&mut world, STEP, steps);
+            run(&mut world, steps);
             let time = world.time();
             let inside = container.wrap([origin, -origin]);
             let expected = [1.0, 2.0 + f64::from(speed) * time];
@@ -727,12 +717,12 @@ fn slow_discs_far_from_the_origin_collide_as_near_it() {
 
 #[test]
 fn a_slow_disc_slides_along_a_floor_far_from_the_origin() {
-    let disc = Particles::new(vec![[1e6, 9.0]], vec![[0.05, 0.0]], vec![1.0], 1.0);
-    let container = Container::Box { min: [1e6 - 10.0, -10.0], max: [1e6 + 50.0, 10.0] };
+    let disc = discs(&[([1e6, 9.0], [0.05, 0.0])], 1.0);
+    let container = boxed([1e6 - 10.0, -10.0], [1e6 + 50.0, 10.0]);
     let settings =
         WorldSettings { container, gravity: [0.0, 10.0], restitution: 0.5, ..Default::default() };
-    let mut world = world(disc, settings);
-    run(&mut world, STEP, 3600);
+    let mut world = world_of(disc, settings);
+    run(&mut world, 3600);
     let [x, y] = world.positions()[0];
     assert!((f64::from(x) - 1e6 - 0.05 * world.time()).abs() < 0.07, "{x}");
     assert_eq!(y, 9.0);
@@ -748,12 +738,14 @@ fn points_rest_and_bounce_on_a_floor_in_bounded_work() {
             1.0,
         );
         points.masses = vec![1.0; 3];
-        let container = Container::Box { min: [10.0, -10.0], max: [110.0, 10.0] };
+        let container = boxed([10.0, -10.0], [110.0, 10.0]);
         let gravity = [0.0, 10.0];
-        let mut world =
-            world(points, WorldSettings { container, gravity, restitution, ..Default::default() });
+        let mut world = world_of(
+            points,
+            WorldSettings { container, gravity, restitution, ..Default::default() },
+        );
         for _ in 0..60 {
-            run(&mut world, STEP, 1);
+            run(&mut world, 1);
             assert_eq!(world.stats().unresolved, 0, "{restitution}");
         }
     }
@@ -767,10 +759,10 @@ fn discs_that_collide_as_a_sub_step_begins_fall_along_their_parabolas() {
     for drag in [0.0, 2.0] {
         let [positions, velocities] = [[[0.0, 50.0], [0.0, 48.0]], [[3.0, -8.0], [0.0, 0.0]]];
         let discs = Particles::new(positions.to_vec(), velocities.to_vec(), vec![1.0; 2], 1.0);
-        let mut world = world(
+        let mut world = world_of(
             discs,
             WorldSettings {
-                container: Container::Box { min: [-100.0, 0.0], max: [100.0, 100.0] },
+                container: boxed([-100.0, 0.0], [100.0, 100.0]),
                 gravity: [0.0, gravity as f32],
                 drag: drag as f32,
                 restitution: 0.5,
@@ -778,7 +770,7 @@ fn discs_that_collide_as_a_sub_step_begins_fall_along_their_parabolas() {
                 ..Default::default()
             },
         );
-        run(&mut world, dt, 1);
+        run_for(&mut world, dt, 1);
         // Of the speed 8 along the normal 3/4 go over to the lower disc.
         for (place, [u, v]) in [[3.0, -2.0], [0.0, -6.0]].into_iter().enumerate() {
             let time = if drag == 0.0 { dt } else { (1.0 - (-drag * dt).exp()) / drag };

@@ -5,16 +5,9 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::{Force, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{STEP, discs, moving, run, still, walled, world_of};
+
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn moving(ends: [[f32; 2]; 2], velocity: [f32; 2]) -> Wall {
-    Wall { velocity, ..Wall::new(ends) }
-}
 
 fn motor(walls: &[u32], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Force {
     let (center, angular_velocity) = ([0.0; 2], 0.0);
@@ -57,9 +50,9 @@ fn settings(restitution: f32, substeps: usize, gravity: f32) -> WorldSettings {
 #[test]
 fn two_discs_before_a_wall_do_not_get_behind_it() {
     let positions = vec![[1.15, 0.94], [0.66, 0.22]];
-    let all = Particles::new(positions, vec![[0.0; 2]; 2], vec![0.4; 2], 1.0);
-    let mut world = World::new(all, settings(0.0, 1, 0.0)).expect("valid");
-    world.set_walls(vec![moving([[0.0, -9.0], [0.0, 9.0]], [30.0, 0.0])]).expect("valid");
+    let all = still(&positions, 0.4);
+    let mut world =
+        walled(all, vec![moving([[0.0, -9.0], [0.0, 9.0]], [30.0, 0.0])], settings(0.0, 1, 0.0));
     for _ in 0..8 {
         run(&mut world, 1);
         let wall = world.walls()[0].ends[0][0];
@@ -77,8 +70,7 @@ fn pushed(seed: u64, count: usize, speed: f32, is_row: bool, settings: WorldSett
     let all = scattered(&mut random, &vec![0.4; count], [side, side]);
     let row: Vec<_> = (-12..=20).map(|k| [-0.5, k as f32]).collect();
     let row = if is_row { &row[..] } else { &[] };
-    let mut world =
-        World::new(with_kinematic(all, row, 0.5, [speed, 0.0]), settings).expect("valid");
+    let mut world = world_of(with_kinematic(all, row, 0.5, [speed, 0.0]), settings);
     if !is_row {
         let wall = moving([[0.0, -90.0], [0.0, 90.0]], [speed, 0.0]);
         world.set_walls(vec![wall]).expect("valid");
@@ -153,7 +145,7 @@ fn lift(seed: u64, sides: Sides, velocity: [f32; 2], mut settings: WorldSettings
         period = Some(40.0);
     }
     let len = all.len();
-    let mut world = World::new(all, settings).expect("valid");
+    let mut world = world_of(all, settings);
     let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]];
     let of_walls = if period.is_some() { velocity } else { [0.0; 2] };
     let walls = (0..4).map(|k| moving([corners[k], corners[(k + 1) % 4]], of_walls));
@@ -223,8 +215,8 @@ fn no_disc_leaves_many_boxes_that_move() {
 
 /// One disc between two walls, of which one or both come as near as `gap` again and again.
 fn pressed(both: bool, gap: f32, speed: f32, settings: WorldSettings) -> World {
-    let all = Particles::new(vec![[0.3, 0.0]], vec![[0.0; 2]], vec![0.4], 1.0);
-    let mut world = World::new(all, settings).expect("valid");
+    let all = still(&[[0.3, 0.0]], 0.4);
+    let mut world = world_of(all, settings);
     let walls = [-2.0, 2.0].map(|x| Wall::new([[x, -9.0], [x, 9.0]]));
     world.set_walls(walls.to_vec()).expect("valid");
     let way = (4.0 - gap) / if both { 2.0 } else { 1.0 };
@@ -262,8 +254,8 @@ fn a_disc_stays_between_walls_that_leave_it_no_room() {
 
 #[test]
 fn a_disc_without_room_moves_with_the_mean_of_what_presses_it() {
-    let all = Particles::new(vec![[0.0; 2]], vec![[0.0; 2]], vec![0.4], 1.0);
-    let mut world = World::new(all, settings(0.0, 1, 0.0)).expect("valid");
+    let all = still(&[[0.0; 2]], 0.4);
+    let mut world = world_of(all, settings(0.0, 1, 0.0));
     let left = moving([[-0.4, -9.0], [-0.4, 9.0]], [3.0, 0.0]);
     let right = moving([[0.4, -9.0], [0.4, 9.0]], [-1.0, 0.0]);
     world.set_walls(vec![left, right]).expect("valid");
@@ -279,8 +271,8 @@ fn an_exhausted_disc_moves_with_the_walls_around_it() {
     // It bounces 10⁵ times in the step.
     for (restitution, velocity) in [(0.99, [20.0, 0.0]), (1.0, [20.0, 0.0]), (1.0, [0.0; 2])] {
         let own = [velocity[0] + 1.0, 2.0];
-        let all = Particles::new(vec![[0.0; 2]], vec![own], vec![0.4], 1.0);
-        let mut world = World::new(all, settings(restitution, 1, 0.0)).expect("valid");
+        let all = discs(&[([0.0; 2], own)], 0.4);
+        let mut world = world_of(all, settings(restitution, 1, 0.0));
         let walls = [-0.4 - 1e-7, 0.4 + 1e-7f32].map(|x| moving([[x, -9.0], [x, 9.0]], velocity));
         world.set_walls(walls.to_vec()).expect("valid");
         for step in 1..10 {
@@ -311,7 +303,7 @@ fn crowd(method: Method, threads: usize) -> World {
         [k % 26, k / 26].map(of)
     });
     let all = Particles::new(all.collect(), vec![[0.0; 2]; 1300], vec![0.4; 1300], 1.0);
-    let mut world = World::new(all, settings).expect("valid");
+    let mut world = world_of(all, settings);
     let wall = moving([[-0.5, -99.0], [-0.5, 99.0]], [20.0, 3.0]);
     world.set_walls(vec![wall]).expect("valid");
     world

@@ -1,93 +1,14 @@
 //! Distributed worlds, whose ranks are threads here.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
-use std::time::Duration;
 
-use jostle_base::{Error, Id, Result};
+use jostle_base::{Error, Id};
 use jostle_world::ranks::read_records;
-use jostle_world::{Communicator, Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle_world::{Container, OnTouch, Particles, Stage, World, WorldSettings};
 
-/// A rank waits as long for a message; then it reports that it would wait forever.
-const PATIENCE: Duration = Duration::from_secs(20);
-
-/// A channel to each rank, and one from each.
-struct ThreadRank {
-    rank: usize,
-    to: Vec<Sender<Vec<u8>>>,
-    from: Vec<Receiver<Vec<u8>>>,
-    /// Whether hashes of trajectories are changed on their path to this rank.
-    tampers: bool,
-    knows_lengths: bool,
-}
-
-impl ThreadRank {
-    fn swap(&mut self, parts: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
-        for (to, part) in self.to.iter().zip(parts) {
-            _ = to.send(part);
-        }
-        let lost = |_| Error::of("rank", self.rank, "it would wait forever");
-        self.from.iter().map(|from| from.recv_timeout(PATIENCE).map_err(lost)).collect()
-    }
-}
-
-impl Communicator for ThreadRank {
-    fn rank(&self) -> usize {
-        self.rank
-    }
-
-    fn size(&self) -> usize {
-        self.to.len()
-    }
-
-    fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>> {
-        let all = self.swap(vec![own.to_vec(); self.to.len()])?;
-        assert!(all.iter().all(|part| part.len() == own.len()), "another call than the others");
-        Ok(all.concat())
-    }
-
-    fn gather_all(&mut self, own: &[u8], counts: &[usize]) -> Result<Vec<u8>> {
-        let all = self.swap(vec![own.to_vec(); self.to.len()])?;
-        assert!(all.iter().zip(counts).all(|(part, &count)| part.len() == count));
-        Ok(all.concat())
-    }
-
-    fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>> {
-        self.knows_lengths = true;
-        let all = self.swap(to.iter().map(|number| number.to_le_bytes().to_vec()).collect())?;
-        Ok(all.iter().map(|part| u64::from_le_bytes(part[..].try_into().unwrap())).collect())
-    }
-
-    fn exchange(&mut self, to: &[u8], sent: &[usize], received: &[usize]) -> Result<Vec<u8>> {
-        let mut rest = to;
-        let parts = sent.iter().map(|&count| rest.split_off(..count).unwrap().to_vec()).collect();
-        let mut all = self.swap(parts)?;
-        assert!(rest.is_empty());
-        assert!(all.iter().zip(received).all(|(part, &count)| part.len() == count));
-        if self.tampers && !std::mem::take(&mut self.knows_lengths) {
-            all.iter_mut().flatten().for_each(|byte| *byte ^= 1);
-        }
-        Ok(all.concat())
-    }
-}
-
-fn ranks(size: usize) -> Vec<ThreadRank> {
-    let mut all: Vec<ThreadRank> = (0..size)
-        .map(|rank| {
-            let (to, from) = (vec![], vec![]);
-            ThreadRank { rank, to, from, tampers: false, knows_lengths: false }
-        })
-        .collect();
-    for from in 0..size {
-        for to in 0..size {
-            let (sender, receiver) = channel();
-            all[from].to.push(sender);
-            all[to].from.push(receiver);
-        }
-    }
-    all
-}
+use crate::common::ranks::{ThreadRank, ranks};
+use crate::common::worlds::{boxed, inside, world_of};
 
 /// A gas on a lattice with pseudo-random velocities.
 fn gas(count: usize) -> Particles {
@@ -130,7 +51,7 @@ fn on_ranks<R: Send>(
         let start = |(rank, of): (usize, ThreadRank)| {
             scope.spawn(move || {
                 let (particles, ids) = share(all, rank, size);
-                let mut world = World::new(particles, settings).unwrap();
+                let mut world = world_of(particles, settings);
                 world.distribute(Box::new(of), ids).unwrap();
                 work(rank, world)
             })
@@ -154,7 +75,7 @@ fn check_prepared(
     steps: usize,
     prepare: impl Fn(&mut World) + Sync,
 ) -> Vec<usize> {
-    let mut whole = World::new(all.clone(), settings).unwrap();
+    let mut whole = world_of(all.clone(), settings);
     prepare(&mut whole);
     whole.step(1.0 / 60.0, steps).unwrap();
     let (expected, rows) = (whole.particles(), whole.ids());
@@ -187,7 +108,7 @@ fn ranks_have_the_bits_of_one_process() {
         check(&gas(300), WorldSettings::default(), size, 40);
     }
     let container = Container::Torus { size: [45.0, 45.0] };
-    check(&gas(300), WorldSettings { container, ..WorldSettings::default() }, 3, 40);
+    check(&gas(300), inside(container), 3, 40);
 }
 
 #[test]
@@ -198,7 +119,7 @@ fn particles_that_merge_have_the_bits_of_one_process() {
     (0..400).step_by(7).for_each(|row| all.masses[row] = 3e29);
     (0..400).step_by(11).for_each(|row| all.movable[row] = false);
     (0..400).step_by(3).for_each(|row| all.restitutions[row] = 0.5);
-    let inside = Container::Box { min: [-1.0, -1.0], max: [49.0, 49.0] };
+    let inside = boxed([-1.0, -1.0], [49.0, 49.0]);
     let gravity = [0.0, 40.0];
     for container in [Container::None, inside, Container::Torus { size: [50.0, 50.0] }] {
         let settings = WorldSettings { on_touch, gravity, container, ..WorldSettings::default() };
@@ -219,7 +140,7 @@ fn particles_with_many_neighbours_have_the_bits_of_one_process() {
     fast.velocities.iter_mut().flatten().for_each(|v| *v *= 10.0);
     fast.velocities.iter_mut().step_by(7).flatten().for_each(|v| *v *= 101.0);
     (0..400).step_by(5).for_each(|row| fast.movable[row] = false);
-    let container = Container::Box { min: [-2.0; 2], max: [70.0; 2] };
+    let container = boxed([-2.0; 2], [70.0; 2]);
     for size in [2, 3] {
         check(&fast, WorldSettings { container, ..settings }, size, 1);
     }
@@ -309,7 +230,8 @@ fn impacts_at_the_same_time_do_not_depend_on_ranks_and_far_particles() {
 #[test]
 fn a_rank_that_panics_tells_the_others() {
     let results = on_ranks(&gas(300), WorldSettings::default(), ranks(3), |rank, mut world| {
-        let mut stop = |stage: Stage| assert!(rank != 1 || stage != Stage::Pairs, "a defect");
+        let mut stop =
+            |stage: Stage, _: &World| assert!(rank != 1 || stage != Stage::Pairs, "a defect");
         let step = || world.step_watched(1.0 / 60.0, 1, &mut stop);
         let result = catch_unwind(AssertUnwindSafe(step));
         result.map_err(|panic| panic.downcast_ref::<&str>().copied() == Some("a defect"))
@@ -356,7 +278,7 @@ fn errors_name_the_ids_among_all_particles() {
 /// Checks that all ranks refuse a step of `dt` with too many collisions, as one process does, and
 /// continue from where they were.
 fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
-    let settings = WorldSettings { container, ..Default::default() };
+    let settings = inside(container);
     let results = on_ranks(all, settings, ranks(size), |_, mut world| {
         let error = world.step(dt, 1).unwrap_err();
         let named = match error {
@@ -367,7 +289,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
         world.step(1e-8, 3).unwrap();
         (named, world.own_records())
     });
-    let mut whole = World::new(all.clone(), settings).unwrap();
+    let mut whole = world_of(all.clone(), settings);
     let error = whole.step(dt, 1).unwrap_err();
     assert!(matches!(error, Error::TooManyCollisions { .. }), "{error}");
     let ids = 0..all.len() as Id;
@@ -386,7 +308,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
 fn all_ranks_refuse_a_step_with_too_many_collisions() {
     let mut all = gas(20);
     all.velocities.iter_mut().flatten().for_each(|v| *v *= 3e6);
-    let container = Container::Box { min: [-1.2; 2], max: [11.2, 8.7] };
+    let container = boxed([-1.2; 2], [11.2, 8.7]);
     check_refused(&all, container, 0.01, 2);
 }
 
@@ -396,7 +318,7 @@ fn all_ranks_refuse_a_step_with_too_many_collisions() {
 fn all_ranks_refuse_one_window_with_too_many_collisions() {
     let mut all = gas(2);
     all.velocities = vec![[0.0, 3e5], [0.0; 2]];
-    let container = Container::Box { min: [-1.2, -1.01], max: [3.7, 1.01] };
+    let container = boxed([-1.2, -1.01], [3.7, 1.01]);
     for size in [1, 2, 3] {
         check_refused(&all, container, 0.01, size);
     }

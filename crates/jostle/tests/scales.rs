@@ -3,6 +3,8 @@
 
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
+use crate::common::worlds::{boxed, walled, world_of};
+
 /// What the small disc, of radius 1, meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Other {
@@ -137,10 +139,10 @@ impl Case {
             particles.movable.push(matches!(self.other, Other::Movable(_)));
         }
         let container = match self.other {
-            Other::Floor(half) => Container::Box {
-                min: [(self.place - half) as f32, self.place as f32],
-                max: [self.place + half, self.place + 2.0 * half].map(|v| v as f32),
-            },
+            Other::Floor(half) => boxed(
+                [(self.place - half) as f32, self.place as f32],
+                [self.place + half, self.place + 2.0 * half].map(|v| v as f32),
+            ),
             Other::Round(radius) => {
                 Container::Circle { center: self.rounded(0.0, radius), radius: radius as f32 }
             }
@@ -153,7 +155,7 @@ impl Case {
             substeps: Some(self.substeps),
             ..WorldSettings::default()
         };
-        let mut world = World::new(particles, settings).expect("the case is valid");
+        let mut world = world_of(particles, settings);
         if let Other::Wall(half) = self.other {
             world.set_walls(vec![Wall::new(self.ends(half))]).expect("the wall is valid");
         }
@@ -381,8 +383,7 @@ fn lost_on_floor(pieces: &[[[f32; 2]; 2]], speed: f32, restitution: f32) -> f64 
         ..Particles::default()
     };
     let settings = WorldSettings { restitution, gravity: [0.0, -10.0], ..WorldSettings::default() };
-    let mut world = World::new(particles, settings).expect("the disc is valid");
-    world.set_walls(pieces.iter().copied().map(Wall::new).collect()).expect("the floor is valid");
+    let mut world = walled(particles, pieces.iter().copied().map(Wall::new).collect(), settings);
     world.step(1.0 / 60.0, (48.0 / f64::from(speed) * 60.0) as usize).expect("steps succeed");
     let [x, y] = world.particles().positions[0];
     assert!(x > 45.0 && (0.99..1.2).contains(&y), "the disc is at ({x}, {y})");

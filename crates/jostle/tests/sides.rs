@@ -3,17 +3,14 @@
 use jostle_scenes::random::Random;
 use jostle_world::{Container, OnTouch, Particles, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{STEP, discs, inside, run, world_of};
+
 const BOX: Container = Container::Box { min: [0.0; 2], max: [20.0; 2] };
 const CIRCLE: Container = Container::Circle { center: [10.0; 2], radius: 10.0 };
 
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
 fn one(velocity: [f32; 2], settings: WorldSettings) -> World {
-    let disc = Particles::new(vec![[10.0; 2]], vec![velocity], vec![1.0], 1.0);
-    World::new(disc, settings).expect("valid")
+    let disc = discs(&[([10.0; 2], velocity)], 1.0);
+    world_of(disc, settings)
 }
 
 #[test]
@@ -42,14 +39,14 @@ fn rain(settings: WorldSettings) -> World {
     let mut all = Particles::new(positions, velocities, radii, 1.0);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.3);
     let base = WorldSettings { on_touch: OnTouch::Ignore, gravity: [1.0, -9.8], ..settings };
-    World::new(all, base).expect("valid")
+    world_of(all, base)
 }
 
 #[test]
 fn equal_ones_are_like_that_of_the_world() {
     for container in [BOX, CIRCLE] {
         for restitution in [0.0, 0.3, 0.9, 1.0] {
-            let base = WorldSettings { container, ..WorldSettings::default() };
+            let base = inside(container);
             let mut expected = rain(WorldSettings { restitution, ..base });
             let container_restitution = [restitution; 4];
             let mut world = rain(WorldSettings { container_restitution, ..base });
@@ -89,7 +86,7 @@ fn an_elastic_gas_cools_at_one_side_and_rests_there() {
 #[test]
 fn without_sides_they_change_nothing() {
     for container in [Container::None, Container::Torus { size: [20.0; 2] }] {
-        let base = WorldSettings { container, ..WorldSettings::default() };
+        let base = inside(container);
         let worlds = [[1.0; 4], [0.5, 0.0, 1.0, 0.3]].map(|container_restitution| {
             let mut world = rain(WorldSettings { container_restitution, ..base });
             run(&mut world, 30);
@@ -123,7 +120,7 @@ fn they_outlast_new_walls_and_snapshots() {
 #[test]
 fn wrong_ones_are_refused() {
     let refusal = |container, container_restitution| {
-        let base = WorldSettings { container, ..WorldSettings::default() };
+        let base = inside(container);
         let settings = WorldSettings { container_restitution, ..base };
         World::new(Particles::default(), settings).unwrap_err().to_string()
     };

@@ -8,36 +8,22 @@ use jostle_scenes::random::Random;
 use jostle_world::forces::Thermostat;
 use jostle_world::{Container, Force, OnTouch, Particles, Stage, Stats, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{STEP, boxed, change, gathered, run, still, with_friction, world_of};
 
 /// Polls until an interruption.
 static LEFT: AtomicI32 = AtomicI32::new(0);
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
 
 fn settings() -> WorldSettings {
     WorldSettings {
         gravity: [0.0, -9.8],
         restitution: 0.3,
-        container: Container::Box { min: [-50.0, 0.0], max: [50.0, 100.0] },
+        container: boxed([-50.0, 0.0], [50.0, 100.0]),
         ..WorldSettings::default()
     }
 }
 
-fn discs(positions: &[[f32; 2]], radius: f32) -> Particles {
-    let len = positions.len();
-    Particles::new(positions.to_vec(), vec![[0.0; 2]; len], vec![radius; len], 1.0)
-}
-
-fn with_friction(mut all: Particles, friction: f32) -> Particles {
-    all.spins_mut().iter_mut().for_each(|spin| spin.friction = friction);
-    all
-}
-
 fn world(all: Particles) -> World {
-    World::new(all, settings()).expect("valid")
+    world_of(all, settings())
 }
 
 /// A triangle of three discs with friction around `x`, on the floor.
@@ -47,7 +33,7 @@ fn triangle(x: f32) -> [[f32; 2]; 3] {
 
 fn triangles(centers: &[f32]) -> World {
     let positions: Vec<[f32; 2]> = centers.iter().flat_map(|&x| triangle(x)).collect();
-    world(with_friction(discs(&positions, 1.0), 0.6))
+    world(with_friction(still(&positions, 1.0), 0.6))
 }
 
 fn count(world: &World) -> usize {
@@ -59,15 +45,9 @@ fn sleep(world: &mut World) {
     assert_eq!(count(world), world.movable().iter().filter(|&&movable| movable).count());
 }
 
-fn change(world: &mut World, change: impl Fn(&mut WorldSettings)) {
-    let mut settings = *world.settings();
-    change(&mut settings);
-    world.configure(settings).expect("valid");
-}
-
 /// Settings of a box that is as wide as a heap.
 fn narrow() -> WorldSettings {
-    let container = Container::Box { min: [-13.0, 0.0], max: [13.0, 100.0] };
+    let container = boxed([-13.0, 0.0], [13.0, 100.0]);
     WorldSettings { container, ..settings() }
 }
 
@@ -78,7 +58,7 @@ fn heap(seed: u64, len: usize, friction: bool) -> Particles {
         let (column, row) = (at % 12, at / 12);
         [column as f32 * 2.1 - 12.0 + random.between(0.0, 0.1), 1.0 + row as f32 * 2.1]
     });
-    let mut all = discs(&positions.collect::<Vec<_>>(), 1.0);
+    let mut all = still(&positions.collect::<Vec<_>>(), 1.0);
     all.radii.iter_mut().for_each(|radius| *radius = random.between(0.7, 1.0));
     all.movable[3] = false;
     all.movable[20] = false;
@@ -90,7 +70,7 @@ fn heap(seed: u64, len: usize, friction: bool) -> Particles {
 
 #[test]
 fn a_pile_falls_asleep_and_stays_as_it_is() {
-    let mut world = World::new(heap(1, 60, true), narrow()).unwrap();
+    let mut world = world_of(heap(1, 60, true), narrow());
     run(&mut world, 600);
     // Single discs may roll for longer.
     for _ in 0..20 {
@@ -105,7 +85,7 @@ fn a_pile_falls_asleep_and_stays_as_it_is() {
     let before = (world.particles(), world.contacts().unwrap(), world.wall_contacts());
     let energy = world.potential_energy();
     let mut stages = Vec::new();
-    world.step_watched(STEP, 500, &mut |stage: Stage| stages.push(stage)).unwrap();
+    world.step_watched(STEP, 500, &mut |stage: Stage, _: &World| stages.push(stage)).unwrap();
     assert_eq!((world.particles(), world.contacts().unwrap(), world.wall_contacts()), before);
     assert!(!before.1.is_empty() && !before.2.is_empty());
     assert_eq!(world.potential_energy(), energy);
@@ -135,9 +115,9 @@ fn half_a_second_of_rest_is_needed() {
 
 #[test]
 fn nothing_sleeps_where_nothing_rests() {
-    let lone = || discs(&[[0.0, 1.0], [9.0, 1.0]], 1.0);
+    let lone = || still(&[[0.0, 1.0], [9.0, 1.0]], 1.0);
     let none = |changed: WorldSettings| {
-        let mut world = World::new(lone(), changed).unwrap();
+        let mut world = world_of(lone(), changed);
         run(&mut world, 120);
         assert_eq!(count(&world), 0, "{changed:?}");
     };
@@ -147,7 +127,7 @@ fn nothing_sleeps_where_nothing_rests() {
     none(WorldSettings { on_touch: OnTouch::Ignore, ..settings() });
     let mut elastic = lone();
     elastic.restitutions = vec![1.0, 0.5];
-    let mut mixed = World::new(elastic, WorldSettings { restitution: 1.0, ..settings() }).unwrap();
+    let mut mixed = world_of(elastic, WorldSettings { restitution: 1.0, ..settings() });
     run(&mut mixed, 120);
     assert_eq!(mixed.asleep(), [false, true]);
     let thermostat = Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
@@ -166,9 +146,9 @@ fn nothing_sleeps_where_nothing_rests() {
 
 #[test]
 fn all_immovable_and_empty_worlds() {
-    let mut empty = World::new(Particles::default(), settings()).unwrap();
+    let mut empty = world_of(Particles::default(), settings());
     run(&mut empty, 100);
-    let mut all = discs(&triangle(0.0), 1.0);
+    let mut all = still(&triangle(0.0), 1.0);
     all.movable.fill(false);
     let mut fixed = world(all);
     run(&mut fixed, 100);
@@ -182,9 +162,9 @@ fn discs_that_topple_do_not_sleep() {
             let off = offset * radius;
             let positions = [[0.0, radius], [off, radius + 1.999_999 * radius]];
             let far = 50.0 * radius;
-            let container = Container::Box { min: [-far, 0.0], max: [far, far] };
+            let container = boxed([-far, 0.0], [far, far]);
             let changed = WorldSettings { gravity: [0.0, -gravity], container, ..settings() };
-            let mut world = World::new(discs(&positions, radius), changed).unwrap();
+            let mut world = world_of(still(&positions, radius), changed);
             // The time in which the offset grows e times is about (r/g)^½.
             let steps = (60.0 * 25.0 * (radius / gravity).sqrt()) as usize + 90;
             run(&mut world, steps);
@@ -197,12 +177,12 @@ fn discs_that_topple_do_not_sleep() {
 #[test]
 fn a_disc_that_turns_round_in_flight_does_not_sleep() {
     for (radius, gravity, speed) in [(1.0f32, 9.8f32, 4.9f32), (1e4, 9.8, 9.8), (1e6, 0.1, 0.1)] {
-        let mut all = discs(&[[0.0, 2.0 * radius]], radius);
+        let mut all = still(&[[0.0, 2.0 * radius]], radius);
         all.velocities[0] = [0.0, speed];
         let far = 9.0 * radius;
-        let container = Container::Box { min: [-far, 0.0], max: [far, far] };
+        let container = boxed([-far, 0.0], [far, far]);
         let changed = WorldSettings { gravity: [0.0, -gravity], container, ..settings() };
-        let mut world = World::new(all, changed).unwrap();
+        let mut world = world_of(all, changed);
         let top = (speed / gravity * 60.0) as usize;
         for _ in 0..2 * top {
             run(&mut world, 1);
@@ -214,8 +194,7 @@ fn a_disc_that_turns_round_in_flight_does_not_sleep() {
 #[test]
 fn a_disc_that_falls_slowly_in_a_viscous_medium_does_not_sleep() {
     for drag in [30.0, 300.0, 3e4] {
-        let mut world =
-            World::new(discs(&[[0.0, 9.0]], 1.0), WorldSettings { drag, ..settings() }).unwrap();
+        let mut world = world_of(still(&[[0.0, 9.0]], 1.0), WorldSettings { drag, ..settings() });
         run(&mut world, 300);
         assert_eq!(count(&world), 0, "{drag}");
         let expected = 9.0 - 9.8 / drag * (5.0 - 1.0 / drag);
@@ -233,7 +212,7 @@ fn a_pile_without_friction_falls_asleep_in_spite_of_its_vibrations() {
 #[test]
 fn a_slow_disc_slides_on_unless_it_is_below_the_limit() {
     for (speed, expected) in [(0.05f32, 0), (0.02, 1)] {
-        let mut all = discs(&[[0.0, 1.0]], 1.0);
+        let mut all = still(&[[0.0, 1.0]], 1.0);
         all.velocities[0] = [speed, 0.0];
         let mut world = world(all);
         run(&mut world, 120);
@@ -247,16 +226,16 @@ fn a_disc_that_turns_round_on_a_slope_does_not_sleep() {
         [(1.0f32, 9.8f32, 1.0f32, 0.5f32), (1.0, 9.8, 0.25, 0.2), (20.0, 900.0, 0.25, 10.0)]
     {
         for friction in [0.0, 0.5] {
-            let mut all = with_friction(discs(&[[0.0, radius]], radius), friction);
+            let mut all = with_friction(still(&[[0.0, radius]], radius), friction);
             let rolls = friction > 0.0;
             all.velocities[0] = [-speed, 0.0];
             all.spins_mut()[0].velocity = if rolls { speed / radius } else { 0.0 };
             let (sine, cosine) = degrees.to_radians().sin_cos();
             let far = 500.0 * radius;
-            let container = Container::Box { min: [-far, 0.0], max: [far, far] };
+            let container = boxed([-far, 0.0], [far, far]);
             let pull = [gravity * sine, -gravity * cosine];
             let changed = WorldSettings { gravity: pull, container, ..settings() };
-            let mut world = World::new(all, changed).unwrap();
+            let mut world = world_of(all, changed);
             let acceleration = gravity * sine * if rolls { 2.0 / 3.0 } else { 1.0 };
             // Back where it started.
             let seconds = 2.0 * speed / acceleration;
@@ -270,7 +249,7 @@ fn a_disc_that_turns_round_on_a_slope_does_not_sleep() {
 
 #[test]
 fn a_disc_that_spins_without_friction_does_not_sleep() {
-    let mut all = discs(&[[0.0, 1.0]], 1.0);
+    let mut all = still(&[[0.0, 1.0]], 1.0);
     all.spins_mut()[0].velocity = 0.2;
     let mut world = world(all);
     run(&mut world, 300);
@@ -280,7 +259,7 @@ fn a_disc_that_spins_without_friction_does_not_sleep() {
 
 #[test]
 fn a_point_sleeps_if_it_stands_still() {
-    let mut points = discs(&[[0.0, 0.0], [5.0, 0.0]], 0.0);
+    let mut points = still(&[[0.0, 0.0], [5.0, 0.0]], 0.0);
     points.masses.fill(1.0);
     points.velocities[1] = [1e-6, 0.0];
     let mut world = world(points);
@@ -292,7 +271,7 @@ fn a_point_sleeps_if_it_stands_still() {
 fn a_slow_ball_wakes_the_island_that_it_touches_and_no_other() {
     let mut world = triangles(&[-20.0, 0.0, 20.0]);
     sleep(&mut world);
-    let mut ball = discs(&[[0.0, 9.0]], 0.5);
+    let mut ball = still(&[[0.0, 9.0]], 0.5);
     ball.velocities[0] = [0.0, -1.0];
     world.add(ball).unwrap();
     assert_eq!(count(&world), 9, "adding wakes nothing");
@@ -306,8 +285,7 @@ fn a_slow_ball_wakes_the_island_that_it_touches_and_no_other() {
 /// A pile that rests with the same bits whether or not it sleeps.
 fn lone_discs(sleeping: bool) -> World {
     let positions: Vec<[f32; 2]> = (0..20).map(|at| [4.0 * at as f32 - 38.0, 1.0]).collect();
-    let mut world = World::new(discs(&positions, 1.0), WorldSettings { sleeping, ..settings() })
-        .expect("valid");
+    let mut world = world_of(still(&positions, 1.0), WorldSettings { sleeping, ..settings() });
     run(&mut world, 120);
     assert_eq!(count(&world), if sleeping { 20 } else { 0 });
     world
@@ -319,7 +297,7 @@ fn nothing_tunnels_through_sleeping_discs() {
     for speed in [30.0f32, 300.0, 3_000.0, 30_000.0] {
         let shot = |sleeping: bool| {
             let mut world = lone_discs(sleeping);
-            let mut bullet = discs(&[[-40.7, 1.2]], 0.5);
+            let mut bullet = still(&[[-40.7, 1.2]], 0.5);
             bullet.velocities[0] = [speed, 0.0];
             bullet.masses[0] = 0.3;
             world.add(bullet).unwrap();
@@ -345,7 +323,7 @@ fn a_ball_deflected_out_of_its_bounds_wakes_what_it_meets() {
         let mut world = lone_discs(sleeping);
         // A light ball at rest in the air, and a heavy fast one that sends it down at twice the
         // speed. Neither reaches the floor by itself.
-        let mut balls = discs(&[[0.0, 40.0], [-0.1, 60.0]], 1.0);
+        let mut balls = still(&[[0.0, 40.0], [-0.1, 60.0]], 1.0);
         balls.masses = vec![1e-3, 1e3];
         balls.velocities = vec![[0.0; 2], [0.0, -1200.0]];
         world.add(balls).unwrap();
@@ -415,7 +393,7 @@ fn changes_wake() {
     world.set_forces(vec![Force::Thermostat(Thermostat { speed: 1.0, rate: 0.1 })]).unwrap();
     assert_eq!(count(&world), 0);
     let mut world = base();
-    let mut wall = discs(&[[0.0, 50.0]], 1.0);
+    let mut wall = still(&[[0.0, 50.0]], 1.0);
     wall.movable[0] = false;
     world.add(wall).unwrap();
     assert_eq!(count(&world), 0);
@@ -433,7 +411,7 @@ fn without_the_floor_a_pile_falls() {
 #[test]
 fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
     let make = || {
-        let mut all = discs(&[[0.0, 20.0], [0.0, 22.0]], 1.0);
+        let mut all = still(&[[0.0, 20.0], [0.0, 22.0]], 1.0);
         all.movable[0] = false;
         let mut world = world(with_friction(all, 0.5));
         run(&mut world, 120);
@@ -460,7 +438,7 @@ fn a_disc_falls_when_the_immovable_one_under_it_is_removed_or_moved() {
 fn ids_stay_when_particles_are_removed() {
     let mut world = triangles(&[-20.0, 0.0, 20.0]);
     sleep(&mut world);
-    world.add(discs(&[[-10.0, 50.0], [10.0, 60.0]], 0.5)).unwrap();
+    world.add(still(&[[-10.0, 50.0], [10.0, 60.0]], 0.5)).unwrap();
     let before = world.particles();
     world.remove(&[0, 9]).unwrap();
     assert_eq!(world.asleep(), [false, false, true, true, true, true, true, true, false]);
@@ -487,7 +465,7 @@ fn ids_stay_when_particles_are_removed() {
 fn a_failed_step_leaves_all_asleep() {
     let mut world = triangles(&[-20.0, 20.0]);
     sleep(&mut world);
-    let mut ball = discs(&[[-20.0, 3.9]], 1.0);
+    let mut ball = still(&[[-20.0, 3.9]], 1.0);
     ball.velocities[0] = [0.0, -1.0];
     ball.masses[0] = 1e30;
     world.add(ball).unwrap();
@@ -512,13 +490,12 @@ fn a_failed_step_leaves_all_asleep() {
 #[test]
 fn a_torus_wakes_across_its_seams() {
     let container = Container::Torus { size: [40.0, 40.0] };
-    let mut all = discs(&[[39.5, 20.0], [39.5, 22.0]], 1.0);
+    let mut all = still(&[[39.5, 20.0], [39.5, 22.0]], 1.0);
     all.movable[0] = false;
-    let mut world =
-        World::new(with_friction(all, 0.5), WorldSettings { container, ..settings() }).unwrap();
+    let mut world = world_of(with_friction(all, 0.5), WorldSettings { container, ..settings() });
     run(&mut world, 120);
     assert_eq!(world.asleep(), [false, true]);
-    let mut ball = discs(&[[4.0, 22.0]], 0.5);
+    let mut ball = still(&[[4.0, 22.0]], 0.5);
     ball.velocities[0] = [-12.0, 0.0];
     world.add(ball).unwrap();
     run(&mut world, 30);
@@ -529,7 +506,7 @@ fn a_torus_wakes_across_its_seams() {
 /// A long story with sleeping, waking, adding, removing and editing. `observe` may replace the world
 /// at any moment.
 fn story(all: Particles, start: WorldSettings, observe: &dyn Fn(World) -> World) -> Vec<u64> {
-    let mut world = World::new(all, start).expect("valid");
+    let mut world = world_of(all, start);
     run(&mut world, 400);
     let mut hashes = Vec::new();
     for chapter in 0..8u32 {
@@ -542,7 +519,7 @@ fn story(all: Particles, start: WorldSettings, observe: &dyn Fn(World) -> World)
         let x = 3.0 * chapter as f32 - 15.0;
         match chapter % 5 {
             0 => {
-                let mut ball = discs(&[[x, 30.0], [x + 2.5, 31.0]], 0.9);
+                let mut ball = still(&[[x, 30.0], [x + 2.5, 31.0]], 0.9);
                 ball.velocities[0] = [1.0, -200.0 * (chapter % 3) as f32];
                 world.add(ball).map(drop)
             }
@@ -600,7 +577,7 @@ fn sleeping_does_not_show_how_it_is_computed() {
 fn changing_a_few_is_changing_all_of_which_a_few_differ() {
     for seed in 0..12 {
         let friction = seed % 3 > 0;
-        let mut world = World::new(heap(seed, 40, friction), narrow()).unwrap();
+        let mut world = world_of(heap(seed, 40, friction), narrow());
         run(&mut world, if seed % 4 > 0 { 400 } else { 5 });
         let mut random = Random::new(seed);
         let mut rows: Vec<u32> = (0..40).filter(|_| random.whole(0, 9) < 2.0).collect();
@@ -640,16 +617,13 @@ fn changing_a_few_is_changing_all_of_which_a_few_differ() {
 fn the_order_of_adding_does_not_change_who_sleeps() {
     let all = heap(5, 72, true);
     let order: Vec<u32> = (0..72u32).map(|row| (row * 31 + 7) % 72).collect();
-    let mut permuted = Particles::default();
-    permuted.gather(&all, &order, None);
-    let (mut a, mut b) =
-        (World::new(all, narrow()).unwrap(), World::new(permuted, narrow()).unwrap());
+    let permuted = gathered(&all, &order);
+    let (mut a, mut b) = (world_of(all, narrow()), world_of(permuted, narrow()));
     for _ in 0..40 {
         run(&mut a, 13);
         run(&mut b, 13);
         let (p, q) = (a.particles(), b.particles());
-        let mut again = Particles::default();
-        again.gather(&p, &order, None);
+        let again = gathered(&p, &order);
         assert!(again == q);
         let asleep: Vec<bool> = order.iter().map(|&row| a.asleep()[row as usize]).collect();
         assert_eq!(asleep, b.asleep());
@@ -661,7 +635,7 @@ fn the_order_of_adding_does_not_change_who_sleeps() {
 fn forged_snapshots_are_refused_or_continue() {
     let mut world = triangles(&[-20.0, 20.0]);
     sleep(&mut world);
-    world.add(discs(&[[0.0, 4.0]], 1.0)).unwrap();
+    world.add(still(&[[0.0, 4.0]], 1.0)).unwrap();
     let bytes = world.snapshot();
     let (mut refused, mut continued) = (0, 0);
     for at in HEAD..bytes.len() {

@@ -4,18 +4,12 @@ use std::sync::LazyLock;
 
 use jostle_base::bytes::{HEAD, checksum};
 use jostle_base::{Method, Settings};
-use jostle_scenes::{SCENES, STEP, random::Random};
+use jostle_scenes::{SCENES, random::Random};
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
 use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn restored(world: &World) -> World {
-    World::restore(&world.snapshot()).expect("a snapshot can be restored")
-}
+use crate::common::worlds::{boxed, forced, restored, run, still};
 
 /// All that can be asked of a world.
 fn assert_same(a: &World, b: &World, of: &str) {
@@ -78,15 +72,13 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         track_events: true,
         tree: Settings { leaf_capacity: 7, max_depth: 30, threads: Some(2) },
     };
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_forces(forces(count as u32)).expect("valid");
-    world
+    forced(all, forces(count as u32), settings)
 }
 
 fn containers() -> [Container; 4] {
     [
         Container::None,
-        Container::Box { min: [0.0; 2], max: [50.0; 2] },
+        boxed([0.0; 2], [50.0; 2]),
         Container::Circle { center: [25.0; 2], radius: 31.0 },
         Container::Torus { size: [50.0, 60.0] },
     ]
@@ -123,7 +115,7 @@ fn everything_that_a_world_can_have_goes_on_to_the_bit() {
             // Its resting contacts are kept while particles come and go.
             for world in [&mut world, &mut again] {
                 world.remove(&[3, 0, 5]).expect("they are there");
-                let more = Particles::new(vec![[25.0; 2]], vec![[0.0; 2]], vec![0.5], 1.0);
+                let more = still(&[[25.0; 2]], 0.5);
                 world.add(more).expect("valid");
                 run(world, 100);
             }
@@ -190,12 +182,11 @@ static SMALL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut all =
         Particles::new((0..40).map(|_| pair()).collect(), vec![[0.0; 2]; 40], vec![0.5; 40], 1.0);
     all.movable[3] = false;
-    let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
+    let container = boxed([0.0; 2], [10.0; 2]);
     let gravity = [0.0, 5.0];
     let track_events = true;
     let settings = WorldSettings { container, gravity, track_events, ..WorldSettings::default() };
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_forces(forces(40)).expect("valid");
+    let mut world = forced(all, forces(40), settings);
     world.remove(&[5, 23]).expect("they are there");
     let slope =
         Wall { restitution: 0.5, friction: Some(0.3), ..Wall::new([[0.0, 6.0], [7.0, 8.0]]) };
@@ -241,7 +232,7 @@ proptest! {
             prop_assert!(world.configure(settings).is_ok());
             prop_assert!(world.contacts().is_ok());
             prop_assert!(world.rows_of(&world.ids()).is_ok());
-            let more = Particles::new(vec![[1.0; 2]], vec![[0.0; 2]], vec![0.1], 1.0);
+            let more = still(&[[1.0; 2]], 0.1);
             if let Ok(added) = world.add(more) {
                 prop_assert!(world.contains(added.start));
             }

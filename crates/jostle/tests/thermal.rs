@@ -6,13 +6,10 @@ use jostle_world::forces::chance::Chance;
 use jostle_world::forces::{Andersen, ThermalWalls};
 use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings, forces};
 
-const STEP: f64 = 1.0 / 60.0;
+use crate::common::worlds::{boxed, closed, discs, forced, gathered, inside, run};
+
 const KT: f32 = 4.0;
 const ALL: [bool; 4] = [true; 4];
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
 
 fn walls(sides: [bool; 4], seed: u32) -> Force {
     Force::ThermalWalls(ThermalWalls { temperature: KT, sides, walls: vec![], seed })
@@ -22,12 +19,6 @@ fn walls(sides: [bool; 4], seed: u32) -> Force {
 fn segments(temperature: f32, walls: &[u32], seed: u32) -> Force {
     let (sides, walls) = ([false; 4], walls.to_vec());
     Force::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
-}
-
-/// The sides of a polygon.
-fn closed(corners: &[[f32; 2]]) -> Vec<Wall> {
-    let next = corners.iter().cycle().skip(1);
-    corners.iter().zip(next).map(|(&a, &b)| Wall::new([a, b])).collect()
 }
 
 fn bath(rate: f32) -> Force {
@@ -44,12 +35,6 @@ fn gas(count: usize, side: f32) -> Particles {
     let mut all = Particles::new(positions, velocities.collect(), vec![0.3; count], 1.0);
     all.masses = (0..count).map(|at| if at % 2 == 0 { 1.0 } else { 4.0 }).collect();
     all
-}
-
-fn world(all: Particles, settings: WorldSettings, forces: Vec<Force>) -> World {
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_forces(forces).expect("valid");
-    world
 }
 
 /// The largest difference between the distribution of some numbers and a function, times √n. It
@@ -102,13 +87,12 @@ fn random_numbers_have_their_distributions() {
 #[test]
 fn a_gas_gets_the_temperature_of_its_walls() {
     // Particles that pass through each other: each is heated by the walls alone.
-    for container in [
-        Container::Box { min: [0.0; 2], max: [30.0; 2] },
-        Container::Circle { center: [15.0; 2], radius: 22.0 },
-    ] {
-        let base = WorldSettings { container, ..WorldSettings::default() };
+    for container in
+        [boxed([0.0; 2], [30.0; 2]), Container::Circle { center: [15.0; 2], radius: 22.0 }]
+    {
+        let base = inside(container);
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
-        let mut world = world(gas(2000, 30.0), settings, vec![walls(ALL, 3)]);
+        let mut world = forced(gas(2000, 30.0), vec![walls(ALL, 3)], settings);
         world.step(1.0, 400).unwrap();
         check_temperature(&world, "walls");
     }
@@ -118,7 +102,7 @@ fn a_gas_gets_the_temperature_of_its_walls() {
 fn a_gas_gets_the_temperature_of_line_segments() {
     let corners = [[-9.0, -2.0], [15.0, -20.0], [42.0, -3.0], [33.0, 36.0], [-2.0, 33.0]];
     let settings = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
-    let mut world = world(gas(2000, 30.0), settings, vec![]);
+    let mut world = forced(gas(2000, 30.0), vec![], settings);
     let mut walls = closed(&corners);
     // A plate in the middle, with both sides.
     walls.push(Wall::new([[10.0, 15.1], [22.0, 14.0]]));
@@ -133,7 +117,7 @@ fn each_line_segment_has_its_own_temperature() {
     // Discs that bounce between a cold wall and a hot one, and off elastic walls.
     let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0]];
     let base = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
-    let mut world = world(gas(2000, 30.0), base, vec![]);
+    let mut world = forced(gas(2000, 30.0), vec![], base);
     world.set_walls(closed(&corners)).unwrap();
     let cold = segments(1.0, &[0], 1);
     world.set_forces(vec![cold, segments(9.0, &[2], 2)]).unwrap();
@@ -153,7 +137,7 @@ fn each_line_segment_has_its_own_temperature() {
 fn a_gas_gets_the_temperature_of_a_bath() {
     let settings =
         WorldSettings { container: Container::Torus { size: [60.0; 2] }, ..Default::default() };
-    let mut world = world(gas(2000, 60.0), settings, vec![bath(5.0)]);
+    let mut world = forced(gas(2000, 60.0), vec![bath(5.0)], settings);
     run(&mut world, 120);
     check_temperature(&world, "a bath");
 }
@@ -180,11 +164,11 @@ fn a_disc_leaves_a_wall_as_from_a_gas() {
     let n = 4000;
     let positions = (0..n).map(|at| [1.0 + at as f32 * 1e-3, 10.0]).collect();
     let all = Particles::new(positions, vec![[-10.0, 3.0]; n], vec![0.5; n], 8.0);
-    let container = Container::Box { min: [0.0; 2], max: [1e4; 2] };
-    let base = WorldSettings { container, ..WorldSettings::default() };
+    let container = boxed([0.0; 2], [1e4; 2]);
+    let base = inside(container);
     let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
     let hot = walls([true, false, false, false], 9);
-    let mut world = world(all, settings, vec![hot]);
+    let mut world = forced(all, vec![hot], settings);
     world.step(0.5, 1).unwrap();
     let scale = (2.0 / f64::from(KT)).sqrt();
     let column = |k: usize| world.velocities().iter().map(|v| f64::from(v[k]) * scale).collect();
@@ -206,7 +190,7 @@ fn a_disc_leaves_a_moving_line_segment_as_from_a_gas() {
         let positions = (0..n).map(|at| [x * (1.0 + at as f32 * 1e-3), 10.0]).collect();
         let all = Particles::new(positions, vec![velocity; n], vec![0.5; n], 8.0);
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..WorldSettings::default() };
-        let mut world = world(all, settings, vec![]);
+        let mut world = forced(all, vec![], settings);
         let carried = [0.5, -2.0];
         let wall = Wall { velocity: carried, ..Wall::new([[0.0, -99.0], [0.0, 99.0]]) };
         world.set_walls(vec![wall]).unwrap();
@@ -226,16 +210,16 @@ fn a_disc_leaves_a_moving_line_segment_as_from_a_gas() {
 
 #[test]
 fn other_sides_stay_elastic() {
-    let container = Container::Box { min: [0.0; 2], max: [10.0; 2] };
-    let settings = WorldSettings { container, ..WorldSettings::default() };
-    let disc = |velocity| Particles::new(vec![[5.0; 2]], vec![velocity], vec![1.0], 1.0);
+    let container = boxed([0.0; 2], [10.0; 2]);
+    let settings = inside(container);
+    let disc = |velocity| discs(&[([5.0; 2], velocity)], 1.0);
     let hot = walls([false, true, false, false], 0);
     for velocity in [[-8.0, 0.0], [0.0, -8.0], [0.0, 8.0]] {
-        let mut world = world(disc(velocity), settings, vec![hot.clone()]);
+        let mut world = forced(disc(velocity), vec![hot.clone()], settings);
         world.step(0.75, 1).unwrap();
         assert_eq!(world.velocities(), [velocity.map(|v| 0.0 - v)]);
     }
-    let mut world = world(disc([8.0, 0.0]), settings, vec![hot]);
+    let mut world = forced(disc([8.0, 0.0]), vec![hot], settings);
     world.step(0.75, 1).unwrap();
     let [[u, v]] = world.velocities()[..] else { panic!("one disc") };
     assert!(u < 0.0 && u != -8.0 && v != 0.0);
@@ -244,14 +228,14 @@ fn other_sides_stay_elastic() {
 #[test]
 fn a_thermal_floor_holds_an_atmosphere() {
     // The mean height over the floor is kT/mg; discs with tiny speeds are thrown up again.
-    let container = Container::Box { min: [0.0; 2], max: [40.0, 1e4] };
+    let container = boxed([0.0; 2], [40.0, 1e4]);
     let base = WorldSettings { container, gravity: [0.0, -10.0], ..WorldSettings::default() };
     let settings = WorldSettings { on_touch: OnTouch::Ignore, ..base };
     let mut all = gas(2000, 40.0);
     all.masses.fill(1.0);
     all.positions.iter_mut().for_each(|p| p[1] = 1.0);
     all.velocities.iter_mut().for_each(|v| *v = [v[0], 0.0]);
-    let mut world = world(all, settings, vec![walls([false, false, true, false], 2)]);
+    let mut world = forced(all, vec![walls([false, false, true, false], 2)], settings);
     world.step(0.25, 160).unwrap();
     let heights = world.positions().into_iter().map(|p| f64::from(p[1] - 0.3));
     let found = kolmogorov_smirnov(heights.collect(), |z| 1.0 - (-10.0 * z / f64::from(KT)).exp());
@@ -260,16 +244,15 @@ fn a_thermal_floor_holds_an_atmosphere() {
 
 /// Everything that may show: collisions, gravity, several walls, a bath.
 fn busy(settings: WorldSettings, order: &[u32]) -> World {
-    let mut all = Particles::default();
-    all.gather(&gas(400, 22.0), order, None);
+    let all = gathered(&gas(400, 22.0), order);
     let forces = vec![
         walls([true, false, false, true], 4),
         walls([false, true, false, false], 5),
         bath(0.5),
     ];
-    let container = Container::Box { min: [0.0; 2], max: [22.0; 2] };
+    let container = boxed([0.0; 2], [22.0; 2]);
     let settings = WorldSettings { container, gravity: [0.0, 3.0], ..settings };
-    let mut world = world(all, settings, vec![]);
+    let mut world = forced(all, vec![], settings);
     let wall = |at: f32| Wall::new([[at, 6.0], [at + 3.0, 14.0]]);
     world.set_walls([3.0, 9.0, 15.0].map(wall).to_vec()).unwrap();
     world.set_forces([forces, vec![segments(2.0, &[0, 2], 8)]].concat()).unwrap();
@@ -293,8 +276,7 @@ fn it_does_not_show_how_they_are_computed() {
     let order: Vec<u32> = (0..400).map(|at| at * 137 % 400).collect();
     let mut other = busy(WorldSettings::default(), &order);
     run(&mut other, 120);
-    let mut permuted = Particles::default();
-    permuted.gather(&expected.particles(), &order, None);
+    let permuted = gathered(&expected.particles(), &order);
     assert!(other.particles() == permuted, "the order of adding");
     let mut again = busy(WorldSettings::default(), &straight);
     again.set_forces(vec![walls(ALL, 5)]).unwrap();
@@ -306,9 +288,9 @@ fn it_does_not_show_how_they_are_computed() {
 fn threads_do_not_show_in_heat() {
     let hashes = [1, 2, 8].map(|threads| {
         let tree = Settings { threads: Some(threads), ..Settings::default() };
-        let container = Container::Box { min: [0.0; 2], max: [160.0; 2] };
+        let container = boxed([0.0; 2], [160.0; 2]);
         let settings = WorldSettings { container, tree, ..WorldSettings::default() };
-        let mut world = world(gas(30_000, 160.0), settings, vec![walls(ALL, 0), bath(3.0)]);
+        let mut world = forced(gas(30_000, 160.0), vec![walls(ALL, 0), bath(3.0)], settings);
         run(&mut world, 4);
         world.state_hash()
     });

@@ -4,25 +4,7 @@ use jostle_base::Method;
 use jostle_scenes::random::Random;
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
-const STEP: f64 = 1.0 / 60.0;
-
-/// Position and velocity of a disc.
-type Row = ([f32; 2], [f32; 2]);
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn world(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_walls(walls).expect("valid");
-    world
-}
-
-fn discs(rows: &[Row], radius: f32) -> Particles {
-    let (positions, velocities): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
-    Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
-}
+use crate::common::worlds::{Row, STEP, discs, gathered, run, walled, world_of};
 
 fn on(size: [f32; 2], settings: WorldSettings) -> WorldSettings {
     WorldSettings { container: Container::Torus { size }, ..settings }
@@ -49,7 +31,7 @@ fn both(
     radius: f32,
     settings: WorldSettings,
 ) -> [World; 2] {
-    let torus = world(discs(rows, radius), walls.to_vec(), on(size, settings));
+    let torus = walled(discs(rows, radius), walls.to_vec(), on(size, settings));
     let tiles = (-copies..=copies).flat_map(|x| (-copies..=copies).map(move |y| [x, y]));
     // Those of the middle first.
     let tiles = std::iter::once([0, 0]).chain(tiles.filter(|tile| *tile != [0, 0]));
@@ -59,7 +41,7 @@ fn both(
         all_rows.extend(rows.iter().map(|&(at, velocity)| (moved(at), velocity)));
         all_walls.extend(walls.iter().map(|wall| Wall { ends: wall.ends.map(moved), ..*wall }));
     }
-    [torus, world(discs(&all_rows, radius), all_walls, settings)]
+    [torus, walled(discs(&all_rows, radius), all_walls, settings)]
 }
 
 /// Refuses discs of the two that differ, or do not move alike.
@@ -153,7 +135,7 @@ fn a_disc_rolls_over_the_boundary_without_a_bump() {
     for (name, walls) in [("one", one), ("shifted", shifted), ("several", several.collect())] {
         for (restitution, speed) in [(1.0, 3.0), (0.5, 17.0), (0.0, 400.0)] {
             let disc = discs(&[([0.1, 6.0], [speed, 0.0])], 1.0);
-            let mut world = world(disc, walls.clone(), on(size, falling(restitution)));
+            let mut world = walled(disc, walls.clone(), on(size, falling(restitution)));
             for step in 0..120 {
                 run(&mut world, 1);
                 let ([_, y], [u, v]) = (world.positions()[0], world.velocities()[0]);
@@ -180,7 +162,7 @@ fn a_disc_may_touch_two_images_of_a_wall() {
         }
     }
     let mut rests =
-        world(discs(&[([0.3, 7.0], [0.0; 2])], 2.5), walls.to_vec(), on(size, falling(0.3)));
+        walled(discs(&[([0.3, 7.0], [0.0; 2])], 2.5), walls.to_vec(), on(size, falling(0.3)));
     run(&mut rests, 900);
     let [x, y] = rests.positions()[0];
     let x = difference([[0.0; 2], [x, y]], size)[0];
@@ -204,7 +186,7 @@ fn nothing_leaves_a_polygon_at_the_boundary() {
             })
             .collect();
         let settings = WorldSettings { gravity: [0.0, gravity], ..falling(restitution) };
-        let mut world = world(discs(&rows, 0.4), walls.clone(), on(size, settings));
+        let mut world = walled(discs(&rows, 0.4), walls.clone(), on(size, settings));
         let before = world.kinetic_energy();
         for step in 0..100 {
             run(&mut world, 1);
@@ -239,7 +221,7 @@ fn crowd(count: usize, settings: WorldSettings, order: Option<&[u32]>) -> World 
     let (straight, mut all) = (discs(&rows, 0.9), Particles::default());
     let own: Vec<u32> = (0..count as u32).collect();
     all.gather(&straight, order.unwrap_or(&own), None);
-    world(all, walls, on([side; 2], settings))
+    walled(all, walls, on([side; 2], settings))
 }
 
 #[test]
@@ -259,8 +241,7 @@ fn they_do_not_show_how_they_are_computed() {
         let order: Vec<u32> = (0..300).map(|k| (k * 77 + 5) % 300).collect();
         let mut mixed = crowd(300, settings, Some(&order));
         run(&mut mixed, 40);
-        let mut particles = Particles::default();
-        particles.gather(&expected.particles(), &order, None);
+        let particles = gathered(&expected.particles(), &order);
         assert!(mixed.particles() == particles, "the order of adding");
     }
 }
@@ -283,13 +264,13 @@ fn threads_do_not_show_in_them() {
 fn walls_that_do_not_fit_are_refused() {
     let long = Wall::new([[0.0, 1.0], [12.5, 1.0]]);
     let disc = || discs(&[([5.0; 2], [1.0, 0.0])], 1.0);
-    let mut torus = World::new(disc(), on([12.0, 9.0], WorldSettings::default())).expect("valid");
+    let mut torus = world_of(disc(), on([12.0, 9.0], WorldSettings::default()));
     let error = torus.set_walls(vec![long]).expect_err("it is too long").to_string();
     let expected = "walls[0] is ((0, 1), (12.5, 1)); on a torus a wall may extend over each side \
                     once at most";
     assert_eq!(error, expected);
     assert!(torus.walls().is_empty());
-    let mut plane = world(disc(), vec![long], WorldSettings::default());
+    let mut plane = walled(disc(), vec![long], WorldSettings::default());
     let before = plane.snapshot();
     let error = plane.configure(on([12.0, 9.0], WorldSettings::default())).expect_err("too long");
     assert_eq!(error.to_string(), expected);

@@ -2,43 +2,12 @@
 
 use jostle_base::Method;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, Particles, Wall, World, WorldSettings};
+use jostle_world::{Wall, World, WorldSettings};
 use proptest::prelude::*;
 
-const STEP: f64 = 1.0 / 60.0;
-
-fn run(world: &mut World, steps: usize) {
-    world.step(STEP, steps).expect("a step succeeds");
-}
-
-fn wall(a: [f32; 2], b: [f32; 2]) -> Wall {
-    Wall::new([a, b])
-}
-
-fn chain(points: &[[f32; 2]]) -> Vec<Wall> {
-    points.windows(2).map(|two| wall(two[0], two[1])).collect()
-}
-
-fn closed(points: &[[f32; 2]]) -> Vec<Wall> {
-    let mut all = chain(points);
-    all.push(wall(points[points.len() - 1], points[0]));
-    all
-}
-
-fn discs(rows: &[([f32; 2], [f32; 2])], radius: f32) -> Particles {
-    let (positions, velocities): (Vec<_>, Vec<_>) = rows.iter().copied().unzip();
-    Particles::new(positions, velocities, vec![radius; rows.len()], 1.0)
-}
-
-fn world(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> World {
-    let mut world = World::new(all, settings).expect("valid");
-    world.set_walls(walls).expect("valid");
-    world
-}
-
-fn falling(restitution: f32) -> WorldSettings {
-    WorldSettings { gravity: [0.0, -9.8], restitution, ..WorldSettings::default() }
-}
+use crate::common::worlds::{
+    STEP, boxed, chain, closed, discs, falling, gathered, run, wall, walled, world_of,
+};
 
 fn distance([[ax, ay], [bx, by]]: [[f32; 2]; 2], [x, y]: [f32; 2]) -> f64 {
     let [ax, ay, bx, by, x, y] = [ax, ay, bx, by, x, y].map(f64::from);
@@ -63,7 +32,7 @@ fn a_fast_disc_bounces_off_both_sides() {
     for (y, velocity) in [(5.0, -60_000.0), (-5.0, 60_000.0)] {
         let disc = discs(&[([0.3, y], [0.0, velocity])], 1.0);
         let walls = vec![wall([-3.0, 0.0], [4.0, 0.0])];
-        let mut world = world(disc, walls, WorldSettings::default());
+        let mut world = walled(disc, walls, WorldSettings::default());
         run(&mut world, 1);
         // It moves by 1,000 radii, 4 of them before the bounce.
         let expected = y.signum() * (1.0 + 996.0);
@@ -81,10 +50,10 @@ fn an_end_is_an_immovable_point() {
             let settings = WorldSettings { gravity, ..WorldSettings::default() };
             let walls = vec![wall([0.0, 0.0], [-3.0, 0.0])];
             let start = ([x, 3.0], [0.1, -2.0]);
-            let mut with_wall = world(discs(&[start], 1.0), walls, settings);
+            let mut with_wall = walled(discs(&[start], 1.0), walls, settings);
             let mut both = discs(&[start, ([0.0, 0.0], [0.0; 2])], 1.0);
             (both.radii[1], both.movable[1]) = (0.0, false);
-            let mut with_point = World::new(both, settings).expect("valid");
+            let mut with_point = world_of(both, settings);
             for _ in 0..120 {
                 run(&mut with_wall, 1);
                 run(&mut with_point, 1);
@@ -101,10 +70,9 @@ fn a_polygon_under_gravity_is_a_box() {
         .map(|k| ([(k % 4) as f32 * 2.3 + 1.2, (k / 4) as f32 * 2.5 + 1.3], [k as f32 - 5.0, 3.0]))
         .collect();
     let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 9.0], [0.0, 9.0]];
-    let container = Container::Box { min: [0.0; 2], max: [10.0, 9.0] };
-    let mut boxed =
-        World::new(discs(&rows, 1.0), WorldSettings { container, ..falling(1.0) }).unwrap();
-    let mut walled = world(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    let container = boxed([0.0; 2], [10.0, 9.0]);
+    let mut boxed = world_of(discs(&rows, 1.0), WorldSettings { container, ..falling(1.0) });
+    let mut walled = walled(discs(&rows, 1.0), closed(&corners), falling(1.0));
     run(&mut boxed, 20);
     run(&mut walled, 20);
     for (a, b) in boxed.positions().iter().zip(walled.positions()) {
@@ -118,7 +86,7 @@ fn energy_is_conserved_under_gravity() {
     let rows: Vec<_> = (0..20)
         .map(|k| ([(k % 5) as f32 * 2.5 + 4.0, (k / 5) as f32 * 2.2 + 2.0], [k as f32 - 9.0, 3.0]))
         .collect();
-    let mut world = world(discs(&rows, 1.0), closed(&corners), falling(1.0));
+    let mut world = walled(discs(&rows, 1.0), closed(&corners), falling(1.0));
     let energy = |world: &World| world.kinetic_energy() + world.potential_energy();
     let before = energy(&world);
     run(&mut world, 600);
@@ -136,7 +104,7 @@ fn a_disc_rolls_over_joints_without_a_bump() {
             for spin in disc.spins_mut() {
                 (spin.friction, spin.velocity) = (friction, -speed);
             }
-            let mut world = world(disc, chain(&points), falling(restitution));
+            let mut world = walled(disc, chain(&points), falling(restitution));
             let steps = (34.0 / speed / STEP as f32) as usize;
             for step in 0..steps {
                 run(&mut world, 1);
@@ -156,7 +124,7 @@ fn a_disc_rests_in_an_inner_corner() {
             [([-5.0, 5.0], [5.0, 5.0]), ([-2.0, 9.0], [2.0, 9.0]), ([-30.0, 15.0], [4.0, 8.0])]
         {
             let disc = discs(&[([0.3, 6.0], [1.0, 0.0])], 0.5);
-            let mut world = world(disc, chain(&[a, [0.0, 0.0], b]), falling(restitution));
+            let mut world = walled(disc, chain(&[a, [0.0, 0.0], b]), falling(restitution));
             run(&mut world, 3000);
             let [u, v] = world.velocities()[0];
             assert!((u * u + v * v).sqrt() < 1e-2, "{a:?} {restitution}: {u} {v}");
@@ -172,7 +140,7 @@ fn a_disc_rests_in_an_inner_corner() {
 #[test]
 fn a_disc_that_slides_into_an_inner_corner_neither_sticks_nor_hops() {
     let walls = chain(&[[-20.0, 0.0], [0.0, 0.0], [20.0, 5.0]]);
-    let mut world = world(discs(&[([-5.0, 1.0], [6.0, 0.0])], 1.0), walls, falling(0.3));
+    let mut world = walled(discs(&[([-5.0, 1.0], [6.0, 0.0])], 1.0), walls, falling(0.3));
     let mut highest = f64::MIN;
     for _ in 0..150 {
         run(&mut world, 1);
@@ -201,7 +169,7 @@ fn a_pile_on_walls_weighs_what_it_weighs() {
     let mut walls = chain(&floor);
     walls.extend([wall([0.0, 0.0], [0.0, 50.0]), wall([21.0, 0.0], [21.0, 50.0])]);
     let settings = WorldSettings { sleeping: false, ..falling(0.3) };
-    let mut world = world(discs(&rows, 1.0), walls, settings);
+    let mut world = walled(discs(&rows, 1.0), walls, settings);
     run(&mut world, 600);
     let mut sum = 0.0;
     for _ in 0..30 {
@@ -219,7 +187,7 @@ fn a_pile_on_walls_weighs_what_it_weighs() {
 fn discs_sleep_on_walls_and_wake_when_these_change() {
     let rows = [([0.0, 1.0], [0.0; 2]), ([2.0, 1.0], [0.0; 2])];
     let walls = chain(&[[-5.0, 0.0], [1.0, 0.0], [8.0, 0.0]]);
-    let mut world = world(discs(&rows, 1.0), walls.clone(), falling(0.5));
+    let mut world = walled(discs(&rows, 1.0), walls.clone(), falling(0.5));
     run(&mut world, 120);
     assert_eq!(world.asleep(), [true, true]);
     assert_eq!(world.wall_contacts().len(), 2);
@@ -241,7 +209,7 @@ fn walls_bounce_and_brake_with_their_own_coefficients() {
         let mut of = wall([-9.0, 0.0], [9.0, 0.0]);
         of.restitution = restitution;
         let mut world =
-            world(discs(&[([0.0, 2.0], [0.0, -6.0])], 1.0), vec![of], WorldSettings::default());
+            walled(discs(&[([0.0, 2.0], [0.0, -6.0])], 1.0), vec![of], WorldSettings::default());
         run(&mut world, 30);
         world.velocities()[0][1]
     };
@@ -251,7 +219,7 @@ fn walls_bounce_and_brake_with_their_own_coefficients() {
         of.friction = friction;
         let mut disc = discs(&[([0.0, 1.0], [6.0, 0.0])], 1.0);
         disc.spins_mut()[0].friction = 0.4;
-        let mut world = world(disc, vec![of], falling(0.5));
+        let mut world = walled(disc, vec![of], falling(0.5));
         run(&mut world, 12);
         f64::from(world.velocities()[0][0])
     };
@@ -266,7 +234,7 @@ fn walls_bounce_and_brake_with_their_own_coefficients() {
 fn overlapping_discs_are_pushed_out_to_the_side_of_their_centre() {
     let walls = vec![wall([-9.0, 0.0], [9.0, 0.0])];
     let rows = [([0.0, 0.2], [0.0; 2]), ([5.0, -0.4], [0.0; 2])];
-    let mut world = world(discs(&rows, 1.0), walls, WorldSettings::default());
+    let mut world = walled(discs(&rows, 1.0), walls, WorldSettings::default());
     run(&mut world, 1);
     assert!(world.positions()[0][1] < 0.5, "it is gradual");
     run(&mut world, 10);
@@ -290,7 +258,7 @@ fn points_do_not_cross_walls() {
     let corners = [[-5.0, -5.0], [6.0, -5.0], [0.0, 0.0], [5.0, 7.0], [-5.0, 5.0]];
     let outside = rows.iter().filter(|row| !is_inside(&corners, row.0)).count();
     for settings in [WorldSettings::default(), falling(0.4)] {
-        let mut world = world(points.clone(), closed(&corners), settings);
+        let mut world = walled(points.clone(), closed(&corners), settings);
         run(&mut world, 200);
         let left = world.positions().iter().filter(|&&at| !is_inside(&corners, at)).count();
         assert_eq!(left, outside);
@@ -300,7 +268,7 @@ fn points_do_not_cross_walls() {
 #[test]
 fn invalid_walls_are_refused() {
     let refusal = |walls: Vec<Wall>| {
-        let mut world = world(discs(&[([0.0; 2], [0.0; 2])], 1.0), vec![], falling(1.0));
+        let mut world = walled(discs(&[([0.0; 2], [0.0; 2])], 1.0), vec![], falling(1.0));
         world.set_walls(walls).expect_err("they are invalid").to_string()
     };
     let good = wall([0.0, 0.0], [1.0, 0.0]);
@@ -343,10 +311,10 @@ fn crowd(count: usize, seed: u64, settings: WorldSettings) -> World {
             }
         })
         .collect();
-    let container = Container::Box { min: [-1.0; 2], max: [side + 1.0; 2] };
+    let container = boxed([-1.0; 2], [side + 1.0; 2]);
     let mut all = discs(&rows, 0.9);
     all.spins_mut().iter_mut().for_each(|spin| spin.friction = 0.4);
-    world(all, walls, WorldSettings { container, ..settings })
+    walled(all, walls, WorldSettings { container, ..settings })
 }
 
 #[test]
@@ -366,12 +334,10 @@ fn walls_do_not_show_how_they_are_computed() {
         assert_eq!(half.snapshot(), expected.snapshot(), "a snapshot");
         let straight = crowd(400, 1, settings);
         let order: Vec<u32> = (0..400).map(|k| (k * 171 + 5) % 400).collect();
-        let mut particles = Particles::default();
-        particles.gather(&straight.particles(), &order, None);
-        let mut mixed = world(particles, straight.walls().to_vec(), *straight.settings());
+        let particles = gathered(&straight.particles(), &order);
+        let mut mixed = walled(particles, straight.walls().to_vec(), *straight.settings());
         run(&mut mixed, 60);
-        let mut particles = Particles::default();
-        particles.gather(&expected.particles(), &order, None);
+        let particles = gathered(&expected.particles(), &order);
         assert!(mixed.particles() == particles, "the order of adding");
     }
 }
@@ -429,7 +395,7 @@ fn enclosed(seed: u64) -> (World, Vec<[f32; 2]>) {
     let gravity = if random.unit() < 0.5 { [0.0; 2] } else { [0.0, -9.8] };
     let restitution = if random.unit() < 0.5 { 1.0 } else { random.unit() };
     let settings = WorldSettings { gravity, restitution, ..WorldSettings::default() };
-    (world(discs(&rows, radius), sides, settings), points)
+    (walled(discs(&rows, radius), sides, settings), points)
 }
 
 /// What is wrong in some steps of [`enclosed`], or nothing.
@@ -485,7 +451,7 @@ fn nothing_passes_between_walls_that_share_an_end() {
                 let normal = share * (std::f32::consts::FRAC_PI_2 - half);
                 let disc = discs(&[([normal.sin(), 5.0], [0.0, -speed])], 1.0);
                 let walls = chain(&[a, [0.0, 0.0], b]);
-                let mut world = world(disc, walls, WorldSettings::default());
+                let mut world = walled(disc, walls, WorldSettings::default());
                 world.step(f64::from(6.0 / speed), 1).expect("a step succeeds");
                 // As off an immovable point.
                 let expected = [(2.0 * normal).sin(), (2.0 * normal).cos()];
@@ -511,7 +477,7 @@ fn a_disc_without_room_between_walls_gains_no_energy() {
         for (restitution, gravity) in [(1.0, 0.0), (1.0, -9.8), (0.4, -9.8)] {
             for velocity in [[0.0, 0.0], [3.0, -1.0], [500.0, 200.0]] {
                 // The floor of the container is 1.5 below the origin; the radius is 1.
-                let container = Container::Box { min: [-20.0, -1.5], max: [20.0, 20.0] };
+                let container = boxed([-20.0, -1.5], [20.0, 20.0]);
                 let settings = WorldSettings {
                     container,
                     restitution,
@@ -520,7 +486,7 @@ fn a_disc_without_room_between_walls_gains_no_energy() {
                 };
                 let mut rows = vec![([1.0, -0.5], velocity), ([4.0, -0.4], [-1.0, 0.0])];
                 rows.extend((0..6).map(|at| ([at as f32 * 2.1 - 5.0, 3.0], [0.0; 2])));
-                let mut world = world(discs(&rows, 1.0), walls.clone(), settings);
+                let mut world = walled(discs(&rows, 1.0), walls.clone(), settings);
                 let energy = |world: &World| world.kinetic_energy() + world.potential_energy();
                 let before = energy(&world);
                 // Pushing a disc out of a wall may raise it by its diameter.
@@ -605,7 +571,7 @@ impl Star {
             .collect();
         let (gravity, restitution) = ([0.0, if self.falls { -9.8 } else { 0.0 }], self.restitution);
         let settings = WorldSettings { restitution, gravity, ..WorldSettings::default() };
-        let mut world = world(discs(&rows, radius), sides.clone(), settings);
+        let mut world = walled(discs(&rows, radius), sides.clone(), settings);
         for step in 0..12 {
             run(&mut world, 1);
             for at in world.positions() {

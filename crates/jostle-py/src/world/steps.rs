@@ -148,7 +148,7 @@ impl State {
         while left > 0 {
             let mut profile = <[Duration; Stage::ALL.len()]>::default();
             let mut since = Instant::now();
-            let watch = &mut |stage: Stage| {
+            let watch = &mut |stage: Stage, _: &jostle_world::World| {
                 let now = Instant::now();
                 profile[stage as usize] += now - since;
                 since = now;

@@ -29,7 +29,6 @@ use cuts::{cuts, key, sample};
 pub use distribute::OwnParticles;
 use group::Group;
 pub use group::{Communicator, Traffic};
-use records::put_record;
-pub use records::{RECORD, read_records, record_fields};
+pub use records::{RECORD, put_record, read_records, record_fields};
 use rounds::{Link, rounds};
 use scale::{Scale, read_samples, sample_positions};

@@ -29,6 +29,7 @@ pub(crate) mod search;
 pub(crate) mod settings;
 pub(crate) mod sleeping;
 mod snapshot;
+mod stage_hash;
 mod step;
 mod store;
 mod substeps;
@@ -106,8 +107,8 @@ impl Stage {
     ];
 }
 
-/// A callback that is called when a stage of a step ends, to time it.
-pub type Watch<'a> = dyn FnMut(Stage) + Send + 'a;
+/// A callback that is called when a stage of a step ends, to time it. The world has not completed the step.
+pub type Watch<'a> = dyn FnMut(Stage, &World) + Send + 'a;
 
 /// The search of the last step, its sub-steps and its unresolved particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -36,7 +36,7 @@ impl World {
     /// Advances the world by `steps` times `dt` seconds. After a refused or interrupted step the world has
     /// the state before that step; previous steps remain done.
     pub fn step(&mut self, dt: f64, steps: usize) -> Result<()> {
-        self.step_watched(dt, steps, &mut |_| ())
+        self.step_watched(dt, steps, &mut |_, _| ())
     }
 
     /// As [`World::step`]; `watch` is called when a stage of a step ends.
@@ -269,26 +269,26 @@ impl World {
         self.scratch.substeps = substeps;
         self.apply_forces(dt)?;
         if !self.forces.is_empty() || self.given.is_some() {
-            watch(Stage::Forces);
+            watch(Stage::Forces, self);
         }
         self.find_bounds(dt);
-        watch(Stage::Bounds);
+        watch(Stage::Bounds, self);
         interrupt::check()?;
         self.build_tree()?;
-        watch(Stage::Build);
+        watch(Stage::Build, self);
         interrupt::check()?;
         if self.is_near_sleepers(dt)? {
             return Ok(());
         }
         self.find_candidates()?;
-        watch(Stage::Pairs);
+        watch(Stage::Pairs, self);
         interrupt::check()?;
         self.reorder();
         self.halo.protocol().begin_part(self);
         self.make_contacts(dt)?;
         self.scratch.substeps *= self.scratch.refinement;
         self.find_near_walls(dt)?;
-        watch(Stage::Contacts);
+        watch(Stage::Contacts, self);
         self.load_motions();
         self.run_substeps(dt, watch)?;
         self.halo.protocol().end_part(self);
@@ -303,7 +303,7 @@ impl World {
         self.store_motions()?;
         self.break_springs();
         self.merge()?;
-        watch(Stage::Store);
+        watch(Stage::Store, self);
         Ok(())
     }
 

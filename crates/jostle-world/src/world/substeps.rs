@@ -113,14 +113,14 @@ impl World {
             self.apply_forces_in_substep(&of, substep, watch)?;
             if of.may_rest {
                 self.solve_resting_contacts(&of, substep)?;
-                watch(Stage::Resting);
+                watch(Stage::Resting, self);
                 interrupt::check()?;
             }
             self.simulate_collisions(&of, substep)?;
-            watch(Stage::Events);
+            watch(Stage::Events, self);
             interrupt::check()?;
             self.correct_positions(&of, substep)?;
-            watch(Stage::Correction);
+            watch(Stage::Correction, self);
         }
         self.end_substeps(&of);
         self.stats.substeps += of.count;
@@ -211,15 +211,15 @@ impl World {
         substep: usize,
         watch: &mut Watch<'_>,
     ) -> Result<()> {
+        self.scratch.kicks.clear();
         if of.has_accelerations && (substep > 0 || of.is_refined) {
             let StepScratch { forces, motions, .. } = &mut self.scratch;
             forces.find_halfway(motions, &self.settings.container, of.seconds as f32);
             self.accelerate(of.seconds as f32)?;
-            watch(Stage::Forces);
+            watch(Stage::Forces, self);
         }
         let Self { particles, scratch, contacts, walls, .. } = self;
         let StepScratch { forces, motions, kicks, near_walls, .. } = scratch;
-        kicks.clear();
         if !of.has_kicks {
             return Ok(());
         }
@@ -245,7 +245,7 @@ impl World {
                 });
             }
             forces.sprung.act(motions, kicks, of.seconds);
-            watch(Stage::Forces);
+            watch(Stage::Forces, self);
         }
         Ok(())
     }
@@ -333,6 +333,7 @@ impl World {
 
     /// Stores the impulses in the contacts.
     fn end_substeps(&mut self, of: &Substeps) {
+        self.scratch.kicks.clear();
         if of.may_rest {
             self.scratch.resting.end_step(&mut self.contacts);
         }

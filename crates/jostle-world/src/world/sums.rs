@@ -152,7 +152,7 @@ impl StateHash {
     }
 
     /// Mixes in the bytes of a value as words; the last one is filled up with 0.
-    fn mix_value<P: Plain>(&mut self, value: P) {
+    pub(super) fn mix_value<P: Plain>(&mut self, value: P) {
         const LARGEST: usize = 16;
         const { assert!(P::SIZE <= LARGEST) };
         let mut bytes = [0; LARGEST];

@@ -1,6 +1,9 @@
 //! Shapes made to break a tree, for the tests of everything that uses one.
 #![allow(dead_code, reason = "every test file takes what it needs")]
 
+pub mod ranks;
+pub mod worlds;
+
 use jostle_base::Settings;
 use jostle_base::settings::DEFAULT_MAX_DEPTH;
 use jostle_index::{Each, Quadtree, Scalar, Shapes};

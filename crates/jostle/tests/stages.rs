@@ -1,0 +1,230 @@
+//! Pinned hashes after each stage of some steps: they say in which stage the bits of a change differ first.
+
+use std::fmt::Write;
+
+use jostle_base::Method;
+use jostle_index::Filter;
+use jostle_scenes::{self as scenes, STEP, random::Random};
+use jostle_world::forces::{Motor, Spring, Springs};
+use jostle_world::{Container, Force, Particles, Stage, Wall, World, WorldSettings};
+
+use crate::common::worlds::{boxed, change, moving, run, still, walled, with_friction, world_of};
+
+/// The steps of which stages are pinned, counted from 1.
+const STEPS: [usize; 3] = [1, 15, 60];
+
+/// A column for each stage in the order of [`Stage::ALL`], and one for the state after the step.
+const COLUMNS: usize = Stage::ALL.len() + 1;
+
+/// A scene, a step, and 16 bits of the hash of each of its stages: forces, bounds, build, pairs, contacts, resting,
+/// events, correction, store, end. 0 stands for a stage that the step does not have.
+type Row = (&'static str, usize, [u16; COLUMNS]);
+
+#[rustfmt::skip]
+const PINNED: [Row; 42] = [
+    ("gas", 1, [0x0000, 0x0d36, 0x883e, 0x3e54, 0x883e, 0x0000, 0x396c, 0xd9b9, 0x868c, 0xf7e4]),
+    ("gas", 15, [0x0000, 0xb98d, 0x4093, 0x99e3, 0xbc37, 0x0000, 0x40ad, 0x4dcf, 0x728c, 0x0a19]),
+    ("gas", 60, [0x0000, 0xe70a, 0xfa16, 0x2e9e, 0xaf8a, 0x0000, 0x5129, 0x15f2, 0x5add, 0xee37]),
+    ("pile", 1, [0x0000, 0x2b23, 0x14ba, 0x2ba0, 0x14ba, 0x2987, 0xb2c3, 0x8cea, 0xda4c, 0xfdd5]),
+    ("pile", 15, [0x0000, 0xe833, 0x9371, 0x5572, 0x4e8e, 0x6ff7, 0x3876, 0xbd4b, 0x1b37, 0xb54b]),
+    ("pile", 60, [0x0000, 0x1eda, 0x5957, 0x45d0, 0x1782, 0xac90, 0xb62f, 0x1aaf, 0xe769, 0x8c6f]),
+    ("heap", 1, [0x0000, 0xadd9, 0xb51d, 0xdf40, 0x5ccc, 0x7977, 0x2132, 0x8f5e, 0x3aa9, 0x67f2]),
+    ("heap", 15, [0x0000, 0x843c, 0x7f3e, 0xf68a, 0x6768, 0x7db6, 0x0ad5, 0x2317, 0x8a3a, 0x405f]),
+    ("heap", 60, [0x0000, 0x575b, 0xe289, 0x83c1, 0x3042, 0x7530, 0x97ed, 0x6bd8, 0xc9c9, 0x036b]),
+    ("springs", 1, [0xdcff, 0xf313, 0xf924, 0x536f, 0x46eb, 0x1e1e, 0xd933, 0xf748, 0x5630, 0xf6d3]),
+    ("springs", 15, [0xd10f, 0x5272, 0x11f1, 0x734b, 0x102d, 0xe10f, 0xfa63, 0x12f1, 0x0d56, 0x160a]),
+    ("springs", 60, [0x7c02, 0xa961, 0x05e2, 0xeb7d, 0xbd94, 0x903c, 0xa7e6, 0x2628, 0x930c, 0xce06]),
+    ("piston", 1, [0x9565, 0xc349, 0x0bd2, 0x0142, 0x0bd2, 0x0000, 0x3dc7, 0x1c56, 0xf8f8, 0x6f0b]),
+    ("piston", 15, [0x9565, 0xcef2, 0x3e36, 0xa886, 0x840f, 0x0000, 0xe8a7, 0x2b5a, 0x1145, 0x68fe]),
+    ("piston", 60, [0x9565, 0xd588, 0xd4df, 0x2d91, 0x2c04, 0x0000, 0x8b8a, 0xbd81, 0x0026, 0xa103]),
+    ("mill", 1, [0x14de, 0xee85, 0xf740, 0x0b99, 0x0fba, 0xfb88, 0x3f81, 0xbb8c, 0xf563, 0x7802]),
+    ("mill", 15, [0x14de, 0x15d4, 0x5b27, 0xcb1a, 0xcf7a, 0x05aa, 0x1a3f, 0x6253, 0x6fe7, 0x2fd6]),
+    ("mill", 60, [0x14de, 0xf6f5, 0x84ea, 0x3a17, 0x8324, 0xa3f1, 0x4005, 0xb206, 0xbc40, 0xbdf2]),
+    ("thermostat", 1, [0x81e5, 0x6828, 0xe0aa, 0x29d5, 0xe0aa, 0x0000, 0x34cf, 0x8b36, 0x4284, 0xc15f]),
+    ("thermostat", 15, [0x81e5, 0x30b5, 0xb833, 0xa37a, 0xa255, 0x0000, 0x7ce7, 0x27a1, 0x2c94, 0x15ec]),
+    ("thermostat", 60, [0x81e5, 0xe530, 0x2e78, 0x709e, 0xc457, 0x0000, 0x18d6, 0xc449, 0xd2d4, 0x346a]),
+    ("orbit", 1, [0x0000, 0x74fe, 0xc8ca, 0xf9b4, 0xc8ca, 0x0000, 0x5570, 0xdaba, 0x3a14, 0x87bf]),
+    ("orbit", 15, [0x0000, 0x33e7, 0xd4c5, 0xbb45, 0x9670, 0x0000, 0xfc2b, 0xac08, 0x6ab8, 0x921c]),
+    ("orbit", 60, [0x0000, 0x7cde, 0x3028, 0x9edf, 0xf9a2, 0x0000, 0x06bd, 0xd59f, 0x248c, 0x7827]),
+    ("sand", 1, [0x0000, 0xf08e, 0xf5bf, 0xe538, 0xc420, 0x6390, 0x0185, 0xb0e4, 0xa6ea, 0xdb78]),
+    ("sand", 15, [0x0000, 0xb6b9, 0xb3a9, 0x3d96, 0x8315, 0xedde, 0xe7a8, 0xbff3, 0xc199, 0xe759]),
+    ("sand", 60, [0x0000, 0x4d1a, 0xac4d, 0x6d5b, 0x5c78, 0x49d3, 0xab9d, 0x6d08, 0x3bda, 0x268b]),
+    ("life", 1, [0x813e, 0x9fa5, 0x5ee2, 0x81e5, 0x5ee2, 0x0000, 0xda9e, 0xa49b, 0x9563, 0x08be]),
+    ("life", 15, [0xbf37, 0x464b, 0xfc88, 0x81e5, 0xba12, 0x0000, 0x41f6, 0xa2c1, 0x21b6, 0xced3]),
+    ("life", 60, [0xc8e0, 0x055f, 0x7dc4, 0x81e5, 0xb664, 0x0000, 0xaa63, 0xa1b4, 0xb5c5, 0xe8cc]),
+    ("stars", 1, [0x68f2, 0xde1a, 0x62a6, 0x17c1, 0x62a6, 0x0000, 0x985c, 0x1bbe, 0xec32, 0xd14f]),
+    ("stars", 15, [0xc10f, 0xec31, 0x2332, 0x91f4, 0x7f49, 0x0000, 0x3f02, 0x76ee, 0xae11, 0xde73]),
+    ("stars", 60, [0xcba2, 0x015a, 0x3057, 0xc60e, 0x3ed4, 0x0000, 0x531d, 0xfdce, 0x867c, 0xbbb5]),
+    ("flock", 1, [0x1cff, 0xba4e, 0x38dd, 0xae8b, 0x38dd, 0x0000, 0x0cbe, 0xbcb8, 0x4cdf, 0xdb23]),
+    ("flock", 15, [0x96f0, 0x997d, 0x31b5, 0xae8b, 0x4dda, 0x0000, 0x89d0, 0x6c52, 0x871d, 0x11ac]),
+    ("flock", 60, [0x2b50, 0x8e04, 0x21cc, 0xae8b, 0xcc36, 0x0000, 0x4336, 0xb913, 0xc71f, 0x9342]),
+    ("sleepers", 1, [0x0000, 0xee6c, 0x83a5, 0xeb2a, 0x83a5, 0xe447, 0xc4de, 0x2bbf, 0x9e6c, 0x1708]),
+    ("sleepers", 15, [0x0000, 0x57cb, 0x0dcc, 0xeb2a, 0x83a5, 0xe447, 0xd92f, 0x2839, 0x5b65, 0xdd4b]),
+    ("sleepers", 60, [0x0000, 0xf5a7, 0x0b3c, 0xcef0, 0x5be1, 0x8f37, 0x6a33, 0x6792, 0x2510, 0x6615]),
+    ("belt", 1, [0xc57d, 0x21e5, 0x71f1, 0x9b0d, 0x71f1, 0x3520, 0x928a, 0xee4d, 0xa0b1, 0x2ad8]),
+    ("belt", 15, [0xc519, 0x4c6d, 0xb265, 0xa880, 0x814a, 0xb93e, 0x65d9, 0xf480, 0x23c8, 0x49d3]),
+    ("belt", 60, [0x0667, 0x88bc, 0x21b5, 0x5b83, 0x7446, 0x9a06, 0x3e85, 0x36aa, 0xbe09, 0xc068]),
+];
+
+/// A name, and a function that makes the world.
+type Scene = (&'static str, fn() -> World);
+
+/// The scenes use everything that a step has.
+const SCENES: [Scene; 14] = [
+    ("gas", || scene("gas", 200)),
+    ("pile", || scene("pile", 100)),
+    ("heap", || scene("heap", 120)),
+    ("springs", || scene("springs", 150)),
+    ("piston", || scene("piston", 120)),
+    ("mill", || scene("mill", 120)),
+    ("thermostat", || scene("thermostat", 150)),
+    ("orbit", || scene("orbit", 120)),
+    ("sand", || scene("sand", 150)),
+    ("life", || scene("life", 150)),
+    ("stars", || scene("stars", 200)),
+    ("flock", || scene("flock", 100)),
+    ("sleepers", sleepers),
+    ("belt", belt),
+];
+
+fn scene(name: &str, count: usize) -> World {
+    scenes::find(name).unwrap().create(Some(count), 0).unwrap()
+}
+
+/// Rough discs that rest in a row and fall asleep. A ball wakes some of them at the end.
+fn sleepers() -> World {
+    let mut positions: Vec<[f32; 2]> = (0..12).map(|k| [2.1 * k as f32, 1.0]).collect();
+    positions.push([9.0, 8.3]);
+    let mut all = with_friction(still(&positions, 1.0), 0.5);
+    all.velocities[12] = [0.4, 0.0];
+    let container = boxed([-1.0, 0.0], [25.0, 20.0]);
+    let (gravity, restitution) = ([0.0, -15.0], 0.4);
+    world_of(all, WorldSettings { container, gravity, restitution, ..Default::default() })
+}
+
+/// A torus with walls that move, a driven disc, springs, sensors and discs that ignore each other.
+fn belt() -> World {
+    let mut random = Random::new(4);
+    let place = |k: usize| [(k % 9) as f32 * 3.0, (k / 9) as f32 * 3.0];
+    let velocities = (0..81).map(|_| [random.between(-9.0, 9.0), random.between(-9.0, 9.0)]);
+    let positions = (0..81).map(place).collect();
+    let mut all = Particles::new(positions, velocities.collect(), vec![1.1; 81], 1.0);
+    all.restitutions.iter_mut().step_by(2).for_each(|of| *of = 0.7);
+    all.filters_mut()[..20].fill(Filter { category: 2, mask: 3 });
+    all.filters_mut()[20..25].fill(Filter { category: 4, mask: 4 });
+    all.sensors_mut()[40] = true;
+    all.spins_mut()[50..].iter_mut().for_each(|spin| spin.friction = 0.3);
+    (all.movable[60], all.masses[7]) = (false, 90.0);
+    let container = Container::Torus { size: [27.0; 2] };
+    let (gravity, track_events) = ([0.0, -3.0], true);
+    let settings = WorldSettings { container, gravity, track_events, ..Default::default() };
+    let belt = moving([[1.4, 1.4], [6.0, 1.4]], [4.0, 1.0]);
+    let slope =
+        Wall { restitution: 0.5, friction: Some(0.8), ..Wall::new([[10.0, 13.6], [20.0, 14.0]]) };
+    let mut world = walled(all, vec![belt, slope], settings);
+    let spring = |pair| Spring {
+        pair,
+        length: 3.0,
+        stiffness: 40.0,
+        damping: 0.5,
+        max_stretch: f32::INFINITY,
+    };
+    let (center, velocity) = ([18.0; 2], [0.0, 2.0]);
+    let (ids, walls) = (vec![60], vec![]);
+    let motor = Motor { ids, walls, center, angular_velocity: 1.5, velocity, period: 0.5 };
+    let springs = Springs(vec![spring([0, 1]), spring([1, 2]), spring([30, 40])]);
+    world.set_forces(vec![Force::Springs(springs), Force::Motor(motor)]).unwrap();
+    world
+}
+
+/// The hash of each stage of the next step: of all its sub-steps, parts and repetitions.
+fn hashes_of_step(world: &mut World) -> [u64; COLUMNS] {
+    let mut all = [0u64; COLUMNS];
+    let mut watch = |stage: Stage, world: &World| {
+        let of = &mut all[stage as usize];
+        *of = of.rotate_left(5).wrapping_mul(0x0000_0100_0000_01b3) ^ world.stage_hash(stage);
+    };
+    world.step_watched(STEP, 1, &mut watch).unwrap();
+    all[COLUMNS - 1] = world.state_hash();
+    all
+}
+
+/// The rows of a scene.
+fn rows((name, make): Scene) -> Vec<Row> {
+    let (mut world, mut rows) = (make(), Vec::new());
+    let mut done = 0;
+    for number in STEPS {
+        world.step(STEP, number - 1 - done).unwrap();
+        let short = |hash: u64| (hash ^ hash >> 16 ^ hash >> 32 ^ hash >> 48) as u16;
+        rows.push((name, number, hashes_of_step(&mut world).map(short)));
+        done = number;
+    }
+    rows
+}
+
+fn name_of(column: usize) -> &'static str {
+    Stage::ALL.get(column).map_or("end", |(_, name)| name)
+}
+
+#[test]
+fn each_stage_of_a_step_gives_its_pinned_bits() {
+    let rows: Vec<Row> = SCENES.into_iter().flat_map(rows).collect();
+    let mut wrong = String::new();
+    for (name, _) in SCENES {
+        let pinned = |step: usize| PINNED.iter().find(|row| (row.0, row.1) == (name, step));
+        let first = rows.iter().filter(|row| row.0 == name).find_map(|(_, step, found)| {
+            let pinned = pinned(*step).map_or([0; COLUMNS], |row| row.2);
+            Some((step, (0..COLUMNS).find(|&k| found[k] != pinned[k])?))
+        });
+        if let Some((step, column)) = first {
+            let stage = name_of(column);
+            writeln!(wrong, "{name}: step {step} differs first, from the stage {stage} on")
+                .unwrap();
+        }
+    }
+    let line = |(name, step, hashes): &Row| {
+        let hashes = hashes.map(|hash| format!("{hash:#06x}")).join(", ");
+        format!("    (\"{name}\", {step}, [{hashes}]),\n")
+    };
+    let table: String = rows.iter().map(line).collect();
+    let list = "cargo test --test all list_stages -- --ignored --nocapture";
+    assert!(wrong.is_empty(), "{wrong}`{list}` lists all steps. The new table:\n{table}");
+}
+
+#[test]
+fn sleepers_are_among_the_pinned_steps() {
+    let mut world = sleepers();
+    run(&mut world, STEPS[1]);
+    assert!(!world.asleep().contains(&true));
+    run(&mut world, STEPS[2] - STEPS[1]);
+    let asleep = world.asleep().iter().filter(|&&asleep| asleep).count();
+    assert!((2..12).contains(&asleep), "{asleep}");
+}
+
+/// Prints the hashes of all stages of all steps, to be compared with those of other code.
+#[test]
+#[ignore = "prints a long list"]
+fn list_stages_of_all_steps() {
+    for (name, make) in SCENES {
+        let mut world = make();
+        for step in 1..=STEPS[STEPS.len() - 1] {
+            for (column, hash) in hashes_of_step(&mut world).into_iter().enumerate() {
+                println!("{name} {step} {} {hash:016x}", name_of(column));
+            }
+        }
+    }
+}
+
+#[test]
+fn neither_threads_nor_methods_show_in_the_stages() {
+    for (name, make) in SCENES {
+        let all = [(Method::Quadtree, 1), (Method::Brute, 2)].map(|(method, threads)| {
+            let mut world = make();
+            change(&mut world, |settings| {
+                (settings.method, settings.tree.threads) = (method, Some(threads));
+            });
+            (0..8).map(|_| hashes_of_step(&mut world)).collect::<Vec<_>>()
+        });
+        assert_eq!(all[0], all[1], "{name}");
+    }
+}
