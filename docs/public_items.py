@@ -1,4 +1,4 @@
-"""Print how many public items each crate of the core has, and with `--list` their names."""
+"""Print how many items of each crate are marked `pub`, and with `--list` their names."""
 
 import argparse
 import re

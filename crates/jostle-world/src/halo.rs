@@ -1,8 +1,8 @@
 //! What a step exchanges with other processes that have parts of the same world.
 //!
 //! A process computes the motion of its own particles and of *ghosts*, copies of the particles of other
-//! processes near them. All processes make the same calls in the same order. A world that one process
-//! has as a whole is [`Alone`]: what it has is what all have, and nothing is exchanged.
+//! processes near them. All processes make the same calls in the same order. [`Alone`] stands for one
+//! process that has the whole world. It exchanges nothing.
 
 use std::fmt::Debug;
 
@@ -12,13 +12,14 @@ use jostle_base::error::Result;
 /// The processes that share a world, and what a sub-step exchanges with them. The defaults are those
 /// of one process.
 pub trait Halo: Debug + Sync {
-    /// Whether no other process has a part of the world.
+    /// Whether no other process has a part of the world. Then no function of this trait sends a
+    /// message, and several threads may call them.
     fn is_alone(&self) -> bool {
         true
     }
 
-    /// Whether the particle at each index belongs to this process. Those behind the end of the list
-    /// do, so it is empty if there are no ghosts.
+    /// Whether the particle at each index belongs to this process. Particles behind the end of the list
+    /// do.
     fn own(&self) -> &[bool] {
         &[]
     }
@@ -51,7 +52,8 @@ pub trait Halo: Debug + Sync {
     }
 
     /// Calls `put` to append `size` bytes of each particle that is a ghost elsewhere, then `take` with
-    /// those of each ghost. No process may have failed since the last call.
+    /// those of each ghost. It does not report failures: call `wait` before it, so that all processes
+    /// know of them.
     fn exchange(
         &self,
         _size: usize,
@@ -97,8 +99,8 @@ impl dyn Halo + '_ {
         self.sum([]).map(|[]: [u64; 0]| ())
     }
 
-    /// Replaces numbers of all ghosts by those that their own processes have. No process may have
-    /// failed since the last call.
+    /// Replaces numbers of all ghosts by those that their own processes have. It does not report
+    /// failures: call `wait` before it.
     pub fn refresh<const N: usize>(
         &self,
         get: impl Fn(u32) -> [f32; N],

@@ -3,19 +3,19 @@
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod particles;
-pub mod motion;
-pub mod flow;
-pub mod roots;
-pub mod trajectory;
-pub mod tolerance;
+mod motion;
+mod flow;
+mod roots;
+mod trajectory;
+mod tolerance;
 pub mod container;
 pub mod walls;
 pub mod forces;
-pub mod halo;
-pub mod events;
-pub mod contacts;
-pub mod resting;
-pub mod correction;
+mod halo;
+mod events;
+mod contacts;
+mod resting;
+mod correction;
 pub mod world;
 pub mod ranks;
 

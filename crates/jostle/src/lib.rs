@@ -11,5 +11,5 @@ pub use jostle_index::{
     Bounds, Columns, Each, Filter, Node, Period, Quadtree, Scalar, Shape, Shapes,
 };
 pub use jostle_separate::{Separated, Separation, separate};
-pub use jostle_slide::SlideRules;
-pub use jostle_space::{Slides, Space};
+pub use jostle_slide::{SlideRules, Surface};
+pub use jostle_space::{Events, Saved, Slides, Space, Wanted};

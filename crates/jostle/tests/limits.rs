@@ -422,6 +422,39 @@ fn a_step_with_too_many_collisions_is_refused_and_undone() {
     assert!(expected.0.contains(rule), "{}", expected.0);
 }
 
+/// Immovable discs that move on a torus drive two others between them to ever larger speeds. Their
+/// trajectories in a sub-step have hundreds of pieces, each many times around the torus.
+#[test]
+fn a_step_in_which_few_discs_become_very_fast_on_a_torus_is_refused_and_undone() {
+    let rows = [
+        ([3.432_708_7, 3.690_672_4], [-447.217_47, -352.585_72]),
+        ([3.744_967_7, 9.874_45], [7.942_339, -12.139_879]),
+        ([6.327_563, 6.743_239_4], [5045.36, 5128.031_2]),
+        ([3.299_634_5, 6.799_176_7], [47.201_557, -0.684_197_84]),
+        ([1.229_723_7, 0.517_292_3], [288.415_28, -188.810_56]),
+        ([8.501_913, 0.088_958_055], [-470.333_65, 46.844_143]),
+    ];
+    let radii =
+        [0.058_338_977, 0.100_769_706, 1.344_976_8, 0.123_005_83, 0.196_876_14, 2.133_899_5];
+    let (positions, velocities) = rows.into_iter().unzip();
+    let mut all = Particles::new(positions, velocities, radii.to_vec(), 1.0);
+    all.movable = vec![false, true, false, false, false, true];
+    let settings = WorldSettings {
+        container: Container::Torus { size: [10.0, 12.0] },
+        gravity: [-22.499_771, -68.050_52],
+        restitution: 0.5,
+        substeps: Some(6),
+        ..Default::default()
+    };
+    let mut world = world_of(all, settings);
+    let before = state(&world);
+    let mut done = Ok(());
+    within_bounds(|| done = world.step(0.1, 1));
+    assert!(matches!(done, Err(Error::TooManyCandidates { .. })), "{done:?}");
+    assert_eq!(state(&world), before);
+    world.step(0.001, 3).unwrap();
+}
+
 #[test]
 fn discs_of_a_crystal_travel_a_thousand_radii_in_a_step() {
     let mut world = in_a_box(1.0, 0.97, Method::Quadtree, 1);

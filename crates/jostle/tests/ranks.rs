@@ -1,11 +1,12 @@
 //! Distributed worlds, whose ranks are threads here.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::thread;
+use std::thread::{self, ThreadId};
 
 use jostle_base::{Error, Id};
+use jostle_scenes::{STEP, find};
 use jostle_world::ranks::read_records;
-use jostle_world::{Container, OnTouch, Particles, Stage, World, WorldSettings};
+use jostle_world::{Communicator, Container, OnTouch, Particles, Stage, World, WorldSettings};
 
 use crate::common::ranks::{ThreadRank, ranks};
 use crate::common::worlds::{boxed, inside, world_of};
@@ -324,4 +325,64 @@ fn all_ranks_refuse_one_window_with_too_many_collisions() {
     }
     all.velocities.fill([0.0, 3e5]);
     check_refused(&all, container, 0.01, 2);
+}
+
+/// The messages of a world that one process has as a whole come from its own thread.
+struct One(ThreadId);
+
+impl One {
+    fn check(&self) {
+        assert_eq!(thread::current().id(), self.0, "a message from another thread");
+    }
+}
+
+impl Communicator for One {
+    fn rank(&self) -> usize {
+        0
+    }
+
+    fn size(&self) -> usize {
+        1
+    }
+
+    fn gather(&mut self, own: &[u8]) -> Result<Vec<u8>, Error> {
+        self.check();
+        Ok(own.to_vec())
+    }
+
+    fn gather_all(&mut self, own: &[u8], _: &[usize]) -> Result<Vec<u8>, Error> {
+        self.gather(own)
+    }
+
+    fn transpose(&mut self, to: &[u64]) -> Result<Vec<u64>, Error> {
+        self.check();
+        Ok(to.to_vec())
+    }
+
+    fn exchange(&mut self, to: &[u8], _: &[usize], _: &[usize]) -> Result<Vec<u8>, Error> {
+        self.gather(to)
+    }
+}
+
+#[test]
+fn one_rank_has_the_bits_of_one_process_on_two_threads() {
+    let pile = || {
+        let mut world = find("pile").unwrap().create(Some(6000), 0).unwrap();
+        let mut settings = *world.settings();
+        settings.tree.threads = Some(2);
+        world.configure(settings).unwrap();
+        world
+    };
+    let (mut alone, mut one) = (pile(), pile());
+    one.distribute(Box::new(One(thread::current().id())), (0..6000).collect()).unwrap();
+    for world in [&mut alone, &mut one] {
+        world.step(STEP, 20).unwrap();
+    }
+    let (found, ids, _) = read_records(&one.own_records());
+    let expected = alone.particles();
+    assert_eq!(ids.len(), 6000);
+    for (index, &id) in ids.iter().enumerate() {
+        assert_eq!(found.positions[index], expected.positions[id as usize]);
+        assert_eq!(found.velocities[index], expected.velocities[id as usize]);
+    }
 }

@@ -127,6 +127,7 @@ impl Correction {
         self.list_near_colours(contacts);
         halo.any_bits(&mut self.near)?;
         if self.near.iter().all(|&is_near| is_near == 0) {
+            self.moved_many = false;
             return Ok(());
         }
         if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {

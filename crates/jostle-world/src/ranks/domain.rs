@@ -49,7 +49,7 @@ pub(crate) struct Announced {
 /// Particles that get further than announced are announced this much further.
 const FURTHER: f32 = 1.25;
 
-/// What merging particles change, for [`World::undo`](super::World::undo).
+/// What merging particles change, for [`World::undo`](crate::world::World::undo).
 #[derive(Debug)]
 pub(crate) struct Count {
     ids: Vec<Id>,
@@ -389,7 +389,7 @@ impl Domain {
         }
     }
 
-    /// The distribution of a world that is distributed.
+    /// The domain of a distributed world. Panics for other worlds.
     pub(crate) fn of_mut(halo: &mut dyn Distribution) -> &mut Self {
         (halo as &mut dyn Any).downcast_mut().expect("only ranks have their protocol")
     }
@@ -413,14 +413,23 @@ impl Halo for Domain {
     }
 
     fn add_up(&self, numbers: &mut [u64]) -> Result<()> {
+        if self.is_alone() {
+            return Ok(());
+        }
         locked(&self.group).sum(numbers)
     }
 
     fn take_largest(&self, numbers: &mut [f64]) -> Result<()> {
+        if self.is_alone() {
+            return Ok(());
+        }
         locked(&self.group).largest(numbers)
     }
 
     fn any_bits(&self, any: &mut Vec<u8>) -> Result<()> {
+        if self.is_alone() {
+            return Ok(());
+        }
         for bytes in locked(&self.group).share(any)? {
             any.resize(any.len().max(bytes.len()), 0);
             any.iter_mut().zip(bytes).for_each(|(any, bits)| *any |= bits);
@@ -516,7 +525,7 @@ impl World {
         (&*self.halo as &dyn Any).downcast_ref()
     }
 
-    /// The same of a world that is distributed.
+    /// The domain of a distributed world. Panics for other worlds.
     pub(crate) fn domain_mut(&mut self) -> &mut Domain {
         Domain::of_mut(&mut *self.halo)
     }

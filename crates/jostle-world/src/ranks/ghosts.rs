@@ -28,7 +28,7 @@ impl World {
     pub(crate) fn exchange_ghosts(&mut self, dt: f32) -> Result<bool> {
         let domain = self.domain_mut();
         (domain.foreign, domain.is_static) = (Asleep::default(), false);
-        if self.is_alone() {
+        if self.halo.is_alone() {
             return Ok(true);
         }
         let (margin, extent) = self.margin_and_extent(dt)?;
@@ -52,7 +52,7 @@ impl World {
     /// dropped before.
     pub(crate) fn exchange_static_ghosts(&mut self) -> Result<()> {
         self.domain_mut().is_static = true;
-        if self.is_alone() {
+        if self.halo.is_alone() {
             return Ok(());
         }
         let distances: Vec<f32> = self.particles.radii.iter().map(|radius| radius * NEAR).collect();
@@ -61,7 +61,7 @@ impl World {
 
     /// Gets the neighbours of own particles in forces between kinds. There must be no ghosts.
     pub(crate) fn exchange_neighbors(&mut self) -> Result<()> {
-        if self.is_alone() {
+        if self.halo.is_alone() {
             return Ok(());
         }
         let half = 0.5 * forces::largest_cutoff(&self.forces);
@@ -81,7 +81,7 @@ impl World {
         let exhausted = std::mem::take(&mut self.scratch.exhausted);
         let any = self.any_of_all(!exhausted.is_empty())?;
         self.scratch.exhausted = exhausted;
-        if any && !self.is_alone() { self.share_exhausted() } else { Ok(()) }
+        if any && !self.halo.is_alone() { self.share_exhausted() } else { Ok(()) }
     }
 
     /// Finds out which ghosts were exhausted in the step.
@@ -150,11 +150,6 @@ impl World {
         self.append_records(&arrived, false);
         self.domain_mut().note_received(received);
         Ok(())
-    }
-
-    /// Whether there is one rank only, which has no ghosts.
-    fn is_alone(&self) -> bool {
-        self.halo.is_alone()
     }
 
     /// The margin around each particle, and the longer side of the AABB of all positions.

@@ -243,14 +243,12 @@ impl World {
             of.row = shifted[of.row as usize];
             of.row != NONE
         });
-        {
-            let domain = self.domain_mut();
-            let ids = domain.ids.iter().zip(&shifted).filter(|(_, row)| **row != NONE);
-            domain.ids = ids.map(|(id, _)| *id).collect();
-            domain.own = domain.ids.len();
-            for of in &mut domain.resting {
-                of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(NONE));
-            }
+        let domain = self.domain_mut();
+        let ids = domain.ids.iter().zip(&shifted).filter(|(_, row)| **row != NONE);
+        domain.ids = ids.map(|(id, _)| *id).collect();
+        domain.own = domain.ids.len();
+        for of in &mut domain.resting {
+            of.rows = of.rows.map(|row| shifted.get(row as usize).copied().unwrap_or(NONE));
         }
         left as usize
     }

@@ -39,7 +39,7 @@ const MAX_WIDENING: f64 = 8.0;
 pub(crate) struct Ranks;
 
 impl Protocol for Ranks {
-    /// A rank that panics tells the others, too.
+    /// Also reports a panic to the other ranks.
     fn guard(
         &self,
         world: &mut World,
@@ -113,7 +113,7 @@ impl Protocol for Ranks {
         Ok((shape, refinement))
     }
 
-    fn limit(&self, world: &mut World, _: f32) {
+    fn limit(&self, world: &mut World) {
         let World { particles, scratch, settings, halo, rows, .. } = world;
         Domain::of_mut(&mut **halo).limit(particles, rows, &settings.container, scratch);
     }
@@ -290,10 +290,7 @@ impl World {
         let Some(domain) = self.domain() else { return Ok(Agreement::Same) };
         let halo: &dyn Halo = domain;
         if halo.is_alone() {
-            return match self.scratch.events.has_too_many() {
-                true if !self.scratch.meets_sleepers => Err(self.too_many_collisions()),
-                _ => Ok(Agreement::Same),
-            };
+            return Ok(Agreement::Same);
         }
         if halo.any(!domain.far.is_empty())? {
             return Ok(Agreement::Further);

@@ -29,6 +29,12 @@ const MAX_CIRCLES: f64 = 4096.0;
 /// Pairs that one call of [`StepBounds::grow`] may find.
 const MAX_NEW: usize = MAX_CANDIDATES / 8;
 
+/// Tests of circles that grow in one window, at most: so many, and so many for each particle. A few discs
+/// that others make faster and faster on a torus would take minutes. In a step of the scenes gas and sand
+/// there are 3 and 25 tests for each particle.
+const MAX_TESTS: usize = 1 << 24;
+const MAX_TESTS_OF_EACH: usize = 1 << 12;
+
 /// Displacements, in units of [`Container::max_displacement`], up to which one circle is made. It and a particle
 /// together are at most half as large as the torus.
 const ONE_CIRCLE: f64 = 1.6;
@@ -230,11 +236,13 @@ pub(crate) struct Grown {
     shapes: Shapes<f32>,
     tree: Quadtree<f32>,
     stack: Vec<u32>,
+    /// Tests of circles in the window.
+    tests: usize,
 }
 
 impl Grown {
     /// Begins a step.
-    pub(crate) fn clear(&mut self) {
+    pub(crate) fn begin_step(&mut self) {
         self.circles.clear();
     }
 }
@@ -377,7 +385,7 @@ impl Bounds for StepBounds<'_> {
     fn renew(&mut self, now: &[Start], left: f64, to: &mut Candidates) -> Result<f64> {
         let (seconds, usual_speed) = self.crowding.horizon(now, left);
         let Self { particles, settings, max_displacements, grown, renewed, .. } = self;
-        grown.clear();
+        grown.circles.clear();
         let allowed = (seconds as f32, usual_speed);
         renewed.rebuild(now, allowed, (particles, settings), max_displacements)?;
         renewed.list(particles, settings, to)?;
@@ -385,6 +393,7 @@ impl Bounds for StepBounds<'_> {
     }
 
     fn begin_window(&mut self) {
+        self.grown.tests = 0;
         self.grown.circles.retain(Circle::is_whole);
         self.grown.chained.clear();
     }
@@ -416,19 +425,23 @@ impl Bounds for StepBounds<'_> {
         let mut stack = std::mem::take(&mut self.grown.stack);
         let found = self.find_pairs(known, &mut stack, pairs);
         self.grown.stack = stack;
-        found
+        self.grown.tests = found?;
+        Ok(())
     }
 }
 
 impl StepBounds<'_> {
     /// Appends the pairs of the particles in new circles, from number `first` on, and all others.
+    /// Returns the number of tests of the window.
     fn find_pairs(
         &self,
         first: usize,
         stack: &mut Vec<u32>,
         pairs: &mut Vec<NearPair>,
-    ) -> Result<()> {
+    ) -> Result<usize> {
         let Grown { circles, tree, .. } = &*self.grown;
+        let mut tests = self.grown.tests;
+        let most = MAX_TESTS.max(MAX_TESTS_OF_EACH * self.particles.len());
         let renewed = self.renewed.tree();
         let present = renewed.unwrap_or(self.tree);
         let trees = [present, tree];
@@ -465,6 +478,7 @@ impl StepBounds<'_> {
                     add(other, tile, true);
                 });
                 pulse.check(work)?;
+                tests += work;
                 let work = each_overlap(tree, &of, 0.0, stack, |index| {
                     let other = &circles[tree.rows()[index] as usize];
                     let [start, end] = other.times;
@@ -473,11 +487,15 @@ impl StepBounds<'_> {
                     }
                 });
                 pulse.check(work)?;
+                tests += work;
             }
             if pairs.len() > MAX_NEW {
                 return Err(Error::TooManyCandidates { limit: MAX_NEW });
             }
+            if tests > most {
+                return Err(Error::TooManyCandidates { limit: most });
+            }
         }
-        Ok(())
+        Ok(tests)
     }
 }

@@ -19,7 +19,7 @@ use jostle_index::quadtree::Quadtree;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Agreement {
     Same,
-    /// Some particle has got further than announced.
+    /// A particle has left the circle that its process announced.
     Further,
     Different,
 }
@@ -40,12 +40,14 @@ pub(crate) trait Distribution: Halo + Any + Send {
         &Alone
     }
 
-    /// Whether this process has the whole world by itself, with its rows in the order of adding.
+    /// Whether this process has the whole world by itself, with its rows in the order of adding. False
+    /// for a distributed world of one process: it is alone, but its rows and ids are those of a part.
     fn is_whole(&self) -> bool {
         true
     }
 
-    /// The number of own rows, or more. Ghosts are in the rows after them.
+    /// Rows below this number are own ones; ghosts are in the rows from it on. `u32::MAX` if there are
+    /// no ghosts.
     fn own_rows(&self) -> u32 {
         u32::MAX
     }
@@ -72,8 +74,8 @@ pub(crate) trait Distribution: Halo + Any + Send {
     /// Chooses domains anew in the next step.
     fn forget_domains(&mut self) {}
 
-    /// Notes the islands of other processes of which a particle overlaps one of the circles in a tree,
-    /// each with its radius here; returns whether there are any.
+    /// Finds the islands of other processes that overlap the circles of a tree. `radius` gives the
+    /// radius of each circle; None leaves it out. Returns whether there are any.
     fn touch_others(
         &mut self,
         _circles: &Quadtree<f32>,
@@ -105,8 +107,8 @@ pub(crate) trait Protocol: Sync {
     /// Removes the ghosts of the last step.
     fn begin_step(&self, _: &mut World) {}
 
-    /// Moves particles to the processes of their domains. Returns false if nothing can move in this
-    /// step, which has ended then.
+    /// Moves particles to the processes of their domains. Returns false if nothing can move. The step
+    /// is complete then.
     fn migrate(&self, _: &mut World) -> Result<bool> {
         Ok(true)
     }
@@ -121,7 +123,7 @@ pub(crate) trait Protocol: Sync {
         Ok(())
     }
 
-    /// Notes the particles with which a part of a step begins, in their order.
+    /// Lists the particles with which a part of a step begins, in their order.
     fn begin_part(&self, _: &mut World) {}
 
     /// Gives ghosts the accelerations that their own processes have computed.
@@ -140,10 +142,10 @@ pub(crate) trait Protocol: Sync {
         Ok((own, refinement))
     }
 
-    /// Limits how far particles may get in `dt` seconds to what other processes know.
-    fn limit(&self, _: &mut World, _dt: f32) {}
+    /// Limits the displacements of own particles to the circles that other processes know.
+    fn limit(&self, _: &mut World) {}
 
-    /// Notes what happened to shared particles in a part of a step.
+    /// Records what happened to shared particles in a part of a step.
     fn end_part(&self, _: &mut World) {}
 
     /// Whether the step must be repeated before particles merge.
@@ -204,12 +206,12 @@ pub(crate) trait Protocol: Sync {
     /// Removes the contacts of islands that no longer sleep.
     fn drop_contacts(&self, _: &mut World) {}
 
-    /// Gives islands their names, and how all their members on all processes have moved.
+    /// Names the islands, and adds up the motion of their members on all processes.
     fn join_islands(&self, _: &mut World) -> Result<()> {
         Ok(())
     }
 
-    /// Keeps the pairs that touch of islands that fall asleep.
+    /// Keeps the touching pairs of islands that fall asleep.
     fn keep_pairs(&self, _: &mut World) -> Result<()> {
         Ok(())
     }

@@ -106,7 +106,7 @@ impl World {
 
     /// The id of a row; in a distributed world that among the particles of all processes.
     pub(crate) fn id_among_all(&self, row: u32) -> Id {
-        self.halo.ids().get(row as usize).copied().unwrap_or_else(|| self.ids.of(row))
+        if self.halo.is_whole() { self.ids.of(row) } else { self.halo.ids()[row as usize] }
     }
 
     /// Whether a particle has this id.

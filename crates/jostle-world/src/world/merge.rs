@@ -96,8 +96,9 @@ impl World {
         let has_touched = candidates.iter().filter(|candidate| candidate.has_touched);
         let mut touching: Vec<[u32; 2]> = has_touched.map(|candidate| candidate.indices).collect();
         self.scratch.candidate_merges = candidates;
-        let (protocol, own) = (self.halo.protocol(), self.halo.own_rows());
+        let protocol = self.halo.protocol();
         for _ in 0..ROUNDS {
+            let own = self.halo.own_rows();
             // Pairs of two ghosts are found by the processes that own these particles.
             touching.retain(|pair| pair.iter().any(|&index| self.rows[index as usize] < own));
             self.record_pairs(&touching);

@@ -188,7 +188,8 @@ pub(crate) struct StepScratch {
     /// Largest displacements that stay in the bounds.
     pub(crate) max_displacements: Vec<f32>,
     pub(crate) old_max_displacements: Vec<f32>,
-    /// Those with which a part of the step begins; empty if no particle sleeps.
+    /// Largest displacements with which a part of the step begins; empty if no particle sleeps and there
+    /// are no other processes.
     pub(crate) limits: Vec<f32>,
     /// Sleeping islands that the step would touch.
     pub(crate) touched: Vec<u32>,

@@ -37,7 +37,7 @@ impl World {
         own.fold(least, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])))
     }
 
-    /// Whether something is so on any process.
+    /// Whether a condition is true on any process.
     pub(crate) fn any_of_all(&self, own: bool) -> Result<bool> {
         self.halo().any(own)
     }

@@ -11,7 +11,7 @@ use jostle_simd::LANES;
 
 impl World {
     /// A hash of the results of a stage, for a watcher that is called at its end, see
-    /// [`World::step_watched`]. The same for every number of threads and every [`Method`](crate::Method).
+    /// [`World::step_watched`]. The same for every number of threads and every [`Method`](jostle_base::Method).
     #[doc(hidden)]
     pub fn stage_hash(&self, stage: Stage) -> u64 {
         let mut hash = StateHash::begin(self.rows.len());
@@ -42,14 +42,11 @@ impl World {
                     hash.mix_value(push.pushes);
                 }
             }
-            Stage::Events => {
-                self.mix_motions(&mut hash);
-                hash.mix_value(self.scratch.collisions.pairs);
-                hash.mix_value(self.scratch.collisions.walls);
-            }
-            Stage::Correction => self.mix_motions(&mut hash),
+            Stage::Events | Stage::Correction => self.mix_motions(&mut hash),
             Stage::Store => {
                 hash.mix_value(self.state_hash());
+                hash.mix_value(self.scratch.collisions.pairs);
+                hash.mix_value(self.scratch.collisions.walls);
                 for contact in self.contacts.lasting() {
                     hash.mix_value(contact.indices);
                     hash.mix_value([contact.impulse, contact.friction_impulse]);

@@ -161,7 +161,7 @@ impl World {
         }
     }
 
-    /// Whether it is known that they do not.
+    /// Whether the processes are known to disagree on the step.
     fn is_disagreed(&self) -> bool {
         self.scratch.agreement.is_some_and(|agreement| agreement != Agreement::Same)
     }
@@ -267,6 +267,7 @@ impl World {
     ) -> Result<()> {
         interrupt::check()?;
         self.scratch.substeps = substeps;
+        self.scratch.kicks.clear();
         self.apply_forces(dt)?;
         if !self.forces.is_empty() || self.given.is_some() {
             watch(Stage::Forces, self);

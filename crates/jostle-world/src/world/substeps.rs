@@ -142,9 +142,9 @@ impl World {
             let all = scratch.max_displacements.iter().enumerate();
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
-        self.halo.protocol().limit(self, dt);
+        self.halo.protocol().limit(self);
         let Self { particles, persistent, contacts, scratch, settings, .. } = self;
-        scratch.grown.clear();
+        scratch.grown.begin_step();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
@@ -333,7 +333,6 @@ impl World {
 
     /// Stores the impulses in the contacts.
     fn end_substeps(&mut self, of: &Substeps) {
-        self.scratch.kicks.clear();
         if of.may_rest {
             self.scratch.resting.end_step(&mut self.contacts);
         }
