@@ -39,7 +39,8 @@ impl Shapes {
         let centers = pairs([&self.x, &self.y]);
         let radii = Each::Rows(self.radius.clone());
         let half_sizes = self.has_boxes().then(half_sizes);
-        jostle_index::Shapes::new(centers, radii, half_sizes, None).expect("scenes hold valid shapes")
+        jostle_index::Shapes::new(centers, radii, half_sizes, None)
+            .expect("scenes hold valid shapes")
     }
 
     /// Half the width and height of the box around the shape in `row`.

@@ -1,7 +1,7 @@
 //! Every kernel of the grid against the library's brute force, with cells of any size.
 
-use jostle_scenes::random::Random;
 use jostle_index::{Columns, pairs};
+use jostle_scenes::random::Random;
 
 use super::CellSize;
 use crate::rivals::Pair;
@@ -11,8 +11,10 @@ use crate::simd::Level;
 const COUNT: usize = 1_500;
 
 fn brute(shapes: &Shapes) -> Vec<Pair> {
-    let columns = Columns::of(&shapes.rows());
-    pairs::brute(&columns, Some(1), usize::MAX).expect("any number of pairs").pairs
+    let columns = Columns::of(&shapes.rows()).expect("there is memory");
+    let mut pairs = pairs::brute(&columns, Some(1), usize::MAX).expect("any number of pairs").pairs;
+    pairs.sort_unstable();
+    pairs
 }
 
 /// The levels of this processor.

@@ -1,6 +1,7 @@
 //! jostle's core, as a Rust program calls it.
 
-use jostle::{pairs, settings};
+use jostle_base::settings;
+use jostle_index::pairs;
 
 use super::Find;
 use crate::scenes::Shapes;
