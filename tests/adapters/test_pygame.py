@@ -151,7 +151,7 @@ def test_ten_thousand_random_scenes(rule: str, kind: str) -> None:
 @pytest.mark.parametrize("kill", [False, True])
 def test_groups_of_hundreds(rule: str, kind: str, kill: bool) -> None:
     """Enough sprites for trees; small groups are compared by brute force."""
-    same_groupcollide(lambda: Scene(3, kind, largest=300), kill, kill, BUILT_IN[rule])
+    same_groupcollide(lambda: Scene(3, kind, largest=400), kill, kill, BUILT_IN[rule])
     same_others(lambda: Scene(4, kind, largest=150), kill, BUILT_IN[rule])
 
 

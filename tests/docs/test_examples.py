@@ -18,7 +18,7 @@ EXAMPLES = sorted(FOLDER.glob("[0-9][0-9]_*.py"))
 ALLOWED = {"jostle", "matplotlib", "numpy", "pygame", "pytmx", "show", *sys.stdlib_module_names}
 # Frames until there is something to see: the first bullet hits after about seventy. A step of the
 # ten thousand balls takes up to a second while they still overlap from their placement.
-FRAMES = {"02_ten_thousand_balls": "1", "03_bullets_and_ships": "90"}
+FRAMES = {"02_ten_thousand_balls": "3", "03_bullets_and_ships": "90"}
 each_example = pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 
 

@@ -41,7 +41,7 @@ def test_the_cap_holds_and_the_oldest_go_first() -> None:
     oldest = drops(world)[0]
     assert oldest == beads  # the beads stay, and stay first
     removed = 0
-    for _ in range(1000):
+    for _ in range(1500):
         world.step(STEP)
         before, radii = len(drops(world)), world.radii
         gone = emitters.step(world, STEP)

@@ -58,7 +58,7 @@ def forks_during(call: Callable[[], object], work: Callable[[], object]) -> set[
     thread = threading.Thread(target=keep_calling)
     thread.start()
     try:
-        return {exit_code_of_child(work) for _ in range(3)}
+        return {exit_code_of_child(work) for _ in range(5)}
     finally:
         done.set()
         thread.join()

@@ -357,8 +357,8 @@ def test_platforms_that_move_together_carry_across_their_joints(shape: str, way:
     for pieces in ([440.0], [40.0, 400.0], [55.0] * 8):
         x = np.concatenate([[0], np.cumsum(pieces)])
         boxes = np.stack([x[:-1], x[:-1] * 0, x[1:], x[1:] * 0 + 8], 1)
-        for vx in (-3, -1, 0, 1.5, 3):
-            for vy in (-2, -0.5, 0, 1, 2):
+        for vx in (-3, -1.5, -1, 0, 1, 1.5, 3):
+            for vy in (-2, -1, -0.5, 0, 0.5, 1, 2):
                 for walk in (0.2, 1, 3):
                     space = jostle.Space()
                     parts = space.add(boxes=boxes, categories=LEDGE)

@@ -35,8 +35,7 @@ def check_scenes(n: int, steps: int) -> None:
 
 @up_to(3)
 def test_scenes() -> None:
-    # With more ranks than cores each message takes long.
-    check_scenes(60, 8 if comm().size < 3 else 4)
+    check_scenes(60, 8)
 
 
 def test_piles() -> None:
@@ -128,13 +127,13 @@ def test_chains() -> None:
     velocities = np.zeros((40, 2))
     velocities[0, 0] = 30.0
     row[0, 0] = -5.0
-    check("a line", jostle.World(row, velocities, radii=1.0), 1 / 60, 20, unevenly)
+    check("a line", jostle.World(row, velocities, radii=1.0), 1 / 60, 60, unevenly)
     lattice = np.stack(np.meshgrid(np.arange(12.0), np.arange(12.0)), -1).reshape(-1, 2)
     lattice[:, 0] += 0.5 * (np.arange(144) // 12 % 2)
     lattice[:, 1] *= np.sqrt(0.75)
     velocities = np.zeros((144, 2))
     velocities[:12] = (0.0, 9.0)
-    check("a rack", jostle.World(lattice * 2, velocities, radii=1.0), 1 / 60, 30)
+    check("a rack", jostle.World(lattice * 2, velocities, radii=1.0), 1 / 60, 60)
 
 
 def test_nasty() -> None:
@@ -280,7 +279,7 @@ def test_immovable() -> None:
     world = jostle.scenes.create("heap", n=60, seed=3)
     world.sleeping = False
     ours = scattered(world, unevenly, every=3)
-    for step in range(60 if comm().size < 3 else 24):
+    for step in range(60):
         alone = ours.gather() if step % 5 == 0 else None
         for one in (world, ours, *([] if alone is None else [alone])):
             one.step(1 / 60)

@@ -200,13 +200,13 @@ def test_fast_discs() -> None:
 
 def test_a_large_disc_on_small_ones() -> None:
     rng = np.random.default_rng(4)
-    n = 2000
-    small = np.column_stack([np.arange(n) % 400 * 0.21, np.arange(n) // 400 * 0.21]) + 0.12
-    positions = np.vstack([small, [(42, 41.2)]])
-    velocities = np.vstack([rng.normal(0, 0.05, (n, 2)), [(0, -15)]])
+    n = 5000
+    small = np.column_stack([np.arange(n) % 1000 * 0.21, np.arange(n) // 1000 * 0.21]) + 0.12
+    positions = np.vstack([small, [(105, 101.2)]])
+    velocities = np.vstack([rng.normal(0, 0.05, (n, 2)), [(0, -60)]])
     columns = {
-        **{"positions": positions, "velocities": velocities, "radii": np.r_[np.full(n, 0.1), 40]},
+        **{"positions": positions, "velocities": velocities, "radii": np.r_[np.full(n, 0.1), 100]},
         "friction": np.full(n + 1, 0.4),
     }
-    settings = {"gravity": (0.0, -10.0), "container": jostle.Box(0, 0, 84, 160)}
+    settings = {"gravity": (0.0, -10.0), "container": jostle.Box(0, 0, 210, 400)}
     check_shared(columns, {"restitution": 0.3, **settings}, 3)

@@ -118,7 +118,7 @@ def test_g_of_a_dilute_fluid_is_its_expansion_in_the_density() -> None:
     """
     count, density = 900, 0.03
     side = math.sqrt(count / density)
-    places = frames(count, density, 110, settle=3000, every=80, seed=2)
+    places = frames(count, density, 150, settle=4000, every=80, seed=2)
     g = radial_distribution([distances(p, side, REACH) for p in places], count, density)
     step = 0.04
     grid = (np.arange(-170, 170) + 0.5) * step
