@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import jostle
 from jostle import Flocking, PairForce, life
@@ -281,3 +282,69 @@ def test_a_force_must_fit_the_world():
     with pytest.raises(ValueError, match="a cutoff is at most 5"):
         world.forces = [jostle.Flocking(5.1, 1, 1, 1, 1)]
     assert world.forces == ()
+
+
+def radial_distribution(frames, side, bins):
+    """Return g(r) of some frames of particles on a torus."""
+    counts = np.zeros(len(bins) - 1)
+    for positions in frames:
+        offset = positions[None].astype(float) - positions[:, None]
+        offset -= side * np.round(offset / side)
+        counts += np.histogram(np.sqrt((offset**2).sum(axis=2)), bins)[0]
+    n, rings = len(frames[0]), np.pi * (bins[1:] ** 2 - bins[:-1] ** 2)
+    return counts / (len(frames) * n * (n - 1) / side**2 * rings)
+
+
+def forces_of_lennard_jones(positions, side):
+    """Return forces of the truncated potential, by NumPy over the pairs that SciPy finds."""
+    pairs = cKDTree(positions % side % side, boxsize=side).query_pairs(2.5, output_type="ndarray")
+    a, b = pairs.T
+    x, y = (positions[b] - positions[a]).T
+    x, y = x - side * np.round(x / side), y - side * np.round(y / side)
+    squares = x * x + y * y
+    sixth = 1 / (squares * squares * squares)
+    scale = 24 * (sixth - 2 * sixth * sixth) / squares
+    n = len(positions)
+    forces = [
+        np.bincount(a, scale * along, n) - np.bincount(b, scale * along, n) for along in (x, y)
+    ]
+    return np.stack(forces, 1)
+
+
+@pytest.mark.slow
+def test_a_fluid_has_the_structure_of_an_independent_simulation():
+    """g(r) at the density 0.6 and a temperature near 1, beside velocity Verlet in NumPy."""
+    n, density, dt = 144, 0.6, 0.005
+    side = float(np.sqrt(n / density))
+    rng = np.random.default_rng(4)
+    sites = (np.stack(np.meshgrid(range(12), range(12)), 2).reshape(-1, 2) + 0.5) * side / 12
+    start = rng.normal(0, 1.2, (n, 2))
+    start -= start.mean(axis=0)
+    world = jostle.World(
+        sites,
+        start,
+        0.1,
+        masses=1.0,
+        container=jostle.Torus(side, side),
+        on_touch="ignore",
+        forces=[jostle.PairForce.lennard_jones(np.zeros(n, int), 1.0, 1.0, 2.5)],
+    )
+    positions, velocities = sites.copy(), start.copy()
+    force = forces_of_lennard_jones(positions, side)
+    ours, theirs, heat = [], [], np.zeros(2)
+    for frame in range(500):
+        world.step(dt, steps=20)
+        for _ in range(20):
+            velocities += dt / 2 * force
+            positions += dt * velocities
+            force = forces_of_lennard_jones(positions, side)
+            velocities += dt / 2 * force
+        if frame >= 100:
+            ours.append(world.positions)
+            theirs.append(positions.copy())
+            heat += world.kinetic_energy / n, 0.5 * (velocities**2).sum() / n
+    bins = np.linspace(0.8, 3.0, 34)
+    g, expected = (radial_distribution(frames, side, bins) for frames in (ours, theirs))
+    assert abs(heat[0] / heat[1] - 1) < 0.02
+    assert 1.0 < bins[g.argmax()] < 1.2 and g.max() > 1.8
+    assert np.abs(g - expected).max() < 0.08
