@@ -63,7 +63,7 @@ fn main() {
         let [alone, among] = both.each_mut().map(|world| {
             world.begin_record();
             step(world, 1);
-            world.collisions()
+            world.record().collisions()
         });
         println!(
             "    collisions a step: {} of pairs, among walls {} of pairs and {} with walls",

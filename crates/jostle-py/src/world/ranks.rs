@@ -171,13 +171,16 @@ impl PyWorld {
 
     /// Pairs that touched: at the end of the call before, in this one, and at its end. For `jostle.mpi`.
     fn _own_touches<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<i64>>>> {
-        let all = self.long(py, |state| state.world.own_touches())?;
+        let all = self.long(py, |state| state.world.record().touches())?;
         all.into_iter().map(|pairs| table(py, pairs)).collect()
     }
 
     /// The old and the new ids of own particles that merged. For `jostle.mpi`.
     fn _own_renumbering<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        table(py, self.long(py, |state| state.world.own_renumbering())?)
+        table(
+            py,
+            self.long(py, |state| state.world.record().merged().unwrap_or_default().to_vec())?,
+        )
     }
 
     /// A world like this one with the particles of records. For `jostle.mpi`.

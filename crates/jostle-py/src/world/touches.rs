@@ -119,7 +119,7 @@ impl PyWorld {
     /// WorldCollisions(pairs=3, walls=2)
     #[getter]
     fn collisions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let collisions = self.state(py)?.world.collisions();
+        let collisions = self.state(py)?.world.record().collisions();
         results::world_collisions(py, collisions)
     }
 }

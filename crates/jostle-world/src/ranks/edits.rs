@@ -84,7 +84,7 @@ impl World {
     pub fn add_of_ranks(&mut self, records: Vec<u8>, ids: &[Id], count: usize) -> Result<()> {
         self.drop_ghosts();
         let is_fixed = !read_records(&records).0.movable.iter().all(|&movable| movable);
-        if self.any_of_all(is_fixed)? {
+        if self.halo().any(is_fixed)? {
             self.wake_all();
         }
         let Some(domain) = self.domain() else { return Ok(()) };

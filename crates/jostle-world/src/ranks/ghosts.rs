@@ -79,7 +79,7 @@ impl World {
         self.scratch.exhausted.retain(|&row| row < own);
         self.exchange_ghosts(dt)?;
         let exhausted = std::mem::take(&mut self.scratch.exhausted);
-        let any = self.any_of_all(!exhausted.is_empty())?;
+        let any = self.halo().any(!exhausted.is_empty())?;
         self.scratch.exhausted = exhausted;
         if any && !self.halo.is_alone() { self.share_exhausted() } else { Ok(()) }
     }

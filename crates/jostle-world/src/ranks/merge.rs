@@ -155,7 +155,7 @@ impl World {
         let has_merged = |of: &&Member| names.binary_search(&of.island).is_ok();
         let members: Vec<Member> = members.iter().filter(has_merged).copied().collect();
         let gone = members.iter().filter(|of| self.id_of_index(of.index) != of.island).count();
-        let [gone] = self.sum_of_all([gone as u64])?;
+        let [gone] = self.halo().sum([gone as u64])?;
         if gone == 0 {
             return Ok(false);
         }
@@ -312,7 +312,7 @@ impl World {
         retain_unless(&mut domain.ids, &gone);
         domain.own = domain.ids.len();
         if !merged.is_empty() {
-            self.record_renumbering(merged);
+            self.record.add_merged(merged);
         }
     }
 }

@@ -14,7 +14,7 @@ impl World {
         let is_lossy = self.settings.restitution != 1.0
             || !self.walls.are_elastic()
             || own.map(|of| of.0).any(|index| loses_energy(&self.particles, index));
-        let is_lossy = self.any_of_all(is_lossy)?;
+        let is_lossy = self.halo().any(is_lossy)?;
         self.domain_mut().is_lossless = !is_lossy;
         Ok(())
     }

@@ -9,6 +9,7 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::force_step::{ForceScratch, force_displacement};
+use super::plan::Plan;
 use super::renewal::{Crowding, Renewed};
 use super::{MAX_CANDIDATES, OnTouch, World, WorldSettings};
 use crate::container::Container;
@@ -50,19 +51,18 @@ const RESERVE: f32 = 0.001;
 const GROWTH: f64 = 1.25;
 
 impl World {
-    /// Computes the bounds of a step of `dt` seconds. If a particle moves farther,
-    /// [`StepBounds::grow`] enlarges its bounds: the answer does not depend on them.
-    pub(crate) fn find_bounds(&mut self, dt: f32) {
-        let threads = self.threads();
-        let may_rest = self.may_rest();
-        let super::StepScratch { max_displacements, forces, usual_speed, shapes, horizon, .. } =
+    /// Computes the bounds of a part of a step. If a particle moves farther, [`StepBounds::grow`] enlarges
+    /// its bounds: the answer does not depend on them. Returns whether all particles stay in theirs if they have no
+    /// events.
+    pub(crate) fn find_bounds(&mut self, plan: &Plan) -> bool {
+        let Plan { may_rest, threads, horizon: dt, .. } = *plan;
+        let super::StepScratch { max_displacements, forces, usual_speed, shapes, .. } =
             &mut self.scratch;
         let (particles, settings) = (&self.particles, &self.settings);
-        let (step, dt) = (dt, if settings.on_touch == OnTouch::Bounce { *horizon } else { dt });
         let usual = (*usual_speed * dt).min(settings.container.max_displacement());
         let accelerations = &forces.accelerations;
         let fall = distance_of_fall(settings.gravity, dt);
-        let free = FreeDisplacements::new(settings, forces, step);
+        let free = FreeDisplacements::new(settings, forces, plan.dt);
         // Particles that merge are not searched again, so their bounds contain the estimated
         // displacements by springs.
         let is_merging = settings.on_touch == OnTouch::Merge;
@@ -123,7 +123,7 @@ impl World {
                 contain_contacts(particles, &free, bounds);
             },
         );
-        self.scratch.bounded = !is_cut.into_inner();
+        !is_cut.into_inner()
     }
 }
 

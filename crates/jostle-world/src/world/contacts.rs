@@ -4,6 +4,7 @@
 use std::cell::Cell;
 
 use super::bounds::{FreeDisplacements, reach};
+use super::plan::Plan;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
 use crate::halo::Halo;
@@ -30,18 +31,19 @@ impl World {
     /// the pairs that may come near each other by themselves, and else those that overlap. Which
     /// pairs these are depends on the state of the two alone, not on the candidates, which are
     /// more.
-    pub(crate) fn make_contacts(&mut self, dt: f32) -> Result<()> {
-        let (threads, may_rest, is_lossless) =
-            (self.threads(), self.may_rest(), self.is_lossless());
+    ///
+    /// Returns how many times the usual number of sub-steps the contacts need, on all processes.
+    pub(crate) fn make_contacts(&mut self, plan: &Plan) -> Result<usize> {
+        let threads = plan.threads;
         self.take_pairs_that_pass();
-        let is_mixed = self.find_lossy(is_lossless);
+        let is_mixed = self.find_lossy(plan.is_lossless);
         let Self { particles, settings, scratch, .. } = self;
         let StepScratch { pairs, events, .. } = scratch;
         events.take_pairs(particles.len(), pairs, threads);
         let StepScratch { overlaps, overlap_parts, reaches, forces, .. } = scratch;
         let to = (&mut *overlaps, overlap_parts);
-        if may_rest {
-            let free = FreeDisplacements::new(settings, forces, dt);
+        if plan.may_rest {
+            let free = FreeDisplacements::new(settings, forces, plan.dt);
             reaches.clear();
             let all = particles.radii.iter().enumerate();
             reaches.extend(all.map(|(index, &radius)| reach(free.of(particles, index), radius)));
@@ -58,14 +60,14 @@ impl World {
         let Self { particles, scratch, contacts, .. } = self;
         contacts.colour(&scratch.overlaps, particles, threads);
         interrupt::check()?;
-        let (shape, refinement) = (self.contacts.shape(), self.own_refinement());
+        let (shape, refinement) = (self.contacts.shape(), self.own_refinement(plan));
         let (shape, refinement) = self.halo.protocol().agree_on_order(self, shape, refinement)?;
         let Self { particles, settings, scratch, contacts, .. } = self;
         let lists = &scratch.overlaps;
         let before = scratch.tree.rows();
         contacts.collect(lists, particles, settings.restitution, before, shape.rounds, threads);
-        (scratch.contact_shape, scratch.refinement) = (shape, refinement);
-        Ok(())
+        scratch.contact_shape = shape;
+        Ok(refinement)
     }
 
     /// Finds the particles that lose energy, if some do and others do not; returns whether this is

@@ -7,6 +7,7 @@ use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
 /// The velocities of what motors drive, before a step.
+#[derive(Default)]
 pub(crate) struct Driven {
     /// Index, velocity and angular velocity.
     particles: Vec<(usize, [f32; 2], f32)>,
@@ -18,7 +19,7 @@ impl World {
     /// Gives the particles and walls of motors their velocities in a step of `dt` seconds; returns
     /// those before.
     pub(crate) fn drive(&mut self, dt: f64) -> Driven {
-        let mut before = Driven { particles: Vec::new(), walls: Vec::new() };
+        let mut before = Driven::default();
         for motor in forces::motors(&self.forces) {
             let drive = motor.drive(self.time, dt);
             let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
@@ -47,6 +48,9 @@ impl World {
     /// Takes back what [`World::drive`] did before a step that failed, in reverse order: several
     /// motors may drive the same particle.
     pub(crate) fn restore_driven(&mut self, before: Driven) {
+        if before.particles.is_empty() && before.walls.is_empty() {
+            return;
+        }
         for (index, velocity, angular_velocity) in before.particles.into_iter().rev() {
             self.particles.velocities[index] = velocity;
             self.particles.set_angular_velocity(index, angular_velocity);

@@ -50,7 +50,8 @@ impl World {
         forces::follow(&mut self.forces, |row| {
             (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
         });
-        self.shorten_renumbering();
+        let ids = &self.ids;
+        self.record.drop_merged(|id| ids.row(id).is_some());
         self.end_given_of_none()
     }
 

@@ -60,8 +60,9 @@ impl ForceScratch {
 impl World {
     /// Computes the accelerations of the first sub-step. They do not depend on the
     /// order of the particles, which is not yet that of the step.
-    pub(crate) fn apply_forces(&mut self, dt: f32) -> Result<()> {
-        let (substeps, has_accelerations) = (self.scratch.substeps, self.has_accelerations());
+    pub(crate) fn apply_forces(&mut self, dt: f32, substeps: usize) -> Result<()> {
+        let has_accelerations = self.has_accelerations();
+        self.scratch.kicks.clear();
         let settings = &self.settings;
         let scratch = &mut self.scratch.forces;
         scratch.accelerations.clear();
@@ -81,7 +82,7 @@ impl World {
             scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;
         }
-        self.estimate_springs(dt);
+        self.estimate_springs(dt, substeps);
         let ForceScratch { accelerations, max_displacements, .. } = &self.scratch.forces;
         let particles = &self.particles;
         let displacement = |index: usize| {
@@ -98,9 +99,9 @@ impl World {
     }
 
     /// Estimates displacements by springs, and finds out whether any are stiff.
-    fn estimate_springs(&mut self, dt: f32) {
+    fn estimate_springs(&mut self, dt: f32, substeps: usize) {
         let Self { forces: named, particles, rows, settings, scratch, .. } = self;
-        let h = f64::from(dt) / scratch.substeps as f64;
+        let h = f64::from(dt) / substeps as f64;
         let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
             &mut scratch.forces;
         let all = awake_springs(named, indices);
@@ -116,7 +117,7 @@ impl World {
 
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(crate) fn accelerate(&mut self, h: f32) -> Result<()> {
-        let extent = self.extent_of_halfway()?;
+        let extent = self.everywhere().extent(&self.scratch.forces.halfway)?;
         let Self { particles, rows, given, settings, scratch, .. } = self;
         let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
@@ -129,9 +130,9 @@ impl World {
     }
 
     /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
-    pub(crate) fn apply_bath(&mut self, dt: f32) {
+    pub(crate) fn apply_bath(&mut self, dt: f32, threads: Option<usize>) {
         let Some(bath) = forces::bath(&self.forces) else { return };
-        let (threads, time) = (self.threads(), self.time);
+        let time = self.time;
         let Particles { positions, residuals, velocities, masses, movable, .. } =
             &mut self.particles;
         parallel::for_chunks(threads, velocities, |first, velocities| {

@@ -83,7 +83,7 @@ impl World {
         }
         let acts = (0..).zip(&accelerations).filter(|(_, given)| **given != [0.0; 2]);
         let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
-        let acts = self.any_of_all(!rows.is_empty())?;
+        let acts = self.halo().any(!rows.is_empty())?;
         if acts {
             self.halo.protocol().wake_edited(self, &mut [], &rows)?;
         }
@@ -94,7 +94,7 @@ impl World {
     /// Removes the given accelerations if they are 0 for all particles of all processes.
     pub(crate) fn end_given_of_none(&mut self) -> Result<()> {
         let acts = self.given_accelerations().iter().any(|given| *given != [0.0; 2]);
-        if self.given.is_some() && !self.any_of_all(acts)? {
+        if self.given.is_some() && !self.halo().any(acts)? {
             self.given = None;
         }
         Ok(())

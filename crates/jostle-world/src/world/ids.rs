@@ -135,11 +135,11 @@ impl World {
         }
     }
 
-    /// The present id of each id that was given, if particles merged since the last reset: merged particles share the
+    /// The present id of each id that was given, if particles merged since the record began: merged particles share the
     /// smallest of their ids. None stands for an id that no particle has; None in place of all if
     /// nothing merged. An error if more than 2²⁷ ids were given, or there is no memory for them.
     pub fn renumbered(&self) -> Result<Option<Vec<Option<Id>>>> {
-        let Some(merged) = &self.renumbered else { return Ok(None) };
+        let Some(merged) = self.record.merged() else { return Ok(None) };
         let len = self.ids.next as usize;
         if len > MAX_RENUMBERED {
             return Err(Error::NoMemory { bytes: len.saturating_mul(size_of::<Option<Id>>()) });
@@ -149,32 +149,6 @@ impl World {
         self.ids().into_iter().for_each(|id| new[id as usize] = Some(id));
         merged.iter().for_each(|&[old, heir]| new[old as usize] = Some(heir));
         Ok(Some(new))
-    }
-
-    /// Of a distributed world: the old and the new id of particles that were own ones when they merged. The
-    /// new one may have merged since, on another process.
-    pub fn own_renumbering(&self) -> Vec<[Id; 2]> {
-        self.renumbered.clone().unwrap_or_default()
-    }
-
-    /// Records that particles merged: the old id and the new one of each, by old ids.
-    pub(crate) fn record_renumbering(&mut self, merged: Vec<[Id; 2]>) {
-        let mut all = self.renumbered.take().unwrap_or_default();
-        for [_, heir] in &mut all {
-            if let Ok(at) = merged.binary_search_by_key(heir, |&[old, _]| old) {
-                *heir = merged[at][1];
-            }
-        }
-        all.extend(merged);
-        self.renumbered = Some(all);
-    }
-
-    /// Removes what merged particles became from the record, where that is removed.
-    pub(crate) fn shorten_renumbering(&mut self) {
-        let ids = &self.ids;
-        if let Some(all) = &mut self.renumbered {
-            all.retain(|&[_, heir]| ids.row(heir).is_some());
-        }
     }
 }
 

@@ -102,7 +102,7 @@ impl World {
             // Pairs of two ghosts are found by the processes that own these particles.
             touching.retain(|pair| pair.iter().any(|&index| self.rows[index as usize] < own));
             self.record_pairs(&touching);
-            if !self.any_of_all(!touching.is_empty())?
+            if !self.halo().any(!touching.is_empty())?
                 || !protocol.merge_islands(self, &touching)?
             {
                 return Ok(());
@@ -196,7 +196,7 @@ impl World {
         forces::follow(&mut self.forces, |row| {
             Some(Id::from(shifted[heirs[row as usize] as usize]))
         });
-        self.record_renumbering(merged);
+        self.record.add_merged(merged);
         self.end_given_of_none()
     }
 

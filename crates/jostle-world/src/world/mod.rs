@@ -14,12 +14,14 @@ pub(crate) mod contacts;
 mod defaults;
 pub(crate) mod discs;
 pub(crate) mod distribution;
+mod displacements;
 mod drive;
 pub(crate) mod edits;
 mod force_step;
 mod given;
 pub(crate) mod ids;
 pub(crate) mod merge;
+mod plan;
 mod record;
 mod reductions;
 mod refinement;
@@ -60,8 +62,7 @@ use jostle_base::error::{Error, Result, counted};
 use jostle_base::ids::Id;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::Shapes;
-use record::Record;
-pub use record::{Collisions, TouchEvents};
+pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
 pub use sums::StateHash;
@@ -167,8 +168,6 @@ pub struct World {
     pub(crate) asleep: Asleep,
     pub(crate) time: f64,
     pub(crate) stats: Stats,
-    /// The old and the new id of each particle that became part of another.
-    pub(crate) renumbered: Option<Vec<[Id; 2]>>,
     /// What happened since the last call of [`World::begin_record`].
     pub(crate) record: Record,
     /// The part of the world that this process has.
@@ -181,10 +180,6 @@ pub struct World {
 pub(crate) struct StepScratch {
     /// A multiple of the mean speed, for the bounds.
     pub(crate) usual_speed: f32,
-    /// Whether all particles stay in their bounds if they have no events.
-    pub(crate) bounded: bool,
-    /// Sub-steps of a part of a step.
-    pub(crate) substeps: usize,
     /// Largest displacements that stay in the bounds.
     pub(crate) max_displacements: Vec<f32>,
     pub(crate) old_max_displacements: Vec<f32>,
@@ -200,8 +195,6 @@ pub(crate) struct StepScratch {
     pub(crate) grown: bounds::Grown,
     /// Rows that were exhausted in the step.
     pub(crate) exhausted: Vec<u32>,
-    /// Those of the step.
-    pub(crate) collisions: Collisions,
     pub(crate) touching: touching::Scratch,
     pub(crate) events: Events,
     /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
@@ -220,8 +213,6 @@ pub(crate) struct StepScratch {
     pub(crate) correction: Correction,
     pub(crate) listing: search::ListScratch,
     pub(crate) contact_shape: ContactShape,
-    /// How many times the usual number of sub-steps the contacts need, on all processes.
-    pub(crate) refinement: usize,
     /// The candidate pairs.
     pub(crate) pairs: search::Lists,
     /// Those of pairs that pass through each other, if it matters whether they touch.
@@ -248,8 +239,6 @@ pub(crate) struct StepScratch {
     pub(crate) hot_walls: HotWalls,
     pub(crate) forces: ForceScratch,
     pub(crate) before: Before,
-    /// The record before, until a step of the present one is complete.
-    pub(crate) record_before: Option<(Record, Option<Vec<[Id; 2]>>)>,
     /// Columns to reorder into, for all parts of a step but the first.
     pub(crate) spare: Discs,
 }

@@ -30,48 +30,66 @@ pub struct TouchEvents {
     pub left: Vec<[Id; 2]>,
 }
 
-/// The record of a world. All lists are of pairs of ids, the smaller first.
+/// What happened in the steps since the record began.
+///
+/// A step adds to it as it is computed, and [`Record::undo_step`] takes that away again if the step is repeated or
+/// refused. All lists of pairs are of ids, the smaller first.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Record {
-    pub(crate) collisions: Collisions,
+pub struct Record {
+    collisions: Collisions,
     /// The pairs that touched at the end of the record before, sorted.
     pub(crate) before: Vec<[Id; 2]>,
     /// The pairs that touched in a step of this record; some may be listed twice.
-    pub(crate) during: Vec<[Id; 2]>,
+    during: Vec<[Id; 2]>,
     /// Those that touched at the end of this record, sorted.
     pub(crate) at_end: Vec<[Id; 2]>,
     /// In a distributed world, those of them of which a particle was removed since.
     pub(crate) gone: Vec<[Id; 2]>,
+    /// The old and the new id of each particle that became part of another, by old ids; None if none did.
+    merged: Option<Vec<[Id; 2]>>,
     /// The length of `during` when doubles were removed.
-    pub(crate) distinct: usize,
+    distinct: usize,
     /// Whether there was a step after the end of the record.
-    pub(crate) is_open: bool,
+    is_open: bool,
     /// Whether no particle has fallen asleep since `at_end` was computed.
     pub(crate) knows_sleepers: bool,
+    /// Collisions of the step that is computed.
+    of_step: Collisions,
+    /// The length of `during`, and what had merged, when the step began.
+    at_begin: (usize, Option<Vec<[Id; 2]>>),
+    /// The record before, until a step of this one is complete.
+    previous: Option<Box<Record>>,
 }
 
 impl Record {
-    /// Removes doubles from the pairs that touched if there may be many.
-    fn shorten(&mut self) {
-        if self.during.len() > 2 * self.distinct.max(FEW) {
-            self.sort();
-        }
+    /// The one of a snapshot.
+    pub(crate) fn restored(
+        collisions: Collisions,
+        [before, during, at_end]: [Vec<[Id; 2]>; 3],
+    ) -> Self {
+        Self { collisions, before, during, at_end, ..Self::default() }
     }
 
-    fn sort(&mut self) {
-        self.during.sort_unstable();
-        self.during.dedup();
-        self.distinct = self.during.len();
+    /// The number of collisions.
+    pub fn collisions(&self) -> Collisions {
+        self.collisions
     }
 
-    /// Forgets all pairs.
-    pub(crate) fn forget_pairs(&mut self) {
-        *self = Self { collisions: self.collisions, ..Self::default() };
+    /// The pairs that touched at the end of the record before, that touched in a step of this one, and that touch at
+    /// its end. Several processes of a distributed world may have the same pair.
+    pub fn touches(&self) -> [Vec<[Id; 2]>; 3] {
+        [self.before.clone(), self.during.clone(), union(&self.at_end, &self.gone)]
     }
 
-    fn events(&self) -> TouchEvents {
-        let mut during = self.during.clone();
-        during.sort_unstable();
+    /// The old and the new id of particles that became part of others; in a distributed world of those that were
+    /// own ones then. The new one may have merged since, on another process.
+    pub fn merged(&self) -> Option<&[[Id; 2]]> {
+        self.merged.as_deref()
+    }
+
+    /// The pairs that began and ceased to touch.
+    pub(crate) fn events(&self) -> TouchEvents {
+        let during = self.sorted();
         let touched = union(&self.at_end, &during);
         TouchEvents {
             entered: split(&touched, &self.before).0,
@@ -79,41 +97,139 @@ impl Record {
             left: split(&union(&self.before, &touched), &self.at_end).0,
         }
     }
-}
 
-impl World {
-    /// Begins a new record, which contains no collisions. The pairs that touch at its beginning
-    /// are those at the end of the record before. [`World::renumbered`] begins anew, too. If its first
-    /// step fails, both are as before.
-    pub fn begin_record(&mut self) {
-        let old = std::mem::take(&mut self.record);
-        // In a distributed world, pairs of removed particles are apart.
-        let is_whole = self.halo.is_whole();
-        let is_there = |pair: &[Id; 2]| !is_whole || pair.iter().all(|&id| self.contains(id));
-        self.record = Record {
+    /// The pairs that touched in a step, sorted, without doubles.
+    pub(crate) fn sorted(&self) -> Vec<[Id; 2]> {
+        let mut during = self.during.clone();
+        during.sort_unstable();
+        during.dedup();
+        during
+    }
+
+    /// Begins a new record with the pairs at the end of this one whose particles are in the world.
+    fn begin(&mut self, is_there: impl Fn(&[Id; 2]) -> bool) {
+        let old = std::mem::take(self);
+        *self = Self {
             before: union(&old.at_end, &old.gone),
             at_end: old.at_end.iter().copied().filter(is_there).collect(),
             is_open: old.is_open,
             knows_sleepers: old.knows_sleepers,
-            ..Record::default()
+            previous: Some(Box::new(old)),
+            ..Self::default()
         };
-        self.scratch.record_before = Some((old, self.renumbered.take()));
+    }
+
+    /// Ends it with the pairs that touch now.
+    fn end(&mut self, touching: Vec<[Id; 2]>) {
+        self.at_end = touching;
+        self.is_open = false;
+        self.knows_sleepers = true;
+    }
+
+    /// Forgets all pairs.
+    pub(crate) fn forget_pairs(&mut self) {
+        let (collisions, merged) = (self.collisions, self.merged.take());
+        *self = Self { collisions, merged, ..Self::default() };
+    }
+
+    /// Begins a step.
+    pub(crate) fn begin_step(&mut self) {
+        self.of_step = Collisions::default();
+        self.at_begin.0 = self.during.len();
+        self.at_begin.1.clone_from(&self.merged);
+    }
+
+    /// Removes what was added since the step began.
+    pub(crate) fn undo_step(&mut self) {
+        self.during.truncate(self.at_begin.0);
+        self.merged = self.at_begin.1.take();
+    }
+
+    /// Makes what the step has added final.
+    pub(crate) fn end_step(&mut self) {
+        let Collisions { pairs, walls } = self.of_step;
+        self.collisions.pairs = self.collisions.pairs.saturating_add(pairs);
+        self.collisions.walls = self.collisions.walls.saturating_add(walls);
+        self.is_open = true;
+        // Only a long list is sorted, so that a step costs as much as it adds.
+        if self.during.len() > 2 * self.distinct.max(FEW) {
+            self.during = self.sorted();
+            self.distinct = self.during.len();
+        }
+    }
+
+    /// Ends a step in which nothing moved. Pairs of particles that fell asleep since `at_end` are not in it.
+    pub(crate) fn skip_step(&mut self) {
+        self.is_open |= !self.knows_sleepers;
+    }
+
+    /// Ends a call of several steps: if its first step fails, the record is as before it began.
+    pub(crate) fn keep_or_cancel(&mut self, is_done: bool) {
+        if let Some(previous) = self.previous.take()
+            && !is_done
+        {
+            *self = *previous;
+        }
+    }
+
+    /// Adds pairs that touched in the step.
+    pub(crate) fn add_pairs(&mut self, pairs: impl Iterator<Item = [Id; 2]>) {
+        self.during.extend(pairs);
+    }
+
+    /// Counts a collision of the step.
+    pub(crate) fn count(&mut self, is_with_wall: bool) {
+        let Collisions { pairs, walls } = &mut self.of_step;
+        *(if is_with_wall { walls } else { pairs }) += 1;
+    }
+
+    /// Collisions of the step that is computed.
+    pub(crate) fn of_step(&self) -> Collisions {
+        self.of_step
+    }
+
+    /// Adds that particles merged: the old id and the new one of each, by old ids.
+    pub(crate) fn add_merged(&mut self, new: Vec<[Id; 2]>) {
+        let all = self.merged.get_or_insert_default();
+        // What had become part of a particle that merged now is part of its heir.
+        for [_, heir] in &mut *all {
+            if let Ok(at) = new.binary_search_by_key(heir, |&[old, _]| old) {
+                *heir = new[at][1];
+            }
+        }
+        all.extend(new);
+    }
+
+    /// Removes what merged particles became if that is removed.
+    pub(crate) fn drop_merged(&mut self, is_there: impl Fn(Id) -> bool) {
+        if let Some(all) = &mut self.merged {
+            all.retain(|&[_, heir]| is_there(heir));
+        }
+    }
+}
+
+impl World {
+    /// What happened since the last call of [`World::begin_record`].
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Begins a new record, which contains no collisions and no merged particles. The pairs that touch at its
+    /// beginning are those at the end of the record before. If its first step fails, the record is as before.
+    pub fn begin_record(&mut self) {
+        // In a distributed world, pairs of removed particles are apart.
+        let (ids, is_whole) = (&self.ids, self.halo.is_whole());
+        self.record.begin(|pair| !is_whole || pair.iter().all(|&id| ids.row(id).is_some()));
     }
 
     /// Finds the pairs that touch at the end of the record, if events are tracked. The record may be
     /// continued.
     pub fn end_record(&mut self) -> Result<()> {
         if self.settings.track_events && self.record.is_open {
-            self.record.at_end = self.touching()?;
-            self.record.is_open = false;
-            self.record.knows_sleepers = true;
+            let touching = self.touching()?;
+            self.record.end(touching);
         }
         Ok(())
-    }
-
-    /// The number of collisions since the record began.
-    pub fn collisions(&self) -> Collisions {
-        self.record.collisions
     }
 
     /// The pairs that began and ceased to touch between the beginning and the end of the record;
@@ -122,24 +238,7 @@ impl World {
         self.settings.track_events.then(|| self.record.events())
     }
 
-    /// Of a distributed world: the pairs with own particles that touched at the end of the record before,
-    /// that touched in a step of this one, and that touch at its end. Several processes may have the same pair.
-    pub fn own_touches(&self) -> [Vec<[Id; 2]>; 3] {
-        let Record { before, during, at_end, gone, .. } = &self.record;
-        [before.clone(), during.clone(), union(at_end, gone)]
-    }
-
-    /// Adds the pairs that touched in a step that is complete, apart from `fall_asleep`.
-    pub(crate) fn record_touching(&mut self) {
-        if !self.settings.track_events {
-            return;
-        }
-        let indices: Vec<[u32; 2]> =
-            self.contacts.touching().map(|contact| contact.indices).collect();
-        self.record_pairs(&indices);
-    }
-
-    /// Adds pairs of indices that touched in the step, if events are tracked.
+    /// Adds pairs of indices that touched in the step to the record, if events are tracked.
     pub(crate) fn record_pairs(&mut self, indices: &[[u32; 2]]) {
         if !self.settings.track_events {
             return;
@@ -147,7 +246,7 @@ impl World {
         let rows = |indices: &[u32; 2]| indices.map(|index| self.rows[index as usize]);
         let pairs = indices.iter().map(rows).filter_map(|rows| self.known_pair(rows));
         let pairs: Vec<[Id; 2]> = pairs.collect();
-        self.record.during.extend(pairs);
+        self.record.add_pairs(pairs.into_iter());
     }
 
     /// The ids of two rows, the smaller first; none of two ghosts, whose own processes know them.
@@ -155,16 +254,6 @@ impl World {
         let is_known = rows.iter().any(|&row| row < self.halo.own_rows());
         let [a, b] = rows.map(|row| self.id_among_all(row));
         is_known.then_some([a.min(b), a.max(b)])
-    }
-
-    /// Makes what a step has recorded final.
-    pub(crate) fn close_step(&mut self) {
-        let Collisions { pairs, walls } = self.scratch.collisions;
-        let all = &mut self.record.collisions;
-        all.pairs = all.pairs.saturating_add(pairs);
-        all.walls = all.walls.saturating_add(walls);
-        self.record.is_open = true;
-        self.record.shorten();
     }
 }
 

@@ -1,4 +1,4 @@
-//! Sums and maxima of numbers of all processes.
+//! Sums and largest values of numbers of the particles of all processes.
 
 use super::World;
 use crate::halo::Halo;
@@ -9,95 +9,85 @@ use jostle_index::quadtree::extent_of;
 const WHOLE: f64 = (1u64 << 52) as f64;
 const WHOLE_BITS: u64 = WHOLE.to_bits();
 
+/// The particles of all processes that are awake. Columns are by index and contain those of this process and ghosts.
+#[derive(Clone, Copy)]
+pub(crate) struct Everywhere<'a> {
+    halo: &'a dyn Halo,
+    rows: &'a [u32],
+    /// Rows below it are those of this process.
+    own_rows: u32,
+}
+
 impl World {
-    /// The number of particles of all processes that are awake.
-    pub(crate) fn count_of_all(&self) -> usize {
-        self.halo.count(self.rows.len())
+    /// What this process exchanges with others.
+    pub(crate) fn halo(&self) -> &dyn Halo {
+        &*self.halo
     }
 
-    fn halo(&self) -> &dyn Halo {
-        &*self.halo
+    /// The particles of all processes.
+    pub(crate) fn everywhere(&self) -> Everywhere<'_> {
+        Everywhere { halo: self.halo(), rows: &self.rows, own_rows: self.halo.own_rows() }
+    }
+}
+
+impl Everywhere<'_> {
+    /// Their number.
+    pub(crate) fn count(self) -> usize {
+        self.halo.count(self.rows.len())
     }
 
     /// The values of own particles from those of all indices, and another value for ghosts. Loops over
     /// them have no branches.
-    pub(crate) fn own_or<V: Copy>(
-        &self,
+    fn own_or<V: Copy>(
+        self,
         of_ghosts: V,
         all: impl Iterator<Item = V>,
     ) -> impl Iterator<Item = V> {
-        let own = self.halo.own_rows();
-        all.zip(&self.rows).map(move |(value, &row)| if row < own { value } else { of_ghosts })
+        let own = self.own_rows;
+        all.zip(self.rows).map(move |(value, &row)| if row < own { value } else { of_ghosts })
     }
 
-    /// The largest x, y, −x and −y of the own ones of some positions, by index.
-    pub(crate) fn farthest_of_own(&self, positions: &[[f32; 2]]) -> [f32; 4] {
+    /// The largest of some numbers, none negative; 0 if there are no particles.
+    pub(crate) fn largest(self, numbers: impl Iterator<Item = f64>) -> Result<f64> {
+        let [most] = self.halo.largest([self.own_or(0.0, numbers).fold(0.0, f64::max)])?;
+        Ok(most)
+    }
+
+    /// The AABB of some positions; None if there is one process, and it is that of all indices.
+    pub(crate) fn extent(self, positions: &[[f32; 2]]) -> Result<Option<[[f32; 2]; 2]>> {
+        if self.halo.is_alone() {
+            return Ok(None);
+        }
+        let [right, bottom, left, top] = self.farthest(positions)?.map(|v| v as f32);
+        Ok(Some([[-left, -top], [right, bottom]]))
+    }
+
+    /// The largest x, y, −x and −y of some positions.
+    pub(crate) fn farthest(self, positions: &[[f32; 2]]) -> Result<[f64; 4]> {
         let least = [f32::MIN; 4];
-        let own = self.own_or(least, positions.iter().map(|&[x, y]| [x, y, -x, -y]));
-        own.fold(least, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])))
-    }
-
-    /// Whether a condition is true on any process.
-    pub(crate) fn any_of_all(&self, own: bool) -> Result<bool> {
-        self.halo().any(own)
-    }
-
-    /// Waits for all processes. Returns an error if one has failed.
-    pub(crate) fn wait_for_all(&self) -> Result<()> {
-        self.halo().wait()
-    }
-
-    /// The largest of each number of all processes.
-    pub(crate) fn largest_of_all<const N: usize>(&self, own: [f64; N]) -> Result<[f64; N]> {
-        self.halo().largest(own)
-    }
-
-    /// The sum of each number of all processes.
-    pub(crate) fn sum_of_all<const N: usize>(&self, own: [u64; N]) -> Result<[u64; N]> {
-        self.halo().sum(own)
-    }
-
-    /// The AABB of the centres of all processes; None if it is that of the own ones.
-    pub(crate) fn extent_of_all(&mut self) -> Result<Option<[[f32; 2]; 2]>> {
-        if self.halo.is_alone() {
-            return Ok(None);
-        }
-        if let Some(known) = self.halo.take_extent() {
-            return Ok(Some(known));
-        }
-        let [right, bottom, left, top] = self.farthest()?.map(|v| v as f32);
-        Ok(Some([[-left, -top], [right, bottom]]))
-    }
-
-    /// The same of the positions at which forces act.
-    pub(crate) fn extent_of_halfway(&self) -> Result<Option<[[f32; 2]; 2]>> {
-        if self.halo.is_alone() {
-            return Ok(None);
-        }
-        let own = self.farthest_of_own(&self.scratch.forces.halfway);
-        let [right, bottom, left, top] = self.largest_of_all(own.map(f64::from))?.map(|v| v as f32);
-        Ok(Some([[-left, -top], [right, bottom]]))
-    }
-
-    /// The largest x, y, −x and −y of all centres.
-    pub(crate) fn farthest(&self) -> Result<[f64; 4]> {
-        let (positions, least) = (&self.particles.positions, [f32::MIN; 4]);
         let most = if positions.is_empty() {
             least
         } else if self.halo.is_alone() {
             let [[left, top], [right, bottom]] = extent_of(positions);
             [right, bottom, -left, -top]
         } else {
-            self.farthest_of_own(positions)
+            let own = self.own_or(least, positions.iter().map(|&[x, y]| [x, y, -x, -y]));
+            own.fold(least, |most, own| [0, 1, 2, 3].map(|k| most[k].max(own[k])))
         };
-        self.largest_of_all(most.map(f64::from))
+        self.halo.largest(most.map(f64::from))
     }
 
-    /// The mean of a number of all particles, none negative; the same whatever their order and
+    /// Area of the smallest AABB around some positions.
+    pub(crate) fn area(self, positions: &[[f32; 2]]) -> Result<f64> {
+        let [right, bottom, left, top] = self.farthest(positions)?;
+        Ok((right + left) * (bottom + top))
+    }
+
+    /// The mean of a number, none negative; the same whatever the order of the particles and their
     /// processes.
-    pub(crate) fn mean<V>(&self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
+    pub(crate) fn mean<V>(self, column: &[V], number: impl Fn(&V) -> f32 + Copy) -> Result<f64> {
         let own = self.own_or(0.0, column.iter().map(number));
-        let [most] = self.largest_of_all([f64::from(largest(own))])?;
+        let [most] = self.halo.largest([f64::from(largest(own))])?;
         if most == 0.0 {
             return Ok(0.0);
         }
@@ -105,14 +95,8 @@ impl World {
         // it into the last bits.
         let scale = f64::from(i32::MAX) / most;
         let whole = |value: &V| (f64::from(number(value)) * scale + WHOLE).to_bits() - WHOLE_BITS;
-        let [sum] = self.sum_of_all([self.own_or(0, column.iter().map(whole)).sum()])?;
-        Ok(sum as f64 / scale / self.count_of_all() as f64)
-    }
-
-    /// Area of the smallest AABB around all particles.
-    pub(crate) fn area_of_extent(&self) -> Result<f64> {
-        let [right, bottom, left, top] = self.farthest()?;
-        Ok((right + left) * (bottom + top))
+        let [sum] = self.halo.sum([self.own_or(0, column.iter().map(whole)).sum()])?;
+        Ok(sum as f64 / scale / self.count() as f64)
     }
 }
 

@@ -6,6 +6,7 @@
 //! sub-steps grows with that ratio.
 
 use super::World;
+use super::plan::Plan;
 use crate::resting::are_touching;
 use crate::tolerance::{gap, size_of};
 
@@ -23,8 +24,8 @@ impl World {
     /// How many times the usual number of sub-steps the contacts of this step need. It follows from
     /// the particles that touch as the part begins. Two ghosts do not count: their states may be
     /// wrong in later parts of a step, and the process of one of them has the pair too.
-    pub(crate) fn own_refinement(&self) -> usize {
-        let is_free = self.settings.substeps.is_none() && self.may_rest();
+    pub(crate) fn own_refinement(&self, plan: &Plan) -> usize {
+        let is_free = self.settings.substeps.is_none() && plan.may_rest;
         if !is_free || !self.contacts.has_uneven() {
             return 1;
         }

@@ -43,7 +43,7 @@ impl World {
     /// The speed that bounds allow for.
     fn usual_speed(&self) -> Result<f32> {
         let speed = |&[u, v]: &[f32; 2]| (u * u + v * v).sqrt();
-        let mean = self.mean(&self.particles.velocities, speed)?;
+        let mean = self.everywhere().mean(&self.particles.velocities, speed)?;
         Ok(USUAL * mean as f32)
     }
 
@@ -55,15 +55,15 @@ impl World {
         if self.settings.on_touch != OnTouch::Bounce {
             return Ok(());
         }
-        let count = self.count_of_all() as f64;
+        let count = self.everywhere().count() as f64;
         let area = match self.settings.container.area() {
             Some(area) => area,
-            None => self.area_of_extent()?,
+            None => self.everywhere().area(&self.particles.positions)?,
         };
         let [gx, gy] = self.settings.gravity.map(f64::from);
         let crowding = Crowding {
             density: count / area,
-            radius: self.mean(&self.particles.radii, |&radius| radius)?,
+            radius: self.everywhere().mean(&self.particles.radii, |&radius| radius)?,
             max_parts: (count / WORTH_A_PART).floor().clamp(1.0, MAX_PARTS),
             acceleration: (gx * gx + gy * gy).sqrt(),
             is_torus: self.settings.container.period().is_some(),
@@ -82,8 +82,7 @@ impl World {
         }
         let Particles { velocities, radii, .. } = &self.particles;
         let all = velocities.iter().zip(radii).map(|(&v, &radius)| crowding.collisions(v, radius));
-        let most = self.own_or(0.0, all).fold(0.0, f64::max);
-        let [most] = self.largest_of_all([most])?;
+        let most = self.everywhere().largest(all)?;
         Ok(Crowding::parts_of_the_fastest(most * dt))
     }
 }

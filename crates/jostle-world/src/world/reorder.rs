@@ -9,8 +9,7 @@ use jostle_base::table::Table;
 impl World {
     /// Reorders all columns into the order of the tree. The first part of a step keeps the old
     /// order for [`World::undo`].
-    pub(crate) fn reorder(&mut self) {
-        let threads = self.threads();
+    pub(crate) fn reorder(&mut self, threads: Option<usize>) {
         let scratch = &mut self.scratch;
         let order = scratch.tree.rows();
         let before = &mut scratch.before;

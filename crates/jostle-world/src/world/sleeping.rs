@@ -12,6 +12,7 @@
 
 use super::asleep::{Island, Sleepers, run};
 use super::force_step::awake_springs;
+use super::plan::Plan;
 use super::{OnTouch, World};
 use crate::forces::Force;
 use crate::particles::Particles;
@@ -175,12 +176,12 @@ impl World {
 
     /// Puts the islands to sleep that rest at the end of a step of `dt` seconds. If there is an
     /// error, the step can be undone.
-    pub(crate) fn fall_asleep(&mut self, dt: f64) -> Result<()> {
-        if !self.may_sleep() || self.is_lossless() {
+    pub(crate) fn fall_asleep(&mut self, plan: &Plan, dt: f64) -> Result<()> {
+        if !self.may_sleep() || plan.is_lossless {
             self.persistent.drifts.clear();
             return Ok(());
         }
-        self.note_velocities(dt);
+        self.note_velocities(dt, plan.threads);
         let quarter = |time: f64| ((time + SHORTER) / QUARTER).floor();
         if quarter(self.time) == quarter(self.time + dt) {
             return Ok(());
@@ -202,7 +203,7 @@ impl World {
             if count > 0 { self.asleep.append(&sleepers, self.settings.tree) } else { Ok(()) };
         let is_appended = done.is_ok();
         let done = done.and_then(|()| self.halo.protocol().keep_pairs(self));
-        let done = done.and_then(|()| self.wait_for_all());
+        let done = done.and_then(|()| self.halo().wait());
         if done.is_err() {
             if is_appended {
                 self.asleep.withdraw(count);
@@ -230,8 +231,8 @@ impl World {
     }
 
     /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
-    fn note_velocities(&mut self, dt: f64) {
-        let (threads, gravity) = (self.threads(), self.gravity());
+    fn note_velocities(&mut self, dt: f64, threads: Option<usize>) {
+        let gravity = self.gravity();
         let Self { particles, settings, persistent, rows, given, .. } = self;
         let drifts = &mut persistent.drifts;
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
@@ -298,7 +299,7 @@ impl World {
         let may_sleep = all.any(|(index, &squares)| {
             is_slow(squares) && particles.movable[index] && rows[index] < own
         });
-        if !self.any_of_all(may_sleep)? {
+        if !self.halo().any(may_sleep)? {
             return Ok(false);
         }
         self.find_islands();

@@ -45,8 +45,8 @@ impl World {
             Stage::Events | Stage::Correction => self.mix_motions(&mut hash),
             Stage::Store => {
                 hash.mix_value(self.state_hash());
-                hash.mix_value(self.scratch.collisions.pairs);
-                hash.mix_value(self.scratch.collisions.walls);
+                hash.mix_value(self.record.of_step().pairs);
+                hash.mix_value(self.record.of_step().walls);
                 for contact in self.contacts.lasting() {
                     hash.mix_value(contact.indices);
                     hash.mix_value([contact.impulse, contact.friction_impulse]);

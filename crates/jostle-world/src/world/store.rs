@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::World;
+use super::plan::Plan;
 use crate::container::MAX_WALLS;
 use crate::motion::Motion;
 use crate::particles::{FARTHEST, Particles, wrap_angle};
@@ -16,9 +17,9 @@ const STORED: usize = 1 << 14;
 impl World {
     /// Loads positions and velocities of all particles for the sub-steps. In a gas the first flight reads
     /// the columns and writes all motions, so nothing is to be loaded.
-    pub(crate) fn load_motions(&mut self) {
-        let threads = self.threads();
-        let are_read = self.may_rest() || self.is_pulled() || !self.particles.spins.is_empty();
+    pub(crate) fn load_motions(&mut self, plan: &Plan) {
+        let threads = plan.threads;
+        let are_read = plan.has_kicks() || !self.particles.spins.is_empty();
         let Self { particles, scratch, .. } = self;
         scratch.motions.resize(particles.len());
         let motions = &scratch.motions;
@@ -31,8 +32,8 @@ impl World {
     }
 
     /// Stores positions and velocities in the columns, and the impulses of contacts for warm starting.
-    pub(crate) fn store_motions(&mut self) -> Result<()> {
-        let (threads, settings, scratch) = (self.threads(), &self.settings, &self.scratch);
+    pub(crate) fn store_motions(&mut self, threads: Option<usize>) -> Result<()> {
+        let (settings, scratch) = (&self.settings, &self.scratch);
         if let Some(contact) = self.contacts.remember(self.particles.len()) {
             let index = contact.indices[0] as usize;
             return Err(self.not_finite("contact_impulses", index, "inf"));

@@ -3,9 +3,8 @@
 
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
 use super::discs::WarmStart;
-use super::force_step::springs;
 use super::merge;
-use super::settings::DEFAULT_SUBSTEPS;
+use super::plan::Plan;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
@@ -16,129 +15,60 @@ use crate::motion::Motion;
 use crate::particles::Particles;
 use crate::resting::{Support, WallPushes};
 use crate::walls::{Around, Clock, Near, Walls};
-use jostle_base::error::Result;
+use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
 
-/// What the sub-steps of a step have in common.
-#[derive(Clone, Copy)]
-pub(crate) struct Substeps {
-    /// Their number.
-    count: usize,
-    /// Seconds of each.
-    seconds: f64,
+/// What the sub-steps of a part have in common, beside its plan.
+struct Substeps<'a> {
+    plan: &'a Plan,
     flow: Flow,
-    is_lossless: bool,
-    may_rest: bool,
-    has_friction: bool,
-    has_accelerations: bool,
     /// The smallest radius above 0.
     smallest_radius: f32,
-    /// Whether forces or resting contacts change velocities.
-    has_kicks: bool,
-    /// Whether all particles without events stay in their bounds in the first sub-step.
-    is_bounded: bool,
-    /// The share of the first sub-step for which the bounds of the step are made, if these are
-    /// renewed.
-    horizon: Option<f64>,
-    /// Whether there are more sub-steps than [`World::apply_forces`] knew of.
-    is_refined: bool,
-    threads: Option<usize>,
 }
 
-impl Substeps {
+impl Substeps<'_> {
     /// Where moving walls are when a sub-step begins.
     fn clock(&self, substep: usize) -> Clock {
-        let elapsed = substep as f64 * self.seconds;
+        let elapsed = substep as f64 * self.plan.seconds();
         Clock { elapsed, rate: self.flow.seconds / self.flow.duration }
     }
 }
 
 impl World {
-    /// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
-    /// friction.
-    pub(crate) fn is_lossless(&self) -> bool {
-        self.halo.agreed().map_or_else(|| self.are_own_lossless(), |agreed| agreed.is_lossless)
-    }
-
-    /// The same of the particles of this process.
-    pub(crate) fn are_own_lossless(&self) -> bool {
-        // Chunks without branches, for vector instructions.
-        let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
-        // Stiff springs whose ends touch anything are solved with contacts that rest.
-        !self.scratch.forces.are_springs_stiff
-            && self.settings.restitution == 1.0
-            && self.particles.restitutions.chunks(256).all(elastic)
-            && self.walls.are_elastic()
-            && !self.particles.has_friction()
-    }
-
-    /// Whether any particle has friction.
-    pub(crate) fn has_friction(&self) -> bool {
-        let own = || self.particles.has_friction();
-        self.halo.agreed().map_or_else(own, |agreed| agreed.has_friction)
-    }
-
-    /// Whether forces give kicks before and after the flights of a step.
-    pub(crate) fn is_pulled(&self) -> bool {
-        self.has_accelerations() || springs(&self.forces).next().is_some()
-    }
-
-    /// Whether gravity or forces may press particles against each other or against walls, where collisions
-    /// lose energy.
-    pub(crate) fn may_rest(&self) -> bool {
-        // Coefficients of restitution are read last, because there is one for each particle.
-        (self.is_pulled() || self.settings.gravity != [0.0; 2]) && !self.is_lossless()
-    }
-
-    /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
-    /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
-    /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
-    pub fn substeps(&self) -> usize {
-        let is_short_ranged = self.given.is_none()
-            && forces::are_short_ranged(&self.forces)
-            && springs(&self.forces).next().is_none();
-        let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
-        self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
-    }
-
     /// The order of a sub-step: kicks of forces → resting contacts → collisions in the order of time →
     /// position correction.
-    pub(crate) fn run_substeps(&mut self, dt: f32, watch: &mut Watch<'_>) -> Result<()> {
-        let of = self.begin_substeps(dt);
-        for substep in 0..of.count {
+    pub(crate) fn run_substeps(&mut self, plan: &Plan, watch: &mut Watch<'_>) -> Result<()> {
+        let common = self.begin_substeps(plan);
+        for substep in 0..plan.substeps {
             interrupt::check()?;
             if substep > 0 {
-                self.refresh_ghosts()?;
+                self.refresh_ghosts(plan)?;
             }
-            self.apply_forces_in_substep(&of, substep, watch)?;
-            if of.may_rest {
-                self.solve_resting_contacts(&of, substep)?;
+            self.apply_forces_in_substep(&common, substep, watch)?;
+            if plan.may_rest {
+                self.solve_resting_contacts(&common, substep)?;
                 watch(Stage::Resting, self);
                 interrupt::check()?;
             }
-            self.simulate_collisions(&of, substep)?;
+            self.simulate_collisions(&common, substep)?;
             watch(Stage::Events, self);
             interrupt::check()?;
-            self.correct_positions(&of, substep)?;
+            self.correct_positions(&common, substep)?;
             watch(Stage::Correction, self);
         }
-        self.end_substeps(&of);
-        self.stats.substeps += of.count;
+        self.end_substeps(plan);
+        self.stats.substeps += plan.substeps;
         Ok(())
     }
 
     /// Prepares what lasts for all sub-steps: the impulses of resting contacts and of position
     /// correction, and the results of events.
-    fn begin_substeps(&mut self, dt: f32) -> Substeps {
-        let (threads, may_rest, is_lossless) =
-            (self.threads(), self.may_rest(), self.is_lossless());
-        let (is_pulled, has_accelerations) = (self.is_pulled(), self.has_accelerations());
-        let has_friction = self.has_friction();
+    fn begin_substeps<'a>(&mut self, plan: &'a Plan) -> Substeps<'a> {
         let any_sleeps = self.any_sleeps();
         let Self { particles, scratch, settings, .. } = self;
         scratch.limits.clear();
         if any_sleeps {
-            let free = FreeDisplacements::new(settings, &scratch.forces, dt);
+            let free = FreeDisplacements::new(settings, &scratch.forces, plan.dt);
             let all = scratch.max_displacements.iter().enumerate();
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
@@ -149,36 +79,22 @@ impl World {
         scratch.events.begin_step(particles.len());
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
-        let on_walls = if may_rest { particles.len() } else { 0 };
-        let with_friction = if has_friction { on_walls } else { 0 };
+        let on_walls = if plan.may_rest { particles.len() } else { 0 };
+        let with_friction = if plan.has_friction { on_walls } else { 0 };
         persistent.warm_start.normal.resize(on_walls, Default::default());
         persistent.warm_start.friction.resize(with_friction, Default::default());
-        if may_rest {
-            scratch.resting.begin_step(contacts, particles, &scratch.lossy, has_friction);
+        if plan.may_rest {
+            scratch.resting.begin_step(contacts, particles, &scratch.lossy, plan.has_friction);
         } else {
             scratch.wall_pushes.clear();
         }
         scratch.correction.begin_step(contacts);
-        let seconds = f64::from(dt) / scratch.substeps as f64;
-        Substeps {
-            count: scratch.substeps,
-            seconds,
-            flow: Flow::new(seconds, settings.gravity, settings.drag),
-            is_lossless,
-            may_rest,
-            has_friction,
-            has_accelerations,
-            smallest_radius: smallest(&particles.radii),
-            has_kicks: may_rest || is_pulled,
-            is_bounded: scratch.bounded && !may_rest && springs(&self.forces).next().is_none(),
-            horizon: (scratch.horizon < dt).then(|| f64::from(scratch.horizon) / seconds),
-            is_refined: scratch.refinement > 1,
-            threads,
-        }
+        let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
+        Substeps { plan, flow, smallest_radius: smallest(&particles.radii) }
     }
 
     /// Gives ghosts the state that their own processes have computed.
-    fn refresh_ghosts(&self) -> Result<()> {
+    fn refresh_ghosts(&self, plan: &Plan) -> Result<()> {
         let StepScratch { motions, spins, .. } = &self.scratch;
         let halo: &dyn Halo = &*self.halo;
         halo.wait()?;
@@ -194,7 +110,7 @@ impl World {
                 motions.set(index, Motion { position, residual, velocity, displacement });
             },
         )?;
-        if !self.has_friction() {
+        if !plan.has_friction {
             return Ok(());
         }
         halo.refresh(
@@ -207,32 +123,32 @@ impl World {
     /// accelerations of the first sub-step, unless it is shorter now.
     fn apply_forces_in_substep(
         &mut self,
-        of: &Substeps,
+        common: &Substeps<'_>,
         substep: usize,
         watch: &mut Watch<'_>,
     ) -> Result<()> {
         self.scratch.kicks.clear();
-        if of.has_accelerations && (substep > 0 || of.is_refined) {
+        if common.plan.has_accelerations && (substep > 0 || common.plan.refinement > 1) {
             let StepScratch { forces, motions, .. } = &mut self.scratch;
-            forces.find_halfway(motions, &self.settings.container, of.seconds as f32);
-            self.accelerate(of.seconds as f32)?;
+            forces.find_halfway(motions, &self.settings.container, common.plan.seconds() as f32);
+            self.accelerate(common.plan.seconds() as f32)?;
             watch(Stage::Forces, self);
         }
         let Self { particles, scratch, contacts, walls, .. } = self;
         let StepScratch { forces, motions, kicks, near_walls, .. } = scratch;
-        if !of.has_kicks {
+        if !common.plan.has_kicks() {
             return Ok(());
         }
         kicks.resize(particles.len(), Kick::default());
-        forces.kick(kicks, &of.flow);
+        forces.kick(kicks, &common.flow);
         if !forces.sprung.is_empty() && !self.forces.is_empty() {
             if forces.are_springs_stiff {
                 let surroundings = Surroundings {
                     particles,
                     motions,
-                    walls: around(walls, near_walls, particles, of.clock(substep)),
+                    walls: around(walls, near_walls, particles, common.clock(substep)),
                     kicks,
-                    flow: &of.flow,
+                    flow: &common.flow,
                 };
                 forces.sprung.find_held(&surroundings, |each| {
                     for block in &contacts.blocks.list {
@@ -244,25 +160,25 @@ impl World {
                     }
                 });
             }
-            forces.sprung.act(motions, kicks, of.seconds);
+            forces.sprung.act(motions, kicks, common.plan.seconds());
             watch(Stage::Forces, self);
         }
         Ok(())
     }
 
     /// Finds the impulses of contacts that rest, and adds them to the kicks.
-    fn solve_resting_contacts(&mut self, of: &Substeps, substep: usize) -> Result<()> {
+    fn solve_resting_contacts(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { kicks, wall_impulses, wall_pushes, new_wall_pushes: new, .. } = scratch;
         let springs = &mut scratch.forces.sprung;
-        let clock = of.clock(substep);
+        let clock = common.clock(substep);
         let scene = Support {
             particles,
             lossy: &scratch.lossy,
             motions: &scratch.motions,
             spins: &scratch.spins,
-            has_friction: of.has_friction,
-            flow: &of.flow,
+            has_friction: common.plan.has_friction,
+            flow: &common.flow,
             container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, clock),
             rows: &self.rows,
@@ -270,7 +186,7 @@ impl World {
             restitution: settings.restitution,
             halo: &**halo,
             shape: scratch.contact_shape,
-            threads: of.threads,
+            threads: common.plan.threads,
         };
         let WarmStart { normal, friction } = &mut self.persistent.warm_start;
         new.clear();
@@ -282,29 +198,31 @@ impl World {
     }
 
     /// Moves all particles to the end of the sub-step, with their collisions in the order of time.
-    fn simulate_collisions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
+    fn simulate_collisions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { tree, max_displacements, grown, renewed, crowding, .. } = scratch;
         let of_bounds =
             BoundsScratch { tree, max_displacements, grown, renewed, crowding: *crowding };
-        let share = of.horizon.map(|share| if substep == 0 { share } else { 0.0 });
-        let mut bounds = StepBounds::new(particles, settings, of_bounds, share, of.flow.duration);
+        let share =
+            common.plan.share_of_bounds().map(|share| if substep == 0 { share } else { 0.0 });
+        let mut bounds =
+            StepBounds::new(particles, settings, of_bounds, share, common.flow.duration);
         let flight = Flight {
             particles,
             motions: &scratch.motions,
             spins: &scratch.spins,
-            has_friction: of.has_friction,
-            gravity: of.flow.gravity,
-            end: of.flow.duration,
-            flow: of.flow,
+            has_friction: common.plan.has_friction,
+            gravity: common.flow.gravity,
+            end: common.flow.duration,
+            flow: common.flow,
             kicks: &scratch.kicks,
             begins_step: substep == 0,
             halo: &**halo,
-            bounded: substep == 0 && of.is_bounded,
+            bounded: substep == 0 && common.plan.is_bounded,
             container: settings.container,
-            walls: around(&self.walls, &scratch.near_walls, particles, of.clock(substep)),
+            walls: around(&self.walls, &scratch.near_walls, particles, common.clock(substep)),
             restitution: settings.restitution,
-            is_lossless: of.is_lossless,
+            is_lossless: common.plan.is_lossless,
             lossy: &scratch.lossy,
             thermostat: forces::thermostat(&self.forces),
             hot: &scratch.hot_walls,
@@ -313,27 +231,38 @@ impl World {
             sensed: &scratch.sensed,
             senses_all: settings.on_touch == OnTouch::Ignore && settings.track_events,
             limits: &scratch.limits,
-            smallest_radius: of.smallest_radius,
-            threads: of.threads,
+            smallest_radius: common.smallest_radius,
+            threads: common.plan.threads,
         };
-        scratch.events.simulate(&flight, &mut bounds)
+        let done = scratch.events.simulate(&flight, &mut bounds);
+        done.map_err(|error| match error {
+            Error::TooManyCollisions { .. } => self.too_many_collisions(),
+            other => other,
+        })
     }
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
-    fn correct_positions(&mut self, of: &Substeps, substep: usize) -> Result<()> {
+    fn correct_positions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
         let Self { particles, settings, scratch, halo, .. } = self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
-        let walls = around(&self.walls, near_walls, particles, of.clock(substep + 1));
+        let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
         let boundaries = (&settings.container, walls);
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
-        correction.run(&self.contacts, motions, particles, boundaries, shared, of.threads)?;
-        merge::mark_touching(candidate_merges, motions, of.threads);
+        correction.run(
+            &self.contacts,
+            motions,
+            particles,
+            boundaries,
+            shared,
+            common.plan.threads,
+        )?;
+        merge::mark_touching(candidate_merges, motions, common.plan.threads);
         Ok(())
     }
 
     /// Stores the impulses in the contacts.
-    fn end_substeps(&mut self, of: &Substeps) {
-        if of.may_rest {
+    fn end_substeps(&mut self, plan: &Plan) {
+        if plan.may_rest {
             self.scratch.resting.end_step(&mut self.contacts);
         }
         self.scratch.correction.end_step(&mut self.contacts);

@@ -1,6 +1,6 @@
 //! What touched during the last step, and with which impulses.
 
-use super::{Collisions, OnTouch, World};
+use super::{OnTouch, World};
 use crate::contacts::{Contact, sum_of_impulses};
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
@@ -86,7 +86,7 @@ pub(crate) fn touch_of(contact: &Contact, [i, j]: [Id; 2]) -> Touch {
 impl World {
     /// Collects what touched in a part of a step, and with which impulses, from the results of the
     /// sub-steps.
-    pub(crate) fn collect_touches(&mut self) {
+    pub(crate) fn collect_touches(&mut self, threads: Option<usize>) {
         self.list_exhausted();
         let bounced = &mut self.scratch.events.bounced;
         if !bounced.is_sorted_by(|a, b| a.order(b).is_le()) {
@@ -99,7 +99,7 @@ impl World {
         sensed.sort_unstable();
         sensed.dedup();
         if self.settings.on_touch == OnTouch::Bounce {
-            self.update_contacts(&sensed);
+            self.update_contacts(&sensed, threads);
         } else {
             self.record_pairs(&sensed);
         }
@@ -124,10 +124,9 @@ impl World {
         let (own, rows) = (self.halo.own_rows(), &self.rows);
         // A pair of particles belongs to the process of the first.
         let is_own = |index: u32| rows[index as usize] < own;
-        let Collisions { pairs, walls } = &mut self.scratch.collisions;
         let bounced = self.scratch.events.bounced.iter();
         for of in bounced.filter(|of| of.impulses[0] > 0.0 && is_own(of.pair[0])) {
-            *(if of.pair[1] == WALL { &mut *walls } else { &mut *pairs }) += 1;
+            self.record.count(of.pair[1] == WALL);
         }
     }
 
@@ -147,8 +146,7 @@ impl World {
 
     /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
     /// through each other (`sensed`), and measures all.
-    fn update_contacts(&mut self, sensed: &[[u32; 2]]) {
-        let threads = self.threads();
+    fn update_contacts(&mut self, sensed: &[[u32; 2]], threads: Option<usize>) {
         let Self { settings, scratch, particles, contacts, .. } = self;
         let motions = &scratch.motions;
         let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);

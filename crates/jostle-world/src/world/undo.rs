@@ -3,13 +3,12 @@
 use super::discs::Discs;
 use super::ids::Ids;
 use super::touches::WallImpulse;
-use super::{Collisions, Stats, World};
+use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Force;
 use crate::particles::Particles;
 use crate::resting::WallPush;
 use crate::walls::Wall;
-use jostle_base::ids::Id;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
 /// here and writes new ones, so almost nothing is copied.
@@ -27,11 +26,8 @@ pub(crate) struct Before {
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
     stats: Stats,
-    /// Pairs that had touched since the record began.
-    recorded: usize,
     /// Those before the first merger of the step.
     pub(crate) ids: Option<Ids>,
-    renumbered: Option<Vec<[Id; 2]>>,
 }
 
 impl World {
@@ -53,10 +49,8 @@ impl World {
         self.scratch.wall_pushes.clear();
         self.scratch.wall_pushes.extend(pushes);
         before.stats = self.stats;
-        before.recorded = self.record.during.len();
-        self.scratch.collisions = Collisions::default();
+        self.record.begin_step();
         before.ids = None;
-        before.renumbered.clone_from(&self.renumbered);
         let container = self.settings.container;
         let Particles { positions, residuals, .. } = &mut self.particles;
         let outside = |position: &[f32; 2]| container.wrap(*position) != *position;
@@ -91,10 +85,9 @@ impl World {
         }
         std::mem::swap(&mut self.wall_impulses, &mut before.wall_impulses);
         self.stats = before.stats;
-        self.record.during.truncate(before.recorded);
+        self.record.undo_step();
         if let Some(ids) = before.ids.take() {
             self.ids = ids;
         }
-        self.renumbered = before.renumbered.take();
     }
 }

@@ -131,7 +131,7 @@ impl World {
     /// Notes whether the step would touch any islands of any process: those listed, or some `of_others`.
     fn note_touched(&mut self, of_others: bool) -> Result<bool> {
         let any = of_others || !self.scratch.touched.is_empty();
-        self.scratch.meets_sleepers = self.any_of_all(any)?;
+        self.scratch.meets_sleepers = self.halo().any(any)?;
         Ok(self.scratch.meets_sleepers)
     }
 

@@ -422,8 +422,8 @@ impl WorldCase {
             assert_eq!(world.contacts(), first.contacts(), "{way}");
             assert_eq!(world.wall_contacts(), first.wall_contacts(), "{way}");
             assert_eq!(
-                (world.collisions(), world.events()),
-                (first.collisions(), first.events()),
+                (world.record().collisions(), world.events()),
+                (first.record().collisions(), first.events()),
                 "{way}"
             );
             assert_eq!(world.renumbered(), first.renumbered(), "{way}");

@@ -7,13 +7,11 @@ use jostle_base::error::Result;
 use jostle_base::ids::Id;
 
 pub(super) fn put_record(to: &mut Writer, world: &World) {
-    let Record { collisions, before, during, at_end, .. } = &world.record;
+    let record = &world.record;
+    let collisions = record.collisions();
     to.put([collisions.pairs, collisions.walls]);
     to.put(u8::from(world.settings.track_events));
-    let mut during = during.clone();
-    during.sort_unstable();
-    during.dedup();
-    for pairs in [before, &during, at_end] {
+    for pairs in [&record.before, &record.sorted(), &record.at_end] {
         to.put_count(pairs.len());
         // No id is below 0.
         to.put_all(&pairs.iter().map(|pair| pair.map(|id| id as u64)).collect::<Vec<[u64; 2]>>());
@@ -25,7 +23,7 @@ pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World, version: u32)
     if version < 7 {
         return Ok(());
     }
-    let [pairs, walls] = from.get()?;
+    let [of_pairs, walls] = from.get()?;
     world.settings.track_events = from.get::<u8>()? > 0;
     let (_, next) = world.ids.parts();
     let mut list = || -> Result<Vec<[Id; 2]>> {
@@ -37,12 +35,11 @@ pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World, version: u32)
         }
         Ok(all.into_iter().map(|pair| pair.map(|id| id as Id)).collect())
     };
-    let [before, during, at_end] = [list()?, list()?, list()?];
-    let has_pairs = [&before, &during, &at_end].iter().any(|pairs| !pairs.is_empty());
+    let pairs = [list()?, list()?, list()?];
+    let has_pairs = pairs.iter().any(|pairs| !pairs.is_empty());
     if has_pairs && !world.settings.track_events {
         return Err(damaged("it has events, but tracks none"));
     }
-    let collisions = Collisions { pairs, walls };
-    world.record = Record { collisions, before, during, at_end, ..Record::default() };
+    world.record = Record::restored(Collisions { pairs: of_pairs, walls }, pairs);
     Ok(())
 }

@@ -1,0 +1,164 @@
+//! The plan of a part of a step: what its stages do, decided once.
+//!
+//! The decisions follow from the settings, the forces and what the particles of all processes require, never from
+//! a search. So they are the same on every process, with brute force and with the tree, and for any number of
+//! threads. `World::step_once` makes the plan after it has computed the forces, because these say how springs are
+//! solved, and hands it to the stages.
+
+use super::force_step::springs;
+use super::{DEFAULT_SUBSTEPS, World};
+use crate::forces;
+use jostle_base::parallel;
+
+/// Fewer particles times sub-steps than this are not worth sharing with other threads.
+const WORTH_SHARING: usize = 5000;
+
+/// Fewer particles times sub-steps than this are not worth waking other threads for. Where contacts
+/// rest, threads wait for each other more often.
+const WORTH_WAKING: usize = 8_000;
+const WORTH_WAKING_TO_REST: usize = 20_000;
+
+/// What the stages of a part of a step do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    /// Seconds of the part.
+    pub(crate) dt: f32,
+    /// Seconds for which its first bounds are made. Bounds, near walls and events read it.
+    pub(crate) horizon: f32,
+    /// Sub-steps, each with its kicks, resting contacts, events and position correction.
+    pub(crate) substeps: usize,
+    /// How many times more sub-steps these are than the forces knew of. If it is above 1, the accelerations of the
+    /// first sub-step are computed again.
+    pub(crate) refinement: usize,
+    /// Whether all collisions keep the energy. Contacts, events and sleeping read it.
+    pub(crate) is_lossless: bool,
+    /// Whether contacts may rest: collisions lose energy, and gravity or forces press. Then bounds contain the
+    /// surroundings of each particle, candidate pairs are sorted, contacts are made of near pairs, and each sub-step
+    /// finds their impulses.
+    pub(crate) may_rest: bool,
+    /// Whether any particle has friction. Resting contacts, events and ghosts read it.
+    pub(crate) has_friction: bool,
+    /// Whether anything but gravity and springs accelerates particles. The kicks read it.
+    pub(crate) has_accelerations: bool,
+    /// Whether there are springs. The kicks read it.
+    pub(crate) has_springs: bool,
+    /// Whether a particle without events certainly stays in its bounds in the first sub-step. Events read it.
+    pub(crate) is_bounded: bool,
+    /// The threads of all stages: one if there is little work.
+    pub(crate) threads: Option<usize>,
+}
+
+impl Plan {
+    /// Whether forces or resting contacts change velocities.
+    pub(crate) fn has_kicks(&self) -> bool {
+        self.may_rest || self.has_accelerations || self.has_springs
+    }
+
+    /// Seconds of a sub-step.
+    pub(crate) fn seconds(&self) -> f64 {
+        f64::from(self.dt) / self.substeps as f64
+    }
+
+    /// The share of the first sub-step for which the first bounds are made, if these are renewed.
+    pub(crate) fn share_of_bounds(&self) -> Option<f64> {
+        (self.horizon < self.dt).then(|| f64::from(self.horizon) / self.seconds())
+    }
+}
+
+impl World {
+    /// The plan of a part of `dt` seconds with some sub-steps, after its forces are computed.
+    pub(crate) fn plan(&self, dt: f32, substeps: usize) -> Plan {
+        // The contacts of stiff springs are solved as resting ones, also where nothing loses energy.
+        let is_lossless = !self.scratch.forces.are_springs_stiff && self.is_lossless();
+        let may_rest = self.is_pressed() && !is_lossless;
+        let own_friction = || self.particles.has_friction();
+        let agreed = self.halo.agreed();
+        let has_springs = self.has_springs();
+        Plan {
+            dt,
+            horizon: self.scratch.horizon.min(dt),
+            substeps,
+            refinement: 1,
+            is_lossless,
+            may_rest,
+            has_friction: agreed.map_or_else(own_friction, |agreed| agreed.has_friction),
+            has_accelerations: self.has_accelerations(),
+            has_springs,
+            is_bounded: !may_rest && !has_springs,
+            threads: self.threads(substeps, may_rest),
+        }
+    }
+
+    /// The plan with more sub-steps, which contacts need.
+    pub(crate) fn refined(&self, plan: Plan, refinement: usize) -> Plan {
+        let substeps = plan.substeps * refinement;
+        Plan { substeps, refinement, threads: self.threads(substeps, plan.may_rest), ..plan }
+    }
+
+    /// The threads to use for some sub-steps. For much work they are woken.
+    fn threads(&self, substeps: usize, may_rest: bool) -> Option<usize> {
+        let work = self.rows.len() * substeps;
+        parallel::threads_for(
+            self.settings.tree.threads,
+            work,
+            WORTH_SHARING,
+            worth_waking(may_rest),
+        )
+    }
+
+    /// Keeps the threads awake that steps will use, until the result is dropped.
+    pub(crate) fn keep_threads_awake(&self) -> impl Sized + use<> {
+        let work = self.rows.len() * self.substeps();
+        parallel::keep_awake(self.settings.tree.threads, work, worth_waking(self.may_rest()))
+    }
+
+    /// Sub-steps of a step: those of the settings, or as many as the scene needs. One is enough
+    /// where flights between collisions are exact and nothing rests. Forces between neighbours alone
+    /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
+    pub fn substeps(&self) -> usize {
+        let is_short_ranged =
+            self.given.is_none() && forces::are_short_ranged(&self.forces) && !self.has_springs();
+        let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
+        self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
+    }
+
+    /// Whether all collisions keep the energy, so that nothing comes to rest: they are elastic and without
+    /// friction.
+    fn is_lossless(&self) -> bool {
+        self.halo.agreed().map_or_else(|| self.are_own_lossless(), |agreed| agreed.is_lossless)
+    }
+
+    /// The same of the particles of this process.
+    pub(crate) fn are_own_lossless(&self) -> bool {
+        // Chunks without branches, for vector instructions.
+        let elastic = |all: &[f32]| all.iter().fold(true, |so_far, &one| so_far & (one == 1.0));
+        self.settings.restitution == 1.0
+            && self.particles.restitutions.chunks(256).all(elastic)
+            && self.walls.are_elastic()
+            && !self.particles.has_friction()
+    }
+
+    /// Whether particles may rest, if stiff springs do not decide it.
+    fn may_rest(&self) -> bool {
+        // Coefficients of restitution are read last, because there is one for each particle.
+        self.is_pressed() && !self.is_lossless()
+    }
+
+    /// Whether gravity or forces may press particles against each other or against walls.
+    fn is_pressed(&self) -> bool {
+        self.is_pulled() || self.settings.gravity != [0.0; 2]
+    }
+
+    /// Whether forces give kicks before and after the flights of a step.
+    fn is_pulled(&self) -> bool {
+        self.has_accelerations() || self.has_springs()
+    }
+
+    fn has_springs(&self) -> bool {
+        springs(&self.forces).next().is_some()
+    }
+}
+
+fn worth_waking(may_rest: bool) -> usize {
+    if may_rest { WORTH_WAKING_TO_REST } else { WORTH_WAKING }
+}
