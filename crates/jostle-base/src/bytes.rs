@@ -1,8 +1,6 @@
 //! Serialization of numbers: little-endian, without padding, so the bytes are the same on every
 //! machine.
 
-use core::ops::RangeInclusive;
-
 use crate::error::{Error, Result};
 
 /// A value with a fixed number of bytes.
@@ -129,12 +127,8 @@ impl<'a> Reader<'a> {
         Self(bytes)
     }
 
-    /// Checks the header that [`Writer::finish`] has written; returns the version too.
-    pub fn open(
-        bytes: &'a [u8],
-        magic: [u8; 8],
-        versions: RangeInclusive<u32>,
-    ) -> Result<(Self, u32)> {
+    /// Checks the header that [`Writer::finish`] has written.
+    pub fn open(bytes: &'a [u8], magic: [u8; 8], version: u32) -> Result<Self> {
         let all = bytes.len();
         let mut reader = Self(bytes);
         if all == 0 {
@@ -147,9 +141,8 @@ impl<'a> Reader<'a> {
             return Err(foreign(all as u64));
         }
         let found: u32 = reader.get()?;
-        if !versions.contains(&found) {
-            let [first, last] = [versions.start(), versions.end()];
-            let rule = format!("this version of jostle reads formats {first} to {last}");
+        if found != version {
+            let rule = format!("this version of jostle reads format {version}");
             return Err(Error::of("data", format!("a snapshot in format {found}"), &rule));
         }
         let (length, sum): (u64, u64) = (reader.get()?, reader.get()?);
@@ -159,7 +152,7 @@ impl<'a> Reader<'a> {
         if length < reader.0.len() as u64 || sum != checksum(reader.0) {
             return Err(damaged("its checksum is wrong"));
         }
-        Ok((reader, found))
+        Ok(reader)
     }
 
     /// The next value.

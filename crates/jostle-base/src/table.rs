@@ -57,8 +57,6 @@ pub struct Declared {
     pub name: &'static str,
     /// Whether it is dense, uniform or sparse.
     pub kind: Kind,
-    /// The first format of snapshots that contains it.
-    pub since: u32,
 }
 
 /// Kinds of columns.
@@ -293,7 +291,6 @@ pub mod nested {
 }
 
 /// Declares a struct of columns, each `dense`, `uniform`, `sparse` or `nested`, and implements [`Table`] for it.
-/// `#[since(3)]` above a column says that snapshots contain it since format 3.
 #[macro_export]
 macro_rules! table {
     (
@@ -301,7 +298,6 @@ macro_rules! table {
         $visible:vis struct $name:ident {
             $(
                 $(#[doc = $doc:literal])*
-                $(#[since($since:literal)])?
                 $field_visible:vis $field:ident: $kind:ident $type:ty,
             )*
         }
@@ -343,14 +339,14 @@ macro_rules! table {
             }
 
             fn visit(&self, visitor: &mut impl $crate::table::Visitor) {
-                $($crate::table!(@visit $kind self, $field, visitor, visit, &, 0 $(+ $since)?);)*
+                $($crate::table!(@visit $kind self, $field, visitor, visit, &);)*
             }
 
             fn visit_mut(
                 &mut self,
                 visitor: &mut impl $crate::table::VisitorMut,
             ) -> $crate::error::Result<()> {
-                $($crate::table!(@visit $kind self, $field, visitor, visit_mut, &mut, 0 $(+ $since)?)?;)*
+                $($crate::table!(@visit $kind self, $field, visitor, visit_mut, &mut)?;)*
                 Ok(())
             }
         }
@@ -360,12 +356,11 @@ macro_rules! table {
     (@visit nested $self:ident, $field:ident, $visitor:ident, $visit:ident, $($rest:tt)*) => {
         $self.$field.$visit($visitor)
     };
-    (@visit $kind:ident $self:ident, $field:ident, $visitor:ident, $visit:ident, &$($mut:ident)?, $since:expr) => {
+    (@visit $kind:ident $self:ident, $field:ident, $visitor:ident, $visit:ident, &$($mut:ident)?) => {
         $visitor.column(
             $crate::table::Declared {
                 name: stringify!($field),
                 kind: $crate::table::$kind::KIND,
-                since: $since,
             },
             &$($mut)? $self.$field,
         )

@@ -158,7 +158,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads formats 2 to 8"
+        "data is a snapshot in format 9; this version of jostle reads format 1"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

@@ -64,7 +64,6 @@ table! {
         /// Centres.
         pub positions: dense [f32; 2],
         /// What rounding to float32 removed from the centres; the next step adds it to them.
-        #[since(3)]
         pub residuals: dense [f32; 2],
         /// In world units per second. Nothing changes those of immovable particles: a particle is kinematic
         /// if it has one or turns, else static.
@@ -78,14 +77,11 @@ table! {
         /// Whether contacts and forces can change the velocity of the particle.
         pub movable: dense bool,
         /// Friction and rotation; empty if no disc has friction or an angle, or turns.
-        #[since(4)]
         pub spins: sparse Spin,
         /// Categories and masks; empty if all have the default.
-        #[since(7)]
         pub filters: sparse Filter,
         /// Whether the particle is a sensor: it touches others, and neither pushes them nor is pushed.
         /// Empty if none is.
-        #[since(7)]
         pub sensors: sparse bool,
     }
 }

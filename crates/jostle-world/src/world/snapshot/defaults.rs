@@ -14,11 +14,7 @@ pub(super) fn put_defaults(to: &mut Writer, defaults: &Defaults) {
     to.put([filter.category, filter.mask]);
 }
 
-/// Those of format 7 and later; before, there were none.
-pub(super) fn get_defaults(from: &mut Reader<'_>, version: u32) -> Result<Defaults> {
-    if version < 7 {
-        return Ok(Defaults::default());
-    }
+pub(super) fn get_defaults(from: &mut Reader<'_>) -> Result<Defaults> {
     let [radius, mass, density, restitution, friction] = from.get()?;
     let [radius, mass] = [radius, mass].map(|value| Some(value).filter(|&value| value != NONE));
     let [category, mask] = from.get()?;

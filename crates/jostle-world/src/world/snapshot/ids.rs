@@ -13,11 +13,8 @@ pub(super) fn put_ids(to: &mut Writer, ids: &Ids) {
     to.put_all(&listed.unwrap_or_default().iter().map(|&id| id as u64).collect::<Vec<u64>>());
 }
 
-/// The ids of `len` rows; each is its row before version 7.
-pub(super) fn get_ids(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Ids> {
-    if version < 7 {
-        return Ok(Ids::of_rows(len));
-    }
+/// The ids of `len` rows.
+pub(super) fn get_ids(from: &mut Reader<'_>, len: usize) -> Result<Ids> {
     let next = from.get::<u64>()? as Id;
     let listed = if from.get::<u8>()? > 0 {
         let all: Vec<u64> = from.get_all(len)?;

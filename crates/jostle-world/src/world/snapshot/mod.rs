@@ -12,7 +12,6 @@ mod sleepers;
 use super::discs::WarmStart;
 use super::drive::check_walls;
 use super::ids::Ids;
-use super::sleeping::Drift;
 use super::touches::WallImpulse;
 use super::{OnTouch, Walls, World, WorldSettings};
 use crate::contacts::Contact;
@@ -34,11 +33,8 @@ use sleepers::{get_sleepers, put_sleepers};
 /// The first bytes.
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
-/// Version of the format of the other bytes. Version 2 had no residuals, version 3 no friction,
-/// version 4 no sleeping, version 5 no walls besides the container, version 6 no moving walls, no
-/// ids, no defaults, no given accelerations, no categories and masks, and no coefficients of the container.
-/// Versions up to 7 had the statistics of the last step.
-const VERSION: u32 = 8;
+/// Version of the format of the other bytes, the only one that is read. It changes with them.
+const VERSION: u32 = 1;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -88,36 +84,28 @@ impl World {
 
     /// The world of a snapshot. Refuses bytes that are none, are cut off or damaged.
     pub(crate) fn restore_whole(bytes: &[u8]) -> Result<Self> {
-        let (mut from, version) = Reader::open(bytes, MAGIC, 2..=VERSION)?;
+        let mut from = Reader::open(bytes, MAGIC, VERSION)?;
         let valid = |error: Error| damaged(&error.to_string());
         let mut world = Self::default();
-        world.configure(get_settings(&mut from, version)?).map_err(valid)?;
+        world.configure(get_settings(&mut from)?).map_err(valid)?;
         world.time = from.get()?;
         if !world.time.is_finite() {
             return Err(damaged("its time is not finite"));
         }
-        if version < 8 {
-            skip_stats(&mut from)?;
-        }
         let len = from.get_count()?;
-        let sleeping = if version > 4 { from.get_count()? } else { 0 };
+        let sleeping = from.get_count()?;
         let rows: Vec<u32> = from.get_all(len)?;
-        world.add(get_particles(&mut from, len, version)?).map_err(valid)?;
+        world.add(get_particles(&mut from, len)?).map_err(valid)?;
         world.rows = rows;
-        world.persistent.warm_start = get_warm_start(&mut from, len, version)?;
-        world.contacts.recall(get_contacts(&mut from, len, version)?, len);
-        if version > 3 {
-            // Rows are checked below.
-            let known = len.saturating_add(sleeping);
-            world.wall_impulses = get_wall_impulses(&mut from, known, version)?;
+        world.persistent.warm_start = get_warm_start(&mut from, len)?;
+        world.contacts.recall(get_contacts(&mut from, len)?, len);
+        // Rows are checked below.
+        world.wall_impulses = get_wall_impulses(&mut from, len.saturating_add(sleeping))?;
+        if from.get()? {
+            world.persistent.drifts = from.get_all(len)?;
         }
-        if version > 4 {
-            if from.get::<u8>()? > 0 {
-                world.persistent.drifts = get_drifts(&mut from, len, version)?;
-            }
-            let sleepers = get_sleepers(&mut from, sleeping, len, version)?;
-            world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
-        }
+        let sleepers = get_sleepers(&mut from, sleeping, len)?;
+        world.asleep.append(&sleepers, world.settings.tree).map_err(valid)?;
         world.forget_indices();
         world.ids = Ids::of_rows(world.len());
         let all_rows = world.rows.iter().copied().chain(world.asleep.rows()).map(Id::from);
@@ -130,17 +118,14 @@ impl World {
         let (forces, len) = (&world.forces, world.len());
         all_forces::validate(forces, len, |row| world.contains(row)).map_err(valid)?;
         all_forces::check_fit(forces, world.settings.container).map_err(valid)?;
-        if version > 5 {
-            let walls = get_walls(&mut from, version)?;
-            let WorldSettings { container, tree, .. } = world.settings;
-            world.walls = Walls::new(walls, container, tree).map_err(valid)?;
-            world.walls.set_sides(world.settings.side_restitutions());
-            check_walls(&world.forces, world.walls.all().len()).map_err(valid)?;
-        }
-        world.ids = get_ids(&mut from, world.len(), version)?;
-        world.set_defaults(get_defaults(&mut from, version)?).map_err(valid)?;
-        world.given = if version > 6 { get_given(&mut from, world.len())? } else { None };
-        get_record(&mut from, &mut world, version)?;
+        let WorldSettings { container, tree, .. } = world.settings;
+        world.walls = Walls::new(get_walls(&mut from)?, container, tree).map_err(valid)?;
+        world.walls.set_sides(world.settings.side_restitutions());
+        check_walls(&world.forces, world.walls.all().len()).map_err(valid)?;
+        world.ids = get_ids(&mut from, world.len())?;
+        world.set_defaults(get_defaults(&mut from)?).map_err(valid)?;
+        world.given = get_given(&mut from, world.len())?;
+        get_record(&mut from, &mut world)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
@@ -148,16 +133,6 @@ impl World {
         from.close()?;
         Ok(world)
     }
-}
-
-/// Reads the statistics of the last step: nodes, leaves, depth, tests and unresolved particles.
-fn skip_stats(from: &mut Reader<'_>) -> Result<()> {
-    for _ in 0..3 {
-        from.get_count()?;
-    }
-    from.get::<u64>()?;
-    from.get::<u64>()?;
-    Ok(())
 }
 
 fn put_settings(to: &mut Writer, settings: &WorldSettings) {
@@ -183,11 +158,11 @@ fn put_settings(to: &mut Writer, settings: &WorldSettings) {
     let Settings { leaf_capacity, max_depth, threads } = settings.tree;
     let numbers = [settings.substeps.unwrap_or(0), leaf_capacity, max_depth, threads.unwrap_or(0)];
     numbers.into_iter().for_each(|number| to.put_count(number));
-    to.put(u8::from(settings.sleeping));
+    to.put(settings.sleeping);
     to.put(settings.container_restitution);
 }
 
-fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
+fn get_settings(from: &mut Reader<'_>) -> Result<WorldSettings> {
     let gravity = from.get()?;
     let [drag, restitution] = from.get()?;
     let (kind, [a, b, c, d]): (u8, [f32; 4]) = (from.get()?, from.get()?);
@@ -213,8 +188,8 @@ fn get_settings(from: &mut Reader<'_>, version: u32) -> Result<WorldSettings> {
     let (leaf_capacity, max_depth) = (from.get_count()?, from.get_count()?);
     let threads = Some(from.get_count()?).filter(|&threads| threads > 0);
     let tree = Settings { leaf_capacity, max_depth, threads };
-    let sleeping = version < 5 || from.get::<u8>()? > 0;
-    let container_restitution = if version > 6 { from.get()? } else { [1.0; MAX_WALLS] };
+    let sleeping = from.get()?;
+    let container_restitution = from.get()?;
     let base = WorldSettings { gravity, drag, restitution, container, ..WorldSettings::default() };
     let base = WorldSettings { container_restitution, ..base };
     Ok(WorldSettings { on_touch, method, substeps, sleeping, tree, ..base })
@@ -240,27 +215,24 @@ impl Visitor for Put<'_> {
     }
 }
 
-fn get_particles(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Particles> {
+fn get_particles(from: &mut Reader<'_>, len: usize) -> Result<Particles> {
     let mut all = Particles::default();
-    all.visit_mut(&mut Get { from, len, version })?;
+    all.visit_mut(&mut Get { from, len })?;
     Ok(all)
 }
 
-/// Reads columns of `len` values. Those that the version did not have get default values.
+/// Reads columns of `len` values.
 struct Get<'a, 'b> {
     from: &'a mut Reader<'b>,
     len: usize,
-    version: u32,
 }
 
 impl VisitorMut for Get<'_, '_> {
     fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()> {
-        let is_known = self.version >= about.since;
         *column = match about.kind {
-            Kind::Dense if is_known => self.from.get_all(self.len)?,
-            Kind::Uniform if is_known => self.from.get_uniform(self.len)?,
-            Kind::Dense | Kind::Uniform => vec![V::default(); self.len],
-            Kind::Sparse if is_known && self.from.get()? => self.from.get_all(self.len)?,
+            Kind::Dense => self.from.get_all(self.len)?,
+            Kind::Uniform => self.from.get_uniform(self.len)?,
+            Kind::Sparse if self.from.get()? => self.from.get_all(self.len)?,
             Kind::Sparse => Vec::new(),
         };
         Ok(())
@@ -293,20 +265,10 @@ fn put_warm_start(to: &mut Writer, of: &WarmStart) {
     }
 }
 
-/// The impulses of the sides of the container on `len` particles; version 3 had no friction.
-fn get_warm_start(from: &mut Reader<'_>, len: usize, version: u32) -> Result<WarmStart> {
+/// The impulses of the sides of the container on `len` particles.
+fn get_warm_start(from: &mut Reader<'_>, len: usize) -> Result<WarmStart> {
     let normal = get_wall_pushes(from, len, 0.0)?;
-    let friction = if version > 3 { get_wall_pushes(from, len, f32::MIN)? } else { Vec::new() };
-    Ok(WarmStart { normal, friction })
-}
-
-/// How `len` particles moved; unknown in version 5, which had other numbers.
-fn get_drifts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Drift>> {
-    if version < 6 {
-        let _: Vec<[f32; 4]> = from.get_all(len)?;
-        return Ok(vec![Drift::UNKNOWN; len]);
-    }
-    from.get_all(len)
+    Ok(WarmStart { normal, friction: get_wall_pushes(from, len, f32::MIN)? })
 }
 
 /// Impulses that are at least `least`.
@@ -336,13 +298,12 @@ fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {
     }
 }
 
-fn get_contacts(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<Contact>> {
+fn get_contacts(from: &mut Reader<'_>, len: usize) -> Result<Vec<Contact>> {
     let mut contacts = Vec::new();
     for _ in 0..from.get_count()? {
         let indices: [u32; 2] = from.get()?;
         let numbers: [f32; 6] = from.get()?;
-        let [friction_impulse, total, total_friction] =
-            if version > 3 { from.get()? } else { [0.0f32; 3] };
+        let [friction_impulse, total, total_friction]: [f32; 3] = from.get()?;
         let touched = from.get::<u8>()? > 0;
         let [x, y, u, v, gap, impulse] = numbers;
         let known = indices.iter().all(|&index| (index as usize) < len) && indices[0] != indices[1];
@@ -370,13 +331,11 @@ fn put_wall_impulses(to: &mut Writer, all: &[WallImpulse]) {
     }
 }
 
-fn get_wall_impulses(from: &mut Reader<'_>, len: usize, version: u32) -> Result<Vec<WallImpulse>> {
+fn get_wall_impulses(from: &mut Reader<'_>, len: usize) -> Result<Vec<WallImpulse>> {
     let mut all = Vec::new();
     for _ in 0..from.get_count()? {
-        let row: u32 = from.get()?;
-        let wall = if version > 5 { from.get()? } else { u32::from(from.get::<u8>()?) };
-        let impulses: [f32; 2] = from.get()?;
-        let pushes: [f32; 2] = if version > 5 { from.get()? } else { [0.0; 2] };
+        let [row, wall]: [u32; 2] = from.get()?;
+        let [impulses, pushes]: [[f32; 2]; 2] = from.get()?;
         let is_push = pushes[0] >= 0.0 && pushes.iter().all(|push| push.is_finite());
         if row as usize >= len {
             return Err(damaged("a wall has an impulse on no particle"));
@@ -407,7 +366,7 @@ fn put_walls(to: &mut Writer, walls: &[Wall]) {
     }
 }
 
-fn get_walls(from: &mut Reader<'_>, version: u32) -> Result<Vec<Wall>> {
+fn get_walls(from: &mut Reader<'_>) -> Result<Vec<Wall>> {
     let count = from.get_count()?;
     let mut all = Vec::new();
     // Not reserved: a damaged count may be very large.
@@ -416,7 +375,7 @@ fn get_walls(from: &mut Reader<'_>, version: u32) -> Result<Vec<Wall>> {
         let friction = (friction != -1.0).then_some(friction);
         all.push(Wall { restitution, friction, ..Wall::new([[a, b], [c, d]]) });
     }
-    if version > 6 && from.get::<u8>()? > 0 {
+    if from.get()? {
         for wall in &mut all {
             let [a, b, c, d] = from.get()?;
             (wall.residuals, wall.velocity) = ([[a, b], [c, d]], from.get()?);

@@ -18,11 +18,8 @@ pub(super) fn put_record(to: &mut Writer, world: &World) {
     }
 }
 
-/// Reads it into a world whose ids are known; there was none before version 7.
-pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World, version: u32) -> Result<()> {
-    if version < 7 {
-        return Ok(());
-    }
+/// Reads it into a world whose ids are known.
+pub(super) fn get_record(from: &mut Reader<'_>, world: &mut World) -> Result<()> {
     let [of_pairs, walls] = from.get()?;
     world.settings.track_events = from.get::<u8>()? > 0;
     let (_, next) = world.ids.parts();

@@ -72,12 +72,7 @@ pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
 }
 
 /// The sleeping islands, of `len` particles together, beside `awake` others.
-pub(super) fn get_sleepers(
-    from: &mut Reader<'_>,
-    len: usize,
-    awake: usize,
-    version: u32,
-) -> Result<Sleepers> {
+pub(super) fn get_sleepers(from: &mut Reader<'_>, len: usize, awake: usize) -> Result<Sleepers> {
     let count = from.get_count()?;
     let sizes: Vec<[u32; 3]> = from.get_all(count)?;
     let mut ends = [0u32; 3];
@@ -97,11 +92,11 @@ pub(super) fn get_sleepers(
     let mut all = Sleepers { islands, ..Sleepers::default() };
     let Discs { particles, rows, persistent } = &mut all.discs;
     *rows = from.get_all(len)?;
-    *particles = get_particles(from, len, version)?;
+    *particles = get_particles(from, len)?;
     particles.validate().map_err(|error| damaged(&error.to_string()))?;
-    persistent.warm_start = get_warm_start(from, len, version)?;
-    all.contacts = get_contacts(from, total, version)?;
-    all.wall_impulses = get_wall_impulses(from, total, version)?;
+    persistent.warm_start = get_warm_start(from, len)?;
+    all.contacts = get_contacts(from, total)?;
+    all.wall_impulses = get_wall_impulses(from, total)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];
     if ends.map(|end| end as usize) != found || total > MAX_ROWS {
         return Err(damaged("the sizes of its islands are wrong"));
