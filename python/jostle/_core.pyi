@@ -4408,6 +4408,10 @@ class World:
         >>> copy.state_hash() == world.state_hash()
         True
         """
+    @property
+    def attachment(self) -> str | None: ...
+    @attachment.setter
+    def attachment(self, value: str | None) -> None: ...
     def save(self, path: str | bytes | os.PathLike[str]) -> None:
         """Write the world into a file.
 

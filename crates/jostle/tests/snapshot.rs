@@ -135,6 +135,29 @@ fn a_world_without_particles_is_one_too() {
 }
 
 #[test]
+fn a_text_is_kept_and_changes_nothing_else() {
+    let mut world = busy(Container::None, OnTouch::Bounce);
+    let hash = world.state_hash();
+    for text in [Some(""), Some("{\"view\": [1, 2.5], \"name\": \"µ\"}"), None] {
+        world.set_attachment(text.map(str::to_owned));
+        let mut again = restored(&world);
+        assert_eq!((again.attachment(), again.state_hash()), (text, hash));
+        run(&mut again, 1);
+        assert_eq!(again.attachment(), text);
+    }
+}
+
+#[test]
+fn a_text_that_is_not_utf_8_is_refused() {
+    let mut world = World::default();
+    world.set_attachment(Some("µ".to_owned()));
+    let mut bytes = world.snapshot();
+    let at = bytes.len() - 1;
+    bytes[at] = b'!';
+    assert_eq!(refusal(&forged(bytes)), "data is a damaged snapshot; its attachment is not UTF-8");
+}
+
+#[test]
 fn the_same_world_gives_the_same_bytes_and_few() {
     let mut world = SCENES[1].create(Some(1000), 0).expect("valid");
     run(&mut world, 10);

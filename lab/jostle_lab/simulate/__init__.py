@@ -3,7 +3,6 @@
 ======================= ========================================================================
 validation, settings    rules for values and their messages; the settings of a simulation
 frame                   `Frame`: one state of a world, and the numbers of a step
-packing                 values and bytes packed together, and their checks
 forces                  between kinds, of walls, and to attractors of the user; the walls
 containers              the container of a world, of any kind and size; free positions in it
 emitters                nozzles that add drops

@@ -5,9 +5,8 @@ from numpy.typing import NDArray
 
 import jostle
 from jostle_lab.simulate.containers import TRIES, in_disc
-from jostle_lab.simulate.packing import COUNT
 from jostle_lab.simulate.settings import PARTICLES
-from jostle_lab.simulate.validation import Rule, real
+from jostle_lab.simulate.validation import COUNT, Rule, real
 
 Floats = NDArray[np.floating]
 

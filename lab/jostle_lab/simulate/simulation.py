@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -32,9 +33,21 @@ from jostle_lab.simulate.frame import (
     Tags,
     frame_of,
 )
-from jostle_lab.simulate.packing import ATTRACTORS, COUNT, pack, unpack
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
-from jostle_lab.simulate.validation import FARTHEST, Fields, fields_of, or_none, read, rect, shown
+from jostle_lab.simulate.validation import (
+    COUNT,
+    FARTHEST,
+    Fields,
+    Many,
+    Rule,
+    each,
+    fields_of,
+    or_none,
+    read,
+    real,
+    rect,
+    shown,
+)
 
 TIME_STEP = 1 / 60
 DRAG_RATE = 40.0  # 1/s: rate of the spring that pulls a held particle to the cursor
@@ -53,16 +66,19 @@ ADJUSTABLE = frozenset(WORLD_SETTINGS) | {
 WIDTHS = {"positions": (2,), "velocities": (2,)}  # of one value of a column
 MOST_AT_ONCE = 100_000  # particles that are added to a running scene at once
 
-# The values of a saved state; its parts are the times of birth and the world's snapshot.
+# The values of a saved state, which the world keeps as its attachment.
 STATE_FIELDS = Fields(
     {
         "settings": SETTINGS,
         "view": rect(),
         "own_forces": COUNT,
-        "pulls": ATTRACTORS,
+        "pulls": Many(fields_of(Attractor)),
         "home": fields_of(InitialRegion),
         "emitters": or_none(STATE),
         "own_walls": COUNT,
+        # Times of birth, and how many particles in a row have each.
+        "born": Many(each(real(), "time", "count"), most=2**31),
+        "window": Rule("what the window shows", lambda value: True),
     }
 )
 
@@ -104,8 +120,13 @@ class Simulation:
     @classmethod
     def resume(cls, state: bytes) -> Simulation:
         """Return the simulation that continues from a state, as `save` returns it."""
+        return cls.of_world(jostle.World.restore(state))
+
+    @classmethod
+    def of_world(cls, world: jostle.World) -> Simulation:
+        """Return the simulation that continues from a world with the attachment of `save`."""
         simulation = cls.__new__(cls)
-        simulation.load(state)
+        simulation._take(world)
         return simulation
 
     def __len__(self) -> int:
@@ -318,8 +339,12 @@ class Simulation:
         limit, speed = SPEED_LIMIT * diagonal(self.view), math.hypot(*dragged)
         self.world.set(tag, velocities=dragged * min(1.0, limit / max(speed, limit)))
 
-    def save(self) -> bytes:
-        """Return the state; after `load` the simulation continues with the same bits."""
+    def save(self, window: Any = None) -> bytes:
+        """Return the state; after `load` the simulation continues with the same bits.
+
+        It is the snapshot of the world, with everything else in its attachment. `window` is kept
+        there too.
+        """
         columns, emitters = self._columns, self.emitters
         facts = {
             "settings": asdict(self.settings),
@@ -329,14 +354,19 @@ class Simulation:
             "home": asdict(self._initial),
             "emitters": emitters and emitters.state,
             "own_walls": self._segments.own,
+            "born": runs(columns.born),
+            "window": window,
         }
-        return pack("world", facts, columns.born.astype("<f8").tobytes(), self.world.snapshot())
+        self.world.attachment = json.dumps(facts)
+        return self.world.snapshot()
 
     def load(self, state: bytes) -> None:
         """Restore a state; raise a ValueError, before any change, if its bytes are wrong."""
-        facts, (times, snapshot) = unpack("world", state, 2)
-        facts = read(facts, STATE_FIELDS)
-        world = jostle.World.restore(snapshot)
+        self._take(jostle.World.restore(state))
+
+    def _take(self, world: jostle.World) -> None:
+        """Continue from a world with an attachment."""
+        facts = read(attached(world), STATE_FIELDS)
         settings, initial = facts["settings"], facts["home"]
         if world.method != settings.method:
             raise ValueError(f"settings.method is {settings.method!r}, but not in its world")
@@ -344,12 +374,10 @@ class Simulation:
             if facts[name] > there:
                 what = name.removeprefix("own_")
                 raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
-        if len(times) != 8 * len(world):
-            raise ValueError(f"born has {len(times)} bytes; it must have {8 * len(world)}")
-        born = np.frombuffer(times, "<f8")
-        for row in np.flatnonzero(~(np.abs(born) <= FARTHEST))[:1]:
-            limits = f"from {-FARTHEST:g} to {FARTHEST:g}"
-            raise ValueError(f"born[{row}] is {born[row]}; it must be {limits}")
+        times, counts = np.array(facts["born"], np.float64).reshape(-1, 2).T
+        if (counts < 0).any() or (counts % 1).any() or counts.sum() != len(world):
+            raise ValueError(f"born has times of {counts.sum():g} particles; it must be {len(world)}")
+        born = np.repeat(times, counts.astype(np.int64))
         drops = facts["emitters"]
         if (drops is None) != (settings.scene != "emitters"):
             raise ValueError(f"emitters is {shown(drops)} in the scene {shown(settings.scene)}")
@@ -359,3 +387,20 @@ class Simulation:
         self._segments = WallSegments(world, facts["own_walls"])
         self.settings, self.view, self._initial = settings, facts["view"], initial
         self.world, self._columns, self.emitters = world, columns, emitters
+
+
+def attached(world: jostle.World) -> Any:
+    """Return the values that `Simulation.save` has attached to a world."""
+    if world.attachment is None:
+        raise ValueError("it is a world without a scene of the simulator")
+    try:
+        return json.loads(world.attachment)
+    except (ValueError, RecursionError) as error:
+        raise ValueError("its attachment is not of the simulator") from error
+
+
+def runs(values: NDArray[np.float64]) -> list[tuple[float, int]]:
+    """Return each value of a column, and how many rows in a row have it."""
+    starts = np.flatnonzero(np.diff(values, prepend=np.nan))
+    counts = np.diff(starts, append=len(values))
+    return list(zip(values[starts].tolist(), counts.tolist(), strict=True))

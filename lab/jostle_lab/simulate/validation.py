@@ -184,6 +184,9 @@ def whole(low: int, high: int) -> Rule:
     )
 
 
+COUNT = whole(0, 2**62)  # of tags or steps
+
+
 def one_of(*names: str) -> Rule:
     """Return the rule of one of several names."""
     return Rule(

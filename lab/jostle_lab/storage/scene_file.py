@@ -1,4 +1,4 @@
-"""A scene in a file, `.jostle`: state, settings, camera and view options."""
+"""A scene in a file, `.jostle`: a world with settings, camera and view options as its attachment."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -6,15 +6,14 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+import jostle
 from jostle_lab.draw.camera import Camera
 from jostle_lab.draw.view_options import OPTION_RULES, ViewOptions, spelling
-from jostle_lab.simulate.packing import is_of, pack, seal, unpack, unseal
 from jostle_lab.simulate.settings import TRUTH, unknown_scene
-from jostle_lab.simulate.simulation import Simulation
+from jostle_lab.simulate.simulation import Simulation, attached
 from jostle_lab.simulate.validation import Fields, each, read, real, whole
 
 SUFFIX = ".jostle"
-KIND = "scene"
 NOT_RESTORED = {"help", "panels"}  # view options of the window
 
 TINY, HUGE = 1e-30, 1e30  # limits of pixels per world unit, and of world units
@@ -28,7 +27,7 @@ CAMERA = Fields(
     }
 )
 SHOWN = Fields(OPTION_RULES, "a switch", required=())
-FACTS = Fields({"camera": CAMERA, "shown": SHOWN})
+WINDOW = Fields({"camera": CAMERA, "shown": SHOWN})
 
 
 @dataclass(frozen=True)
@@ -50,30 +49,28 @@ class SavedScene:
 
 def scene_bytes(simulation: Simulation, camera: Camera, options: ViewOptions) -> bytes:
     """Return the contents of a scene file."""
-    facts = {
+    window = {
         "camera": {name: getattr(camera, name) for name in CAMERA.rules},
         "shown": {
             name: spelling(value) if isinstance(value, Enum) else value
             for name, value in asdict(options).items()
         },
     }
-    return seal(pack(KIND, facts, simulation.save()))
+    return simulation.save(window)
 
 
 def read_scene(path: Path) -> SavedScene:
     """Return the scene of a file; raise a ValueError if it does not contain one."""
-    with path.open("rb") as file:
-        data = file.read(64)  # the first line; there may be no end
-        data += file.read() if is_of(KIND, data) else b""
-    if not is_of(KIND, data):
-        raise ValueError(f"{path.name} is not a scene of this version of jostle.")
     try:
-        facts, (state,) = unpack(KIND, unseal(data), 1)
-        facts = read(facts, FACTS)
-        simulation = Simulation.resume(state)
+        world = jostle.World.load(path)
+    except ValueError as error:
+        raise ValueError(f"{str(error).replace(str(path), path.name)}.") from error
+    try:
+        simulation = Simulation.of_world(world)
+        window = read(attached(world)["window"], WINDOW)
         if why := unknown_scene(simulation.settings.scene):
             raise ValueError(why)
     except (ValueError, OverflowError) as error:
         raise ValueError(f"{path.name} cannot be loaded: {str(error).rstrip('.')}.") from error
-    shown = {name: value for name, value in facts["shown"].items() if name not in NOT_RESTORED}
-    return SavedScene(simulation, facts["camera"], shown)
+    shown = {name: value for name, value in window["shown"].items() if name not in NOT_RESTORED}
+    return SavedScene(simulation, window["camera"], shown)

@@ -2,7 +2,7 @@
 
 The file has a head, the settings as a snapshot of a world without particles, a table of chunks, and
 the chunks. A chunk has the particles of a range of ids: the numbers of rows of all `PARTS`, then
-their rows. The core reads such a file, too: `snapshot/parts.rs`.
+their rows. The core reads such a file, too: `ranks/parts.rs`.
 """
 
 from __future__ import annotations

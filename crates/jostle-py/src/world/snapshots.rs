@@ -6,7 +6,7 @@ use jostle_base::Error;
 use jostle_world::World;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyType};
+use pyo3::types::{PyByteArray, PyBytes, PyMemoryView, PyString, PyType};
 
 use super::PyWorld;
 use crate::error::{refused, type_error};
@@ -19,8 +19,8 @@ impl PyWorld {
     /// Returns
     /// -------
     /// bytes
-    ///     Particles, settings, forces, the time, and the resting contacts, the same bytes on
-    ///     every machine. A world that `restore` makes from them continues with the same bits.
+    ///     Particles, settings, forces, the time, the resting contacts, and the `attachment`, the same
+    ///     bytes on every machine. A world that `restore` makes from them continues with the same bits.
     ///
     /// See Also
     /// --------
@@ -86,6 +86,43 @@ impl PyWorld {
         };
         let bytes = bytes.as_bytes();
         Ok(Self::of(py.detach(|| World::restore(bytes)).map_err(refused)?))
+    }
+
+    /// A text that the world keeps and does not read: str, or None, the default. It may be assigned.
+    ///
+    /// Programs keep their own settings there, as JSON. Snapshots, files, copies and pickles contain
+    /// it; the motion and `state_hash` do not depend on it.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If an assigned value is neither str nor None.
+    ///
+    /// See Also
+    /// --------
+    /// save : Writes it into a file, with the world.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import jostle, json
+    /// >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+    /// >>> world.attachment = json.dumps({"zoom": 2.5})
+    /// >>> json.loads(jostle.World.restore(world.snapshot()).attachment)
+    /// {'zoom': 2.5}
+    #[getter]
+    fn attachment<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyString>>> {
+        let state = self.state(py)?;
+        Ok(state.world.attachment().map(|text| PyString::new(py, text)))
+    }
+
+    #[setter]
+    fn set_attachment(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let text = value.map(|value| match value.cast::<PyString>() {
+            Ok(text) => Ok(text.to_str()?.to_owned()),
+            Err(_) => Err(type_error("attachment", "str or None", value)),
+        });
+        self.state(py)?.world.set_attachment(text.transpose()?);
+        Ok(())
     }
 
     /// Write the world into a file.

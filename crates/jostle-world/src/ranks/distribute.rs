@@ -173,7 +173,7 @@ impl World {
         bytes
     }
 
-    /// A world with the settings, walls, forces and time of this one, and the particles of some records.
+    /// A world with the settings, walls, forces, attachment and time of this one, and the particles of some records.
     pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
         let (particles, _, kinds) = read_records(bytes);
         let mut world = Self::new(particles, self.settings)?;
@@ -182,6 +182,7 @@ impl World {
         forces::set_kinds(&mut forces, &kinds);
         world.set_forces(forces)?;
         world.set_defaults(self.defaults)?;
+        world.attachment.clone_from(&self.attachment);
         world.time = self.time;
         Ok(world)
     }

@@ -167,6 +167,8 @@ pub struct World {
     /// The other particles.
     pub(crate) asleep: Asleep,
     pub(crate) time: f64,
+    /// Text of the caller, see [`World::attachment`].
+    pub(crate) attachment: Option<String>,
     pub(crate) stats: Stats,
     /// What happened since the last call of [`World::begin_record`].
     pub(crate) record: Record,
@@ -377,6 +379,17 @@ impl World {
     /// Simulated seconds.
     pub fn time(&self) -> f64 {
         self.time
+    }
+
+    /// Text that the world keeps and does not read, in snapshots too: programs keep their own settings there, as
+    /// JSON. The state does not depend on it.
+    pub fn attachment(&self) -> Option<&str> {
+        self.attachment.as_deref()
+    }
+
+    /// Replaces that text.
+    pub fn set_attachment(&mut self, text: Option<String>) {
+        self.attachment = text;
     }
 
     /// Numbers of the last step.

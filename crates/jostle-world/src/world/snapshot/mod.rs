@@ -1,7 +1,8 @@
 //! Serialization of a world. A restored world continues with the same bits.
 //!
 //! The bytes contain everything that the next step depends on: settings, forces, particles in their canonical
-//! order, and the impulses for warm starting; not the statistics of the last step.
+//! order, and the impulses for warm starting; not the statistics of the last step. They may contain a text of the
+//! caller.
 
 mod defaults;
 mod forces;
@@ -70,6 +71,7 @@ impl World {
         put_defaults(&mut to, &self.defaults);
         put_given(&mut to, self.given_accelerations());
         put_record(&mut to, self);
+        put_attachment(&mut to, self.attachment());
         to.finish(MAGIC, VERSION)
     }
 
@@ -126,6 +128,7 @@ impl World {
         world.set_defaults(get_defaults(&mut from)?).map_err(valid)?;
         world.given = get_given(&mut from, world.len())?;
         get_record(&mut from, &mut world)?;
+        world.attachment = get_attachment(&mut from)?;
         world.check_wall_impulses()?;
         if !world.asleep.is_empty() && !world.may_sleep() {
             return Err(damaged("nothing can sleep in it"));
@@ -252,6 +255,23 @@ fn get_given(from: &mut Reader<'_>, len: usize) -> Result<Option<Vec<[f32; 2]>>>
     let given = from.get_all(len)?;
     check_vectors("accelerations", &given).map_err(|error| damaged(&error.to_string()))?;
     Ok(Some(given))
+}
+
+fn put_attachment(to: &mut Writer, text: Option<&str>) {
+    to.put(text.is_some());
+    if let Some(text) = text {
+        to.put_count(text.len());
+        to.put_all(text.as_bytes());
+    }
+}
+
+fn get_attachment(from: &mut Reader<'_>) -> Result<Option<String>> {
+    if !from.get()? {
+        return Ok(None);
+    }
+    let len = from.get_count()?;
+    let text = String::from_utf8(from.get_all(len)?);
+    text.map(Some).map_err(|_| damaged("its attachment is not UTF-8"))
 }
 
 fn put_warm_start(to: &mut Writer, of: &WarmStart) {
