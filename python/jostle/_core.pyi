@@ -316,7 +316,7 @@ def hash_records(hash: int, records: bytes, part: int) -> int:
     """Continue the hash of the state with one part of the particles of records. For `jostle.mpi`."""
 
 def record_fields() -> list[tuple[str, str]]:
-    """The fields of a record between the id and the kinds, as NumPy writes them. For `jostle.mpi`."""
+    """The fields of a record after the id, as NumPy writes them. For `jostle.mpi`."""
 
 def restore_events(entered: _Pairs, stayed: _Pairs, left: _Pairs) -> Events:
     """Events with these pairs. For pickle."""

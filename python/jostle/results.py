@@ -426,8 +426,8 @@ class WorldParticles(NamedTuple):
         Bit sets of 32 bits.
     sensors : ndarray of bool, shape (k,)
         Whether the particle is a sensor.
-    kinds : ndarray of uint8, shape (k,), or None
-        Kinds in the first `PairForce` of the world; None if there is none.
+    kinds : ndarray of uint8, shape (k,)
+        Kinds in each `PairForce` of the world.
 
     See Also
     --------
@@ -447,7 +447,7 @@ class WorldParticles(NamedTuple):
     categories: NDArray[np.uint32]
     masks: NDArray[np.uint32]
     sensors: NDArray[np.bool_]
-    kinds: NDArray[np.uint8] | None
+    kinds: NDArray[np.uint8]
 
 
 class WorldParticle(NamedTuple):
@@ -467,8 +467,8 @@ class WorldParticle(NamedTuple):
         Bit sets of 32 bits.
     sensors : bool
         Whether the particle is a sensor.
-    kinds : int or None
-        Kind in the first `PairForce` of the world; None if there is none.
+    kinds : int
+        Kind in each `PairForce` of the world.
 
     See Also
     --------
@@ -488,7 +488,7 @@ class WorldParticle(NamedTuple):
     categories: int
     masks: int
     sensors: bool
-    kinds: int | None
+    kinds: int
 
 
 class WallContacts(NamedTuple):

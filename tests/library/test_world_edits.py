@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import jostle
 
 STEP = 1 / 60
-COLUMNS = jostle.WorldParticles._fields[:-1]  # kinds are a column of a PairForce
+COLUMNS = jostle.WorldParticles._fields[:-1]  # `World` has no attribute of kinds
 DTYPES = {"movable": bool, "sensors": bool, "categories": np.uint32, "masks": np.uint32}
 
 
@@ -96,9 +96,40 @@ def test_kinds_are_read_added_and_set() -> None:
         world.set(1, kinds=3, masses=5.0)
     assert world.read(1).masses == 2 and world.read(1).kinds == 1
     plain = jostle.World.restore(WORLD)
-    assert plain.read(5).kinds is None and plain.read([5]).kinds is None
-    with pytest.raises(ValueError, match="kinds is 1 kind; the world has no PairForce"):
-        plain.set(5, kinds=0)
+    assert plain.read(5).kinds == 0
+    plain.set(5, kinds=63)
+    assert plain.read([5, 8]).kinds.tolist() == [63, 0]
+    with pytest.raises(ValueError, match="kinds is 64; it must be a kind, between 0 and 63"):
+        plain.set(5, kinds=64)
+
+
+def test_kinds_belong_to_particles() -> None:
+    world = jostle.World([(0, 0), (9, 0)], [(0, 0)] * 2, 1.0)
+    world.set([0, 1], kinds=[2, 0])
+    pairs = [jostle.PairForce([1, 2], np.zeros((3, 3, 2)), 5.0 + k) for k in range(2)]
+    world.forces = [*pairs, jostle.Thermostat(1.0, 0.5)]
+    assert world.read([0, 1]).kinds.tolist() == [1, 2]
+    world.set(1, kinds=0)
+    assert [force.kinds.tolist() for force in world.forces[:2]] == [[1, 0]] * 2
+    world.forces = world.forces
+    assert world.read([0, 1]).kinds.tolist() == [1, 0]
+    before = world.forces
+    for forces, words in [
+        (
+            [pairs[0], jostle.PairForce([2, 2], np.zeros((3, 3, 2)), 5.0)],
+            r"forces[1] is another PairForce; its kinds must be those of forces[0]",
+        ),
+        (
+            [jostle.PairForce([0], np.zeros((3, 3, 2)), 5.0)],
+            "forces[0] is a PairForce of 1 kind; a PairForce needs one for each of 2 particles",
+        ),
+    ]:
+        with pytest.raises(ValueError) as error:
+            world.forces = forces
+        assert str(error.value) == words
+        assert world.forces == before
+    world.forces = []
+    assert world.read([0, 1]).kinds.tolist() == [1, 0]
 
 
 def test_ids_that_no_particle_has_are_refused() -> None:

@@ -171,7 +171,7 @@ def test_forces() -> None:
     kinds = np.arange(400) % 3
     table = np.random.default_rng(4).normal(0, 300, (3, 3, 12))
     long = jostle.PairForce(kinds, table, 11.0, damping=3.0)
-    other = jostle.PairForce(np.arange(400) % 2, table[:2, :2], 4.0)
+    other = jostle.PairForce(kinds, -table, 4.0)
     flocking = jostle.Flocking(6.0, 40.0, 1.0, 0.5, max_speed=60.0)
     world = gas(400, forces=[long, flocking, other], container="torus", substeps=3)
     ours = check("three forces", world, 1 / 60, 25)

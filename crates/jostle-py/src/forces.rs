@@ -10,7 +10,8 @@ mod springs;
 mod thermal_walls;
 mod thermostat;
 
-use jostle_world::Force;
+use jostle_base::error::{Error, Result, counted};
+use jostle_world::{Force, World};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -21,16 +22,55 @@ pub use attractor::PyAttractor;
 pub use flocking::PyFlocking;
 pub use gravitation::PyGravitation;
 pub use motor::PyMotor;
-pub use pair::{PyPairForce, kinds_of_each};
+pub use pair::PyPairForce;
 pub use springs::PySprings;
 pub use thermal_walls::PyThermalWalls;
 pub use thermostat::PyThermostat;
 
-/// The forces of the core for a sequence of Python objects.
-pub fn read(value: &Bound<'_, PyAny>) -> PyResult<Vec<Force>> {
-    let rule = "a sequence of forces";
-    let items = value.try_iter().map_err(|_| type_error("forces", rule, value))?;
-    items.enumerate().map(|(index, item)| read_one(index, &item?)).collect()
+/// Forces as Python has them: each `PairForce` with the kinds of all particles.
+#[derive(Default)]
+pub struct Forces {
+    all: Vec<Force>,
+    /// The kinds of each `PairForce`, with its index.
+    kinds: Vec<(usize, Vec<u8>)>,
+}
+
+impl Forces {
+    /// Reads a sequence of Python objects.
+    pub fn read(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let rule = "a sequence of forces";
+        let items = value.try_iter().map_err(|_| type_error("forces", rule, value))?;
+        let mut forces = Self::default();
+        for (index, item) in items.enumerate() {
+            let item = item?;
+            forces.all.push(read_one(index, &item)?);
+            if let Ok(pair) = item.cast::<PyPairForce>() {
+                forces.kinds.push((index, pair.get().kinds.clone()));
+            }
+        }
+        Ok(forces)
+    }
+
+    /// Replaces the forces of a world, and the kinds of its particles if there is a `PairForce`.
+    pub fn assign(mut self, world: &mut World) -> Result<()> {
+        for (index, kinds) in &self.kinds {
+            if kinds.len() != world.len() {
+                let value = format!("a PairForce of {}", counted(kinds.len(), "kind"));
+                let particles = counted(world.len(), "particle");
+                let rule = format!("a PairForce needs one for each of {particles}");
+                return Err(Error::at("forces", *index, value, &rule));
+            }
+            let (first, expected) = &self.kinds[0];
+            if kinds != expected {
+                let rule = format!("its kinds must be those of forces[{first}]");
+                return Err(Error::at("forces", *index, "another PairForce", &rule));
+            }
+        }
+        match self.kinds.pop() {
+            Some((_, kinds)) => world.set_forces_and_kinds(self.all, kinds),
+            None => world.set_forces(self.all),
+        }
+    }
 }
 
 fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
@@ -49,7 +89,7 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
     } else if let Ok(found) = value.cast::<PyMotor>() {
         Ok(Force::Motor(found.get().0.clone()))
     } else if let Ok(found) = value.cast::<PyPairForce>() {
-        Ok(Force::Pair(found.get().0.clone()))
+        Ok(Force::Pair(found.get().force.clone()))
     } else if let Ok(found) = value.cast::<PyFlocking>() {
         Ok(Force::Flocking(found.get().0))
     } else {
@@ -60,8 +100,12 @@ fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
     }
 }
 
-/// The Python objects for forces of the core.
-pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyTuple>> {
+/// The Python objects for forces of the core, in a world with particles of these kinds.
+pub fn show<'py>(
+    py: Python<'py>,
+    forces: Vec<Force>,
+    kinds: &[u8],
+) -> PyResult<Bound<'py, PyTuple>> {
     let one = |force| -> PyResult<Py<PyAny>> {
         Ok(match force {
             Force::Attractor(attractor) => Py::new(py, PyAttractor(attractor))?.into_any(),
@@ -71,7 +115,9 @@ pub fn show<'py>(py: Python<'py>, forces: Vec<Force>) -> PyResult<Bound<'py, PyT
             Force::ThermalWalls(walls) => Py::new(py, PyThermalWalls(walls))?.into_any(),
             Force::Andersen(bath) => Py::new(py, PyAndersenThermostat(bath))?.into_any(),
             Force::Motor(motor) => Py::new(py, PyMotor(motor))?.into_any(),
-            Force::Pair(pair) => Py::new(py, PyPairForce(pair))?.into_any(),
+            Force::Pair(force) => {
+                Py::new(py, PyPairForce { kinds: kinds.to_vec(), force })?.into_any()
+            }
             Force::Flocking(flocking) => Py::new(py, PyFlocking(flocking))?.into_any(),
         })
     };

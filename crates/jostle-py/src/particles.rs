@@ -35,7 +35,7 @@ macro_rules! arguments {
 }
 arguments! {
     positions, velocities, radii, masses, restitutions, movable, friction, angles, angular_velocities,
-    categories, masks, sensors,
+    categories, masks, sensors, kinds,
 }
 
 /// The values of an argument, one for all or one for each of `len` particles.
@@ -68,6 +68,7 @@ macro_rules! values {
 values! {
     f32: |name, value, len| Argument::reals(name, value)?.real_each(len),
     u32: |name, value, len| Argument::integers(name, value)?.bits_each(len),
+    u8: |name, value, len| Argument::integers(name, value)?.kind_each(len),
     bool: |name, value, len| Argument::booleans(name, value)?.truth_each(len),
     [f32; 2]: |name, value, len| Ok(Each::Rows(Argument::reals(name, value)?.pairs(len)?)),
     f64: |name, value, len| Ok(match f32::read_each(name, value, len)? {

@@ -62,17 +62,13 @@ pub fn wall_contacts(py: Python<'_>, all: Vec<WallTouch>) -> PyResult<Bound<'_, 
 }
 
 /// `jostle.WorldParticles`, or `jostle.WorldParticle` of a `single` one.
-pub fn world_particles(
-    py: Python<'_>,
-    all: Particles,
-    kinds: Option<Vec<u8>>,
-    single: bool,
-) -> PyResult<Bound<'_, PyAny>> {
+pub fn world_particles(py: Python<'_>, all: Particles, single: bool) -> PyResult<Bound<'_, PyAny>> {
     static CLASSES: [PyOnceLock<Py<PyAny>>; 2] = [PyOnceLock::new(), PyOnceLock::new()];
     let rows = 0..all.len();
     let spins: Vec<Spin> = rows.clone().map(|row| all.spin(row)).collect();
     let filters: Vec<Filter> = rows.clone().map(|row| all.filter(row)).collect();
-    let sensors: Vec<bool> = rows.map(|row| all.is_sensor(row)).collect();
+    let sensors: Vec<bool> = rows.clone().map(|row| all.is_sensor(row)).collect();
+    let kinds: Vec<u8> = rows.map(|row| all.kind(row)).collect();
     let fields = [
         field(py, all.positions, single)?,
         field(py, all.velocities, single)?,
@@ -86,7 +82,7 @@ pub fn world_particles(
         field(py, filters.iter().map(|filter| filter.category).collect(), single)?,
         field(py, filters.iter().map(|filter| filter.mask).collect(), single)?,
         field(py, sensors, single)?,
-        kinds.map(|kinds| field(py, kinds, single)).transpose()?.into_bound_py_any(py)?,
+        field(py, kinds, single)?,
     ];
     let class = if single { "WorldParticle" } else { "WorldParticles" };
     let class = CLASSES[usize::from(single)].import(py, "jostle.results", class)?;

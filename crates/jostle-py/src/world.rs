@@ -21,7 +21,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Given, number, point, reals};
 use crate::containers;
 use crate::error::refused;
-use crate::forces;
+use crate::forces::Forces;
 use crate::ids::one_id;
 use crate::interrupt::detached_to_the_end;
 use crate::lock::{Guard, Shared};
@@ -294,7 +294,7 @@ impl PyWorld {
             Some(Each::One(one)) => rules.restitution = one,
             rows => draft.columns.restitutions = rows,
         }
-        let forces = forces.value().map_or(Ok(Vec::new()), forces::read)?;
+        let forces = forces.value().map_or(Ok(Forces::default()), Forces::read)?;
         let mut walls = walls::read(walls)?;
         walls::set_velocities(&mut walls, wall_velocities)?;
         walls::set_restitution(&mut walls, &wall_restitution)?;
@@ -304,7 +304,7 @@ impl PyWorld {
             let mut world = World::new(draft.particles(len, &defaults)?, rules)?;
             world.set_defaults(defaults)?;
             world.set_walls(walls)?;
-            world.set_forces(forces)?;
+            forces.assign(&mut world)?;
             Ok(world)
         });
         Ok(Self::of(world.map_err(refused)?))

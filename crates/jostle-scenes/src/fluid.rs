@@ -66,8 +66,7 @@ pub fn fluid(n: usize, random: &mut Random) -> Start {
     };
     let table = PairTable::lennard_jones(1, &[EPSILON], &[SIGMA], CUTOFF * SIGMA);
     let table = Arc::new(table.expect("the numbers are valid"));
-    let kinds = vec![0; n];
-    Start::new(particles, settings).with(Force::Pair(PairForce { kinds, table }))
+    Start::new(particles, settings).with(Force::Pair(PairForce { table }))
 }
 
 /// The sites of a hexagonal lattice that are nearest to its centre.

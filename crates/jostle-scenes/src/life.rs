@@ -58,12 +58,12 @@ pub fn life_view(n: usize) -> Area {
 }
 
 pub fn life(n: usize, random: &mut Random) -> Start {
-    let (particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
+    let (mut particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
+    particles.kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
     let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
     let table = Arc::new(table.expect("the matrix is valid"));
-    let kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
     let settings = WorldSettings { drag: LIFE_DRAG, ..settings };
-    Start::new(particles, settings).with(Force::Pair(PairForce { kinds, table }))
+    Start::new(particles, settings).with(Force::Pair(PairForce { table }))
 }
 
 /// The flock; speeds are in px/s.

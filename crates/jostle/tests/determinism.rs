@@ -329,9 +329,6 @@ fn renamed(forces: &[Force], order: &[u32]) -> Vec<Force> {
             Force::Motor(motor) => {
                 motor.ids.iter_mut().for_each(|row| *row = rows[*row as usize]);
             }
-            Force::Pair(pair) => {
-                pair.kinds = order.iter().map(|&row| pair.kinds[row as usize]).collect();
-            }
             _ => {}
         }
     }

@@ -80,6 +80,7 @@ fn accelerations(
         velocities,
         masses,
         radii,
+        kinds: &[],
         rows,
         indices: places,
         container,

@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use jostle_base::Method;
+use jostle_index::Each;
 use jostle_scenes::random::Random;
 use jostle_simd::{self as simd, Instructions};
 use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
-use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{Changes, Container, Force, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 
 use crate::common::worlds::{still, world_of};
@@ -50,6 +51,7 @@ impl State {
             velocities: &self.velocities,
             masses: &self.masses,
             radii: &vec![0.1; len],
+            kinds: &self.kinds,
             rows: &rows,
             indices: &[],
             container,
@@ -59,18 +61,13 @@ impl State {
             extent: None,
         };
         let mut found = Vec::new();
-        let force = self.with_kinds(force);
-        forces::accelerate(&[force], &bodies, &mut forces::Scratch::default(), &mut found);
+        forces::accelerate(
+            std::slice::from_ref(force),
+            &bodies,
+            &mut forces::Scratch::default(),
+            &mut found,
+        );
         found
-    }
-
-    fn with_kinds(&self, force: &Force) -> Force {
-        match force {
-            Force::Pair(pair) => {
-                Force::Pair(PairForce { kinds: self.kinds.clone(), ..pair.clone() })
-            }
-            other => other.clone(),
-        }
     }
 
     fn gathered(&self, order: &[usize]) -> Self {
@@ -87,11 +84,11 @@ impl State {
 fn any_table(cutoff: f32, damping: f32) -> Force {
     let mut random = Random::new(5);
     let values = (0..9 * 17).map(|_| random.between(-20.0, 20.0)).collect();
-    pair(PairTable::new(3, values, cutoff, damping).unwrap(), vec![])
+    pair(PairTable::new(3, values, cutoff, damping).unwrap())
 }
 
-fn pair(table: PairTable, kinds: Vec<u8>) -> Force {
-    Force::Pair(PairForce { kinds, table: Arc::new(table) })
+fn pair(table: PairTable) -> Force {
+    Force::Pair(PairForce { table: Arc::new(table) })
 }
 
 fn flocking(cutoff: f32) -> Force {
@@ -121,7 +118,7 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
                 .map(|k| f64::from(state.velocities[j][k]) - f64::from(state.velocities[i][k]));
             let distance = (x * x + y * y).sqrt();
             let by = match force {
-                Force::Pair(PairForce { table, .. }) => {
+                Force::Pair(PairForce { table }) => {
                     let cutoff = f64::from(table.cutoff());
                     if distance >= cutoff || distance == 0.0 {
                         continue;
@@ -248,8 +245,8 @@ proptest! {
 
 // ---- worlds --------------------------------------------------------------------------------------
 
-fn lennard_jones(count: usize) -> Force {
-    pair(PairTable::lennard_jones(1, &[1.0], &[1.0], 2.5).unwrap(), vec![0; count])
+fn lennard_jones() -> Force {
+    pair(PairTable::lennard_jones(1, &[1.0], &[1.0], 2.5).unwrap())
 }
 
 /// A world of particles of mass 1 that pass through each other.
@@ -269,7 +266,7 @@ fn fluid(side: usize) -> World {
     let velocities = (0..count).map(|_| random.in_disc().map(|v| 2.0 * v)).collect();
     let size = [1.2 * side as f32; 2];
     let mut world = world((0..count).map(site).collect(), velocities, Container::Torus { size });
-    world.set_forces(vec![lennard_jones(count)]).unwrap();
+    world.set_forces(vec![lennard_jones()]).unwrap();
     world
 }
 
@@ -298,7 +295,7 @@ fn two_particles_oscillate_with_the_period_of_theory() {
     let minimum = 2f32.powf(1.0 / 6.0);
     let mut world =
         world(vec![[0.0; 2], [minimum + 0.002, 0.0]], vec![[0.0; 2]; 2], Container::None);
-    world.set_forces(vec![lennard_jones(2)]).unwrap();
+    world.set_forces(vec![lennard_jones()]).unwrap();
     let period = std::f64::consts::TAU / (57.1464f64 * 2.0).sqrt();
     world.step(period / 1000.0, 500).unwrap();
     let [a, b] = world.positions()[..] else { unreachable!() };
@@ -309,7 +306,7 @@ fn two_particles_oscillate_with_the_period_of_theory() {
 fn the_potential_is_that_of_lennard_jones() {
     for distance in [0.9f32, 1.0, 1.1225, 1.5, 2.0, 2.499] {
         let mut world = world(vec![[0.0; 2], [distance, 0.0]], vec![[0.0; 2]; 2], Container::None);
-        world.set_forces(vec![lennard_jones(2)]).unwrap();
+        world.set_forces(vec![lennard_jones()]).unwrap();
         let potential = |r: f64| 4.0 * (r.powi(-12) - r.powi(-6));
         let expected = potential(distance.into()) - potential(2.5);
         let error = (world.potential_energy() - expected).abs();
@@ -324,18 +321,12 @@ fn forces_that_are_not_mutual_have_no_potential() {
     let chasing = table(vec![0.0, 0.0, -1.0, -1.0, 1.0, 1.0, 0.0, 0.0]);
     assert!(mutual.is_reciprocal() && !chasing.is_reciprocal());
     let mut world = world(vec![[0.0; 2], [3.0, 0.0]], vec![[0.0; 2]; 2], Container::None);
-    world.set_forces(vec![pair(mutual, vec![0, 1])]).unwrap();
+    world.set_forces_and_kinds(vec![pair(mutual)], vec![0, 1]).unwrap();
     assert!((world.potential_energy() - 2.0).abs() < 1e-9);
-    world.set_forces(vec![pair(chasing, vec![0, 1])]).unwrap();
+    world.set_forces(vec![pair(chasing)]).unwrap();
     assert_eq!(world.potential_energy(), 0.0);
     world.step(0.1, 10).unwrap();
     assert!(world.velocities().iter().all(|v| (v[0] - 1.0).abs() < 1e-5 && v[1] == 0.0));
-}
-
-fn kinds_of(world: &World) -> Vec<u8> {
-    let forces = world.forces();
-    let [Force::Pair(pair)] = &forces[..] else { panic!("one force") };
-    pair.kinds.clone()
 }
 
 fn colourful(count: usize, on_touch: OnTouch) -> World {
@@ -343,7 +334,8 @@ fn colourful(count: usize, on_touch: OnTouch) -> World {
     let mut world = world(places, vec![[0.0; 2]; count], Container::None);
     world.configure(WorldSettings { on_touch, ..*world.settings() }).unwrap();
     let table = PairTable::new(5, vec![0.0; 50], 1.0, 0.0).unwrap();
-    world.set_forces(vec![pair(table, (0..count).map(|k| k as u8 % 5).collect())]).unwrap();
+    let kinds = (0..count).map(|k| k as u8 % 5).collect();
+    world.set_forces_and_kinds(vec![pair(table)], kinds).unwrap();
     world
 }
 
@@ -351,15 +343,16 @@ fn colourful(count: usize, on_touch: OnTouch) -> World {
 fn kinds_stay_with_their_particles() {
     let mut world = colourful(5, OnTouch::Ignore);
     world.remove(&[1, 3]).unwrap();
-    assert_eq!(kinds_of(&world), [0, 2, 4]);
+    assert_eq!(world.kinds(), [0, 2, 4]);
     let added = world.add(still(&[[50.0, 0.0]; 2], 1.0));
-    assert_eq!(kinds_of(&world), [0, 2, 4, 0, 0]);
+    assert_eq!(world.kinds(), [0, 2, 4, 0, 0]);
     let ids: Vec<_> = added.unwrap().collect();
-    world.set_kinds(&ids, &[3, 1]).unwrap();
-    assert_eq!(kinds_of(&world), [0, 2, 4, 3, 1]);
-    let refused = world.set_kinds(&ids, &[1, 5]).unwrap_err().to_string();
+    let kinds = |kinds| Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() };
+    world.set(&ids, &kinds(vec![3, 1])).unwrap();
+    assert_eq!(world.kinds(), [0, 2, 4, 3, 1]);
+    let refused = world.set(&ids, &kinds(vec![1, 5])).unwrap_err().to_string();
     assert_eq!(refused, "kinds[1] is 5; the table has 5 kinds, from 0 to 4");
-    assert_eq!(kinds_of(&world), [0, 2, 4, 3, 1]);
+    assert_eq!(world.kinds(), [0, 2, 4, 3, 1]);
     let again = World::restore(&world.snapshot()).unwrap();
     assert_eq!(again.forces(), world.forces());
 }
@@ -375,7 +368,7 @@ fn a_merged_particle_has_the_kind_of_the_heaviest() {
         };
         world.edit(change).unwrap();
         world.step(0.01, 1).unwrap();
-        assert_eq!(kinds_of(&world), [0, 1 + heavier as u8, 3]);
+        assert_eq!(world.kinds(), [0, 1 + heavier as u8, 3]);
     }
 }
 
@@ -400,9 +393,8 @@ fn coincident_particles_that_differ_in_kind_have_one_order() {
         let kinds = [0u8, 2, 1];
         let mut world =
             world(order.map(|k| places[k]).to_vec(), vec![[0.0; 2]; 3], Container::None);
-        let Force::Pair(force) = any_table(4.0, 0.0) else { unreachable!() };
         let kinds = order.map(|k| kinds[k]).to_vec();
-        world.set_forces(vec![Force::Pair(PairForce { kinds, ..force })]).unwrap();
+        world.set_forces_and_kinds(vec![any_table(4.0, 0.0)], kinds).unwrap();
         world.step(0.01, 50).unwrap();
         let found = bits(&world.positions());
         order.map(|k| (k, found[order.iter().position(|&o| o == k).unwrap()]))
@@ -432,12 +424,15 @@ fn forces_that_do_not_fit_are_refused() {
     let mut world = colourful(3, OnTouch::Ignore);
     let refused = |world: &mut World, force| world.set_forces(vec![force]).unwrap_err().to_string();
     let table = || PairTable::new(1, vec![1.0, 0.0], 4.0, 0.0).unwrap();
-    let short = refused(&mut world, pair(table(), vec![0; 2]));
-    assert_eq!(
-        short,
-        "forces[0] is a PairForce of 2 kinds; a PairForce needs one for each of 3 particles"
-    );
-    world.set_forces(vec![pair(table(), vec![0; 3])]).unwrap();
+    let before = world.forces();
+    let unknown = refused(&mut world, pair(table()));
+    assert_eq!(unknown, "kinds[1] is 1; the table has 1 kind, from 0 to 0");
+    let short = world.set_forces_and_kinds(vec![pair(table())], vec![0; 2]).unwrap_err();
+    assert_eq!(short.to_string(), "kinds has 2 rows, but there are 3");
+    let unknown = world.set_forces_and_kinds(vec![pair(table())], vec![0, 0, 1]).unwrap_err();
+    assert_eq!(unknown.to_string(), "kinds[2] is 1; the table has 1 kind, from 0 to 0");
+    assert_eq!((world.forces(), world.kinds()), (before, vec![0, 1, 2]));
+    world.set_forces_and_kinds(vec![pair(table())], vec![0; 3]).unwrap();
     let torus = Container::Torus { size: [100.0, 7.0] };
     let small = world.configure(WorldSettings { container: torus, ..*world.settings() });
     assert_eq!(

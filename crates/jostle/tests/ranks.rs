@@ -88,7 +88,7 @@ fn check_prepared(
     });
     let mut found = 0;
     for (bytes, _) in &parts {
-        let (own, ids, _) = read_records(bytes);
+        let (own, ids) = read_records(bytes);
         for (row, id) in ids.iter().enumerate() {
             let at = rows.binary_search(id).unwrap();
             let state = |all: &Particles, row: usize| {
@@ -298,7 +298,7 @@ fn check_refused(all: &Particles, container: Container, dt: f64, size: usize) {
     assert!(results.iter().any(|(named, _)| named.is_some()));
     whole.step(1e-8, 3).unwrap();
     for (_, bytes) in results {
-        let (own, ids, _) = read_records(&bytes);
+        let (own, ids) = read_records(&bytes);
         for (row, id) in ids.into_iter().enumerate() {
             assert_eq!(own.positions[row], whole.positions()[id as usize]);
         }
@@ -378,7 +378,7 @@ fn one_rank_has_the_bits_of_one_process_on_two_threads() {
     for world in [&mut alone, &mut one] {
         world.step(STEP, 20).unwrap();
     }
-    let (found, ids, _) = read_records(&one.own_records());
+    let (found, ids) = read_records(&one.own_records());
     let expected = alone.particles();
     assert_eq!(ids.len(), 6000);
     for (index, &id) in ids.iter().enumerate() {

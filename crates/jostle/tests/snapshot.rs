@@ -63,6 +63,7 @@ fn busy(container: Container, on_touch: OnTouch) -> World {
         [spin.friction, spin.velocity] = pair(0.0, 1.0);
     }
     all.sensors_mut()[7] = true;
+    all.kinds = (0..count).map(|row| (row % 3) as u8).collect();
     let settings = WorldSettings {
         gravity: [0.5, 9.0],
         drag: 0.01,

@@ -309,7 +309,7 @@ fn an_undone_step_heats_nothing() {
 
 #[test]
 fn wrong_ones_are_refused() {
-    let refusal = |all: &[Force]| forces::validate(all, 1, |id| id == 0).unwrap_err().to_string();
+    let refusal = |all: &[Force]| forces::validate(all, |id| id == 0).unwrap_err().to_string();
     let hot = |temperature| {
         Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, walls: vec![], seed: 0 })
     };

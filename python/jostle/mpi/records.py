@@ -7,7 +7,7 @@ import numpy as np
 from jostle._core import record_fields
 
 #: A particle: its fields are named as the columns of worlds.
-RECORD = np.dtype([("id", "<i8"), *record_fields(), ("kinds", "(2,)u1")])
+RECORD = np.dtype([("id", "<i8"), *record_fields()])
 
 #: Impulses of the sides of the container on a particle, and of their friction; how it has moved.
 KEPT = np.dtype([("id", "<i8"), ("impulses", "<f4", (2, 4)), ("drift", "<f4", (2, 3))])

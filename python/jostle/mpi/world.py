@@ -85,7 +85,7 @@ class World:
     -----
     Not supported are forces other than `PairForce`, `Flocking`, `Thermostat`, `ThermalWalls` and
     `AndersenThermostat`. They are refused. A `PairForce` has the kinds of this
-    rank's particles; there may be two.
+    rank's particles.
 
     Each rank has the particles of a range of the Morton curve, and copies of those near them. If
     some ranks need more time than others, or have many copies, the ranges are chosen again, and

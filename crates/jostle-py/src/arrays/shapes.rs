@@ -2,12 +2,12 @@
 
 use jostle_base::Id;
 use jostle_index::{Each, Scalar};
+use jostle_world::particles::MAX_KINDS;
 use numpy::{Element, PyArrayDescrMethods, PyUntypedArrayMethods, dtype};
 use pyo3::prelude::*;
 
 use super::scalars::too_long_id;
 use super::{Argument, BIT_SET_RULE, Maybe};
-use crate::error::value_error;
 
 /// The rule for ids of particles.
 const ID_RULE: &str = "the id of a particle, between 0 and 9223372036854775807";
@@ -140,16 +140,18 @@ impl Argument<'_> {
         self.each(len, "an integer", |argument| argument.unsigned(low_bits, BIT_SET_RULE))
     }
 
-    /// Integers from 0 to `count` - 1, one or many; `rule` describes them.
-    pub fn small_integers(&self, count: usize, rule: &str) -> PyResult<Vec<u8>> {
+    /// Kinds of particles: a number for all or one for each of `len` rows.
+    pub fn kind_each(&self, len: usize) -> PyResult<Each<u8>> {
+        self.each(len, "an integer", Self::kinds)
+    }
+
+    /// Kinds of particles, one or many.
+    pub fn kinds(&self) -> PyResult<Vec<u8>> {
         if self.array.ndim() > 1 {
             return Err(self.wrong_shape("(n,)"));
         }
-        let all = self.integer_each(|number| u8::try_from(number).ok(), rule)?;
-        match all.iter().position(|&number| usize::from(number) >= count) {
-            None => Ok(all),
-            Some(index) => Err(value_error(&self.entry(index), all[index], rule)),
-        }
+        let kind = |number| u8::try_from(number).ok().filter(|&kind| usize::from(kind) < MAX_KINDS);
+        self.integer_each(kind, &format!("a kind, between 0 and {}", MAX_KINDS - 1))
     }
 
     /// The length of a side, if it is a square matrix.

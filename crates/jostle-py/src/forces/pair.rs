@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use jostle_base::Error;
 use jostle_base::error::counted;
-use jostle_world::forces::pair::{MAX_KINDS, check_kinds};
 use jostle_world::forces::{PairForce, PairTable};
+use jostle_world::particles::check_kinds_of_table;
 use numpy::ndarray::Array3;
 use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use pyo3::types::PyTuple;
 
 use super::real_or;
 use crate::arrays::{Argument, Given, column, decimal, number, read_only};
-use crate::error::{refused, value_error};
+use crate::error::refused;
 
 /// Forces between kinds of particles within a cutoff.
 ///
@@ -42,8 +42,8 @@ use crate::error::{refused, value_error};
 ///     If an argument has the wrong type.
 /// ValueError
 ///     If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
-///     assigned to `World.forces`, also if there is not one kind for each particle, or the cutoff is
-///     too large for the torus.
+///     assigned to `World.forces`, also if there is not one kind for each particle, another `PairForce`
+///     has other kinds, or the cutoff is too large for the torus.
 ///
 /// See Also
 /// --------
@@ -52,8 +52,9 @@ use crate::error::{refused, value_error};
 ///
 /// Notes
 /// -----
-/// Particles keep their kind when others are added or removed. Those that `World.add` adds have kind
-/// 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
+/// Kinds belong to the particles: all `PairForce` of a world have the same. Assigning forces replaces
+/// them. Particles keep their kind when others are added or removed. Those that `World.add` adds have
+/// kind 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
 /// act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
 /// its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
 /// length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`
@@ -73,7 +74,10 @@ use crate::error::{refused, value_error};
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "PairForce", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyPairForce(pub PairForce);
+pub struct PyPairForce {
+    pub kinds: Vec<u8>,
+    pub force: PairForce,
+}
 
 #[pymethods]
 impl PyPairForce {
@@ -283,13 +287,13 @@ impl PyPairForce {
     /// The kind of each particle: read-only ndarray of uint8, shape (n,).
     #[getter]
     fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        read_only(column(py, self.0.kinds.clone()))
+        read_only(column(py, self.kinds.clone()))
     }
 
     /// The forces: read-only ndarray of float32, shape (K, K, m).
     #[getter]
     fn table<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
-        let table = &self.0.table;
+        let table = &self.force.table;
         let shape = (table.kinds(), table.kinds(), table.points());
         let values = Array3::from_shape_vec(shape, table.values().to_vec());
         read_only(values.expect("a table has this shape").into_pyarray(py))
@@ -298,20 +302,20 @@ impl PyPairForce {
     /// Distance from which there is no force, in units of length.
     #[getter]
     fn cutoff(&self) -> f64 {
-        decimal(self.0.table.cutoff())
+        decimal(self.force.table.cutoff())
     }
 
     /// Force that resists a relative speed of 1 at distance 0.
     #[getter]
     fn damping(&self) -> f64 {
-        decimal(self.0.table.damping())
+        decimal(self.force.table.damping())
     }
 
     /// Whether all kinds act on each other with equal and opposite forces, so that momentum is
     /// conserved: bool.
     #[getter]
     fn reciprocal(&self) -> bool {
-        self.0.table.is_reciprocal()
+        self.force.table.is_reciprocal()
     }
 
     fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
@@ -319,9 +323,8 @@ impl PyPairForce {
     }
 
     fn __repr__(&self) -> String {
-        let PairForce { kinds, table } = &self.0;
-        let (kinds_of_table, cutoff) = (counted(table.kinds(), "kind"), self.cutoff());
-        let particles = counted(kinds.len(), "particle");
+        let kinds_of_table = counted(self.force.table.kinds(), "kind");
+        let (particles, cutoff) = (counted(self.kinds.len(), "particle"), self.cutoff());
         format!("<jostle.PairForce of {particles} of {kinds_of_table}, cutoff {cutoff:?}>")
     }
 }
@@ -329,8 +332,8 @@ impl PyPairForce {
 impl PyPairForce {
     fn of(kinds: Vec<u8>, table: jostle_base::Result<PairTable>) -> PyResult<Self> {
         let table = table.map_err(refused)?;
-        check_kinds(&kinds, table.kinds()).map_err(refused)?;
-        Ok(Self(PairForce { kinds, table: Arc::new(table) }))
+        check_kinds_of_table(&kinds, table.kinds()).map_err(refused)?;
+        Ok(Self { kinds, force: PairForce { table: Arc::new(table) } })
     }
 }
 
@@ -361,25 +364,5 @@ impl Squares {
             Error::Entry { argument, .. } if self.numbers.contains(argument) => error.without_row(),
             _ => error,
         }
-    }
-}
-
-impl Argument<'_> {
-    /// Kinds of particles.
-    pub fn kinds(&self) -> PyResult<Vec<u8>> {
-        let rule = format!("a kind, between 0 and {}", MAX_KINDS - 1);
-        self.small_integers(MAX_KINDS, &rule)
-    }
-}
-
-/// The kinds of `len` particles.
-pub fn kinds_of_each(value: Option<&Bound<'_, PyAny>>, len: usize) -> PyResult<Option<Vec<u8>>> {
-    let Some(value) = value else { return Ok(None) };
-    let argument = Argument::integers("kinds", value)?;
-    let kinds = argument.kinds()?;
-    match kinds.len() {
-        1 if argument.is_scalar() => Ok(Some(vec![kinds[0]; len])),
-        found if found == len && !argument.is_scalar() => Ok(Some(kinds)),
-        found => Err(value_error("kinds", counted(found, "kind"), &format!("one or {len}"))),
     }
 }

@@ -1,17 +1,13 @@
 //! Adding, removing, reading and changing particles.
 
-use std::ops::Range;
-
-use jostle_base::Id;
 use jostle_index::Each;
 use jostle_world::Changes;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
-use super::{PyWorld, State};
+use super::PyWorld;
 use crate::arrays::{column, reals};
-use crate::forces::kinds_of_each;
 use crate::ids::Ids;
 use crate::particles::{Arguments, Draft, only_vector, vectors};
 use crate::queries::result_of;
@@ -50,7 +46,7 @@ impl PyWorld {
     /// sensors : array_like of bool, one or shape (k,), default False
     ///     Whether the particle is a sensor.
     /// kinds : array_like of int, a number or shape (k,), default 0
-    ///     Their kind in each `PairForce` of the world.
+    ///     Their kinds in each `PairForce`, from 0 to 63.
     ///
     /// Returns
     /// -------
@@ -115,15 +111,19 @@ impl PyWorld {
             categories,
             masks,
             sensors,
+            kinds,
             ..Arguments::default()
         };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
-        let kinds = kinds_of_each(kinds, len)?;
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
             return Err(PyTypeError::new_err(rule));
         }
-        let ids = result_of(self.long(py, |state| state.add(draft, len, kinds))?, many.is_none())?;
+        let added = self.long(py, |state| {
+            let particles = draft.particles(len, &state.world.defaults())?;
+            state.world.add(particles)
+        })?;
+        let ids = result_of(added, many.is_none())?;
         if many.is_none() {
             ids.start.into_bound_py_any(py)
         } else {
@@ -187,7 +187,7 @@ impl PyWorld {
     /// sensors : array_like of bool, one or shape (k,), optional
     ///     Whether the particle is a sensor.
     /// kinds : array_like of int, a number or shape (k,), optional
-    ///     Their kind in each `PairForce` of the world.
+    ///     Their kinds in each `PairForce`, from 0 to 63.
     ///
     /// Raises
     /// ------
@@ -250,11 +250,11 @@ impl PyWorld {
             categories,
             masks,
             sensors,
+            kinds,
             ..Arguments::default()
         };
         let changes = arguments.read(len, columns)?;
-        let kinds = kinds_of_each(kinds, len)?;
-        ids.result_of(self.long(py, |state| state.set(&ids.all, &changes, kinds.as_deref()))?)
+        ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
     }
 
     /// Read all columns of one particle or some, without those of the others.
@@ -270,8 +270,7 @@ impl PyWorld {
     ///     Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
     ///     `add` and `set`, with a row for each id; single values for one id, those of float32 as the
     ///     float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
-    ///     0.10000000149011612. `kinds` are those of the
-    ///     first `PairForce`, None if there is none. The cost depends on the
+    ///     0.10000000149011612. The cost depends on the
     ///     number of ids alone, except that the first call after a step reads all row numbers.
     ///
     /// Raises
@@ -302,42 +301,8 @@ impl PyWorld {
     /// 2
     fn read<'py>(&self, py: Python<'py>, ids: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let ids = Ids::read(ids, "particle")?;
-        let read = self
-            .long(py, |state| Ok((state.world.read(&ids.all)?, state.world.kinds_of(&ids.all)?)))?;
-        let (copy, kinds) = ids.result_of(read)?;
-        results::world_particles(py, copy, kinds, ids.single)
-    }
-}
-
-impl State {
-    fn add(
-        &mut self,
-        draft: Draft,
-        len: usize,
-        kinds: Option<Vec<u8>>,
-    ) -> jostle_base::Result<Range<Id>> {
-        let particles = draft.particles(len, &self.world.defaults())?;
-        if let Some(kinds) = &kinds {
-            self.world.check_kinds(kinds)?;
-        }
-        let ids = self.world.add(particles)?;
-        if let Some(kinds) = kinds {
-            self.world.set_kinds(&ids.clone().collect::<Vec<Id>>(), &kinds)?;
-        }
-        Ok(ids)
-    }
-
-    fn set(
-        &mut self,
-        ids: &[Id],
-        changes: &Changes,
-        kinds: Option<&[u8]>,
-    ) -> jostle_base::Result<()> {
-        if let Some(kinds) = kinds {
-            self.world.check_kinds(kinds)?;
-        }
-        self.world.set(ids, changes)?;
-        kinds.map_or(Ok(()), |kinds| self.world.set_kinds(ids, kinds))
+        let copy = ids.result_of(self.long(py, |state| state.world.read(&ids.all))?)?;
+        results::world_particles(py, copy, ids.single)
     }
 }
 

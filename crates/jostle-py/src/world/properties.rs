@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 use super::PyWorld;
 use crate::arrays::{Given, decimal, number, point};
 use crate::error::refused;
-use crate::forces;
+use crate::forces::{self, Forces};
 use crate::settings;
 
 #[pymethods]
@@ -55,13 +55,14 @@ impl PyWorld {
     /// two of them is removed.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        forces::show(py, self.long(py, |state| state.world.forces())?)
+        let (forces, kinds) = self.long(py, |state| (state.world.forces(), state.world.kinds()))?;
+        forces::show(py, forces, &kinds)
     }
 
     #[setter]
     fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let forces = forces::read(value)?;
-        self.long(py, |state| state.world.set_forces(forces))?.map_err(refused)
+        let forces = Forces::read(value)?;
+        self.long(py, |state| forces.assign(&mut state.world))?.map_err(refused)
     }
 
     /// What happens to particles that touch: "bounce", "merge" or "ignore".

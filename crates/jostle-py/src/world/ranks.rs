@@ -226,7 +226,7 @@ pub fn hash_records(hash: u64, records: &[u8], part: usize) -> u64 {
     StateHash(hash).and(&read_records(records).0, part).0
 }
 
-/// The fields of a record between the id and the kinds, as NumPy writes them. For `jostle.mpi`.
+/// The fields of a record after the id, as NumPy writes them. For `jostle.mpi`.
 #[pyfunction]
 pub fn record_fields() -> Vec<(&'static str, String)> {
     let format = |(name, number, count)| {
@@ -234,6 +234,7 @@ pub fn record_fields() -> Vec<(&'static str, String)> {
             "f64" => "<f8",
             "f32" => "<f4",
             "u32" => "<u4",
+            "u8" => "u1",
             _ => "?",
         };
         (name, if count == 1 { number.to_string() } else { format!("({count},){number}") })

@@ -33,12 +33,13 @@ use std::collections::HashSet;
 use std::fmt::Display;
 
 use crate::container::Container;
-use crate::particles::{FARTHEST, check_vectors};
+use crate::particles::{FARTHEST, check_kinds_of_table, check_vectors};
 use crate::walls::FIRST;
-use jostle_base::error::{Error, Result, counted};
+use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::parallel;
 use jostle_base::settings::Method;
+use jostle_base::table::sparse_value;
 
 /// A force. It refers to particles by id; within a world, by row.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,7 +75,7 @@ impl Force {
             Self::ThermalWalls(walls) => walls.validate(),
             Self::Andersen(bath) => bath.validate(),
             Self::Motor(motor) => motor.validate(),
-            Self::Pair(pair) => pair.validate(),
+            Self::Pair(_) => Ok(()),
             Self::Flocking(flocking) => flocking.validate(),
         }
     }
@@ -109,21 +110,14 @@ impl Force {
     }
 }
 
-/// Refuses invalid forces in a world of `len` particles; `exists` returns whether it has one.
-pub fn validate(forces: &[Force], len: usize, exists: impl Fn(Id) -> bool) -> Result<()> {
+/// Refuses invalid forces; `exists` returns whether the world has a particle.
+pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
     let (mut thermostats, mut baths, mut hot) = (0, 0, HashSet::new());
     for (index, force) in forces.iter().enumerate() {
         force.validate()?;
         if let Some(id) = force.named().into_iter().find(|&id| !exists(id)) {
             let value = format!("a force on particle {id}");
             return Err(Error::at("forces", index, value, "no particle has this id"));
-        }
-        if let Force::Pair(PairForce { kinds, .. }) = force
-            && kinds.len() != len
-        {
-            let (found, particles) = (counted(kinds.len(), "kind"), counted(len, "particle"));
-            let rule = format!("a PairForce needs one for each of {particles}");
-            return Err(Error::at("forces", index, format!("a PairForce of {found}"), &rule));
         }
         thermostats += usize::from(matches!(force, Force::Thermostat(_)));
         if thermostats > 1 {
@@ -201,18 +195,6 @@ pub fn check_sides(forces: &[Force], container: Container) -> Result<()> {
     Ok(())
 }
 
-/// The kinds of a particle of a distributed world, in the first forces between kinds.
-pub type Kinds = [u8; 2];
-
-/// Changes the kinds of rows, for forces between kinds.
-pub fn change_kinds(forces: &mut [Force], change: impl Fn(&mut Vec<u8>)) {
-    for force in forces {
-        if let Force::Pair(pair) = force {
-            change(&mut pair.kinds);
-        }
-    }
-}
-
 /// The largest cutoff of forces between neighbours; 0 without any.
 pub fn largest_cutoff(forces: &[Force]) -> f32 {
     let cutoff = |force: &Force| match force {
@@ -223,48 +205,9 @@ pub fn largest_cutoff(forces: &[Force]) -> f32 {
     forces.iter().map(cutoff).fold(0.0, f32::max)
 }
 
-/// Replaces the kinds of all rows, for forces between kinds.
-pub fn set_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
-    change_kinds(forces, Vec::clear);
-    add_kinds(forces, of_rows);
-}
-
-/// Adds the kinds of new rows, for forces between kinds.
-pub fn add_kinds(forces: &mut [Force], of_rows: &[Kinds]) {
-    let pairs = forces.iter_mut().filter_map(|force| match force {
-        Force::Pair(pair) => Some(pair),
-        _ => None,
-    });
-    for (number, pair) in pairs.enumerate() {
-        pair.kinds.extend(of_rows.iter().map(|kinds| kinds[number]));
-    }
-}
-
-/// Replaces the kinds of a row in the forces between kinds.
-pub fn put_kinds(forces: &mut [Force], row: usize, kinds: Kinds) {
-    let pairs = forces.iter_mut().filter_map(|force| match force {
-        Force::Pair(pair) => Some(pair),
-        _ => None,
-    });
-    pairs.zip(kinds).for_each(|(pair, kind)| pair.kinds[row] = kind);
-}
-
-/// The kinds of a row in the forces between kinds.
-pub fn kinds_of(forces: &[Force], row: usize) -> Kinds {
-    let mut kinds = Kinds::default();
-    kinds.iter_mut().zip(pairs(forces)).for_each(|(kind, pair)| *kind = pair.kinds[row]);
-    kinds
-}
-
-/// The number of kinds that all forces between kinds have; None if there is no such force.
-pub fn kind_count(forces: &[Force]) -> Option<usize> {
-    pairs(forces).map(|pair| pair.table.kinds()).min()
-}
-
-/// Orders rows by their kinds.
-pub fn compare_kinds(forces: &[Force], a: u32, b: u32) -> Ordering {
-    let orders = pairs(forces).map(|pair| pair.compare(a, b));
-    orders.fold(Ordering::Equal, Ordering::then)
+/// Refuses kinds of particles that the table of a force does not have.
+pub fn check_kinds(forces: &[Force], kinds: &[u8]) -> Result<()> {
+    pairs(forces).try_for_each(|pair| check_kinds_of_table(kinds, pair.table.kinds()))
 }
 
 /// The forces between kinds among them.
@@ -344,6 +287,8 @@ pub struct Bodies<'a> {
     pub masses: &'a [f32],
     /// Radii.
     pub radii: &'a [f32],
+    /// Kinds; empty if all are 0.
+    pub kinds: &'a [u8],
     /// The row of each.
     pub rows: &'a [u32],
     /// `indices[row]` is the index of the particle in `row`, or [`ASLEEP`]; may be empty if no
@@ -362,15 +307,20 @@ pub struct Bodies<'a> {
 }
 
 impl Bodies<'_> {
+    /// The kind of a body.
+    pub fn kind(&self, body: usize) -> u8 {
+        sparse_value(self.kinds, body)
+    }
+
     /// Orders bodies at the same position by everything that forces between neighbours depend on.
-    fn compare(&self, forces: &[Force], a: usize, b: usize) -> Ordering {
+    fn compare(&self, a: usize, b: usize) -> Ordering {
         let numbers = |body: usize| {
             let [u, v] = self.velocities[body];
             [u, v, self.masses[body]]
         };
         let pairs = numbers(a).into_iter().zip(numbers(b));
         let by_numbers = pairs.map(|(a, b)| a.total_cmp(&b)).fold(Ordering::Equal, Ordering::then);
-        by_numbers.then_with(|| compare_kinds(forces, self.rows[a], self.rows[b]))
+        by_numbers.then_with(|| self.kind(a).cmp(&self.kind(b)))
     }
 }
 
@@ -393,7 +343,7 @@ pub fn accelerate(
     accelerations.resize(bodies.positions.len(), [0.0; 2]);
     let Scratch { gravitation: gravitation_scratch, neighbors } = scratch;
     if forces.iter().any(acts_on_neighbors) {
-        neighbors.sort(bodies, |a, b| bodies.compare(forces, a, b));
+        neighbors.sort(bodies, |a, b| bodies.compare(a, b));
     }
     for force in forces {
         match force {
@@ -425,7 +375,7 @@ pub fn energy_of_pairs(forces: &[Force], bodies: &Bodies<'_>, own: usize) -> f64
     let mut scratch = neighbors::Scratch::default();
     let mut all = pairs(forces).filter(|pair| pair.table.is_reciprocal()).peekable();
     if all.peek().is_some() {
-        scratch.sort(bodies, |a, b| bodies.compare(forces, a, b));
+        scratch.sort(bodies, |a, b| bodies.compare(a, b));
     }
     all.map(|pair| pair::energy(pair, bodies, own, &mut scratch)).sum()
 }

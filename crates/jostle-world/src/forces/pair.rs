@@ -5,18 +5,14 @@
 //! opposite, the potential energy is the exact integral of the linear pieces, so that it fits the
 //! force to rounding.
 
-use std::cmp::Ordering;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
 use super::{Bodies, check_number};
-use crate::particles::FARTHEST;
+use crate::particles::{FARTHEST, MAX_KINDS};
 use jostle_base::error::{Error, Result, counted};
 use jostle_simd::{LANES, PairIndices, Simd, block};
-
-/// Maximum number of kinds.
-pub const MAX_KINDS: usize = 64;
 
 /// Maximum number of entries of a table. Their indices are exact in float32.
 pub const MAX_ENTRIES: usize = 1 << 22;
@@ -33,8 +29,6 @@ const RUN: usize = 16 * LANES;
 /// Forces between kinds of particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairForce {
-    /// The kind of each row.
-    pub kinds: Vec<u8>,
     /// The forces.
     pub table: Arc<PairTable>,
 }
@@ -66,7 +60,7 @@ impl PairTable {
     /// a relative speed of 1 along the line between two particles at distance 0; it decreases as
     /// (1 − d/cutoff)².
     pub fn new(kinds: usize, values: Vec<f32>, cutoff: f32, damping: f32) -> Result<Self> {
-        check_kinds_of_table("table", kinds)?;
+        check_kind_count("table", kinds)?;
         let points = values.len() / (kinds * kinds);
         if points < 2 || values.len() != kinds * kinds * points || values.len() > MAX_ENTRIES {
             let rule = format!(
@@ -147,27 +141,8 @@ impl PairTable {
     }
 }
 
-impl PairForce {
-    /// Refuses a kind that the table does not have.
-    pub fn validate(&self) -> Result<()> {
-        check_kinds(&self.kinds, self.table.kinds)
-    }
-}
-
-/// Refuses a kind that a table of `count` kinds does not have.
-pub fn check_kinds(kinds: &[u8], count: usize) -> Result<()> {
-    match kinds.iter().position(|&kind| usize::from(kind) >= count) {
-        None => Ok(()),
-        Some(index) => {
-            let (kinds_of_table, last) = (counted(count, "kind"), count - 1);
-            let rule = format!("the table has {kinds_of_table}, from 0 to {last}");
-            Err(Error::at("kinds", index, kinds[index], &rule))
-        }
-    }
-}
-
 /// Refuses a number of kinds that no table has; `argument` is the array that has it.
-pub(super) fn check_kinds_of_table(argument: &'static str, kinds: usize) -> Result<()> {
+pub(super) fn check_kind_count(argument: &'static str, kinds: usize) -> Result<()> {
     if (1..=MAX_KINDS).contains(&kinds) {
         return Ok(());
     }
@@ -222,7 +197,7 @@ pub fn add(
 ) {
     let table = &*force.table;
     let segments = table.points - 1;
-    scratch.fill(0, |row| (usize::from(force.kind(bodies, row)) * segments) as f32);
+    scratch.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32);
     let mut count = 1;
     if table.damping > 0.0 {
         scratch.fill(1, |row| bodies.velocities[row][0]);
@@ -247,7 +222,7 @@ pub fn energy(
     if table.potentials.is_empty() {
         return 0.0;
     }
-    scratch.fill(0, |row| f32::from(force.kind(bodies, row)));
+    scratch.fill(0, |row| f32::from(bodies.kind(row)));
     scratch.fill(1, |row| f32::from((bodies.rows[row] as usize) < own));
     let [kinds, weights, ..] = scratch.columns();
     // Every pair is summed twice.
@@ -255,18 +230,6 @@ pub fn energy(
         let [a, b] = indices.map(|index| kinds[index] as usize);
         f64::from(weights[indices[0]]) * table.potential(a, b, distance)
     })
-}
-
-impl PairForce {
-    /// The kind of a body.
-    fn kind(&self, bodies: &Bodies<'_>, body: usize) -> u8 {
-        self.kinds[bodies.rows[body] as usize]
-    }
-
-    /// Orders rows by their kinds.
-    pub(super) fn compare(&self, a: u32, b: u32) -> Ordering {
-        self.kinds[a as usize].cmp(&self.kinds[b as usize])
-    }
 }
 
 /// The first column has the index of the first segment of the kind of each body among those that

@@ -1,7 +1,7 @@
 //! Tables of well-known forces between kinds.
 
 use super::check_number;
-use super::pair::{PairTable, check_cutoff, check_kinds_of_table};
+use super::pair::{PairTable, check_cutoff, check_kind_count};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 
@@ -135,7 +135,7 @@ fn check_each(
     is_allowed: impl Fn(f32) -> bool,
     rule: &str,
 ) -> Result<()> {
-    check_kinds_of_table(argument, kinds)?;
+    check_kind_count(argument, kinds)?;
     if all.len() != kinds * kinds {
         return Err(Error::Length { argument, found: all.len(), expected: kinds * kinds });
     }

@@ -7,8 +7,8 @@
 use std::cmp::Ordering;
 
 use super::{
-    Particles, check_angles, check_angular_velocities, check_friction, check_masses, check_radii,
-    check_restitutions, check_vectors,
+    Particles, check_angles, check_angular_velocities, check_friction, check_kinds, check_masses,
+    check_radii, check_restitutions, check_vectors,
 };
 use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
@@ -36,7 +36,7 @@ macro_rules! numbers {
         }
     )*};
 }
-numbers! { bool by Ord::cmp, u32 by Ord::cmp, f32 by f32::total_cmp, f64 by f64::total_cmp, }
+numbers! { bool by Ord::cmp, u8 by Ord::cmp, u32 by Ord::cmp, f32 by f32::total_cmp, f64 by f64::total_cmp, }
 
 impl<F: Field> Field for [F; 2] {
     const NUMBER: &'static str = F::NUMBER;
@@ -188,4 +188,6 @@ fields! {
     masks: u32 = sparse filters.mask;
     /// Whether the particles are sensors.
     sensors: bool = sparse sensors;
+    /// Kinds.
+    kinds: u8 = sparse kinds, check_kinds;
 }

@@ -1,6 +1,6 @@
 //! Limits of the values of particles.
 
-use jostle_base::error::{Error, Result};
+use jostle_base::error::{Error, Result, counted};
 use jostle_index::shapes::{self, check_finite};
 
 /// Largest coordinate, component of a velocity, and displacement of a step.
@@ -8,6 +8,9 @@ pub const FARTHEST: f32 = 1e18;
 
 /// Range of masses, so that they and their inverses are far from the limits of float32.
 pub const MASS_RANGE: [f32; 2] = [1e-30, 1e30];
+
+/// Maximum number of kinds of particles.
+pub const MAX_KINDS: usize = 64;
 
 /// Refuses positions or velocities that are not finite or too large.
 pub fn check_vectors(argument: &'static str, vectors: &[[f32; 2]]) -> Result<()> {
@@ -78,6 +81,24 @@ pub fn check_angular_velocities(velocities: &[f32]) -> Result<()> {
 pub fn check_angles(angles: &[f64]) -> Result<()> {
     match angles.iter().position(|angle| !angle.is_finite()) {
         Some(index) => Err(Error::at("angles", index, angles[index], "an angle must be finite")),
+        None => Ok(()),
+    }
+}
+
+/// Refuses kinds that no force between kinds can have.
+pub fn check_kinds(kinds: &[u8]) -> Result<()> {
+    check_kinds_below(kinds, MAX_KINDS, &format!("a kind must lie between 0 and {}", MAX_KINDS - 1))
+}
+
+/// Refuses kinds that a table of `count` kinds does not have.
+pub fn check_kinds_of_table(kinds: &[u8], count: usize) -> Result<()> {
+    let rule = format!("the table has {}, from 0 to {}", counted(count, "kind"), count - 1);
+    check_kinds_below(kinds, count, &rule)
+}
+
+fn check_kinds_below(kinds: &[u8], count: usize, rule: &str) -> Result<()> {
+    match kinds.iter().position(|&kind| usize::from(kind) >= count) {
+        Some(index) => Err(Error::at("kinds", index, kinds[index], rule)),
         None => Ok(()),
     }
 }

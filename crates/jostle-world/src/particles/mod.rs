@@ -15,8 +15,9 @@ use jostle_base::table;
 use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
 use jostle_index::shapes::Filter;
 pub use limits::{
-    FARTHEST, MASS_RANGE, check_angles, check_angular_velocities, check_friction, check_masses,
-    check_radii, check_restitutions, check_vectors,
+    FARTHEST, MASS_RANGE, MAX_KINDS, check_angles, check_angular_velocities, check_friction,
+    check_kinds, check_kinds_of_table, check_masses, check_radii, check_restitutions,
+    check_vectors,
 };
 
 /// Friction and rotation of a disc. Its moment of inertia is m r²/2; one of radius 0 does not turn.
@@ -83,6 +84,9 @@ table! {
         /// Whether the particle is a sensor: it touches others, and neither pushes them nor is pushed.
         /// Empty if none is.
         pub sensors: sparse bool,
+        /// The kind of the particle, a number below [`MAX_KINDS`]: its row and column in the tables of forces
+        /// between kinds. Empty if all are 0.
+        pub kinds: sparse u8,
     }
 }
 
@@ -144,6 +148,11 @@ impl Particles {
     #[inline(always)]
     pub fn is_sensor(&self, row: usize) -> bool {
         self.sensors.get(row).is_some_and(|&is_sensor| is_sensor)
+    }
+
+    /// The kind of a disc.
+    pub fn kind(&self, row: usize) -> u8 {
+        sparse_value(&self.kinds, row)
     }
 
     /// Whether any disc has friction.

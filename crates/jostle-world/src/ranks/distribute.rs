@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use super::domain::Domain;
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
-use crate::forces::{self, Force, Kinds};
+use crate::forces::Force;
 use crate::world::World;
 use crate::world::asleep::Asleep;
 use jostle_base::error::{Error, Result};
@@ -108,12 +108,7 @@ impl World {
                         AndersenThermostat only";
             return Err(Error::at("forces", index, name, rule));
         }
-        let pairs = forces::pairs(&self.forces).count();
-        if pairs <= Kinds::default().len() {
-            return Ok(());
-        }
-        let rule = "a distributed world has two at most";
-        Err(Error::of("forces", format!("of {pairs} PairForces"), rule))
+        Ok(())
     }
 
     /// The particles of this rank; None if the world is not distributed.
@@ -147,18 +142,13 @@ impl World {
         let Some(domain) = self.domain() else { return self.records_of(0..self.len()) };
         let mut bytes = Vec::with_capacity(domain.own * RECORD);
         for (index, &row) in self.rows.iter().enumerate().filter(|(_, row)| domain.owns(**row)) {
-            put_record(&mut bytes, self.name_of(domain, row), &self.particles, index);
+            put_record(&mut bytes, domain.id(row), &self.particles, index);
         }
         let discs = &self.asleep.sleepers().discs;
         for at in self.asleep.indices() {
-            put_record(&mut bytes, self.name_of(domain, discs.rows[at]), &discs.particles, at);
+            put_record(&mut bytes, domain.id(discs.rows[at]), &discs.particles, at);
         }
         bytes
-    }
-
-    /// The id and the kinds of a row, for its record.
-    pub(crate) fn name_of(&self, domain: &Domain, row: u32) -> (Id, Kinds) {
-        (domain.id(row), forces::kinds_of(&self.forces, row as usize))
     }
 
     /// A world with the particles in some rows of this one, and its settings, walls, forces and time.
@@ -168,19 +158,16 @@ impl World {
 
     fn records_of(&self, rows: Range<usize>) -> Vec<u8> {
         let (all, mut bytes) = (self.particles(), Vec::new());
-        let name = |row: usize| (row as Id, forces::kinds_of(&self.forces, row));
-        rows.for_each(|row| put_record(&mut bytes, name(row), &all, row));
+        rows.for_each(|row| put_record(&mut bytes, row as Id, &all, row));
         bytes
     }
 
     /// A world with the settings, walls, forces, attachment and time of this one, and the particles of some records.
     pub fn of_records(&self, bytes: &[u8]) -> Result<Self> {
-        let (particles, _, kinds) = read_records(bytes);
+        let (particles, _) = read_records(bytes);
         let mut world = Self::new(particles, self.settings)?;
         world.set_walls(self.walls().to_vec())?;
-        let mut forces = self.forces();
-        forces::set_kinds(&mut forces, &kinds);
-        world.set_forces(forces)?;
+        world.set_forces(self.forces())?;
         world.set_defaults(self.defaults)?;
         world.attachment.clone_from(&self.attachment);
         world.time = self.time;

@@ -100,7 +100,7 @@ impl World {
     /// Announces circles around own particles, with these distances beyond the radius, by index, and
     /// gets all particles of other ranks whose circles may overlap them.
     fn exchange_within(&mut self, distances: &[f32]) -> Result<()> {
-        let Self { halo, particles, rows, settings, forces, asleep, .. } = self;
+        let Self { halo, particles, rows, settings, asleep, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         let (awake, has_sleepers) = (domain.awake, domain.asleep > 0);
         let Domain { group, ids, own, scales, announced, sent, is_sent, foreign, .. } = domain;
@@ -133,9 +133,8 @@ impl World {
         circles.each_near(&near, |index, ranks| {
             let row = rows[index] as usize;
             is_sent[row] = true;
-            let name = (ids[row], forces::kinds_of(forces, row));
             for &rank in ranks {
-                put_record(&mut to[rank as usize], name, particles, index);
+                put_record(&mut to[rank as usize], ids[row], particles, index);
                 sent[rank as usize].push(row as u32);
             }
         });

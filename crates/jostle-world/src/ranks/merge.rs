@@ -8,11 +8,10 @@ use std::collections::HashMap;
 
 use super::carried::Push;
 use super::{RECORD, put_record, read_records};
-use crate::forces::{self, Kinds};
 use crate::particles::Particles;
 use crate::world::edits::{renumber, retain_unless};
 use crate::world::ids::Ids;
-use crate::world::merge::{joint_acceleration, kind_of_heaviest, union};
+use crate::world::merge::{joint_acceleration, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
 use jostle_base::bytes::Plain;
@@ -74,7 +73,6 @@ impl Details {
 struct Arrived {
     /// Their states at the beginning of the part of the step, and at its end.
     states: [Particles; 2],
-    kinds: Vec<Kinds>,
     details: Vec<Details>,
     /// The order of all.
     order: Vec<usize>,
@@ -84,7 +82,6 @@ struct Arrived {
 struct Merged {
     island: Id,
     particle: Particles,
-    kinds: Kinds,
     given: [f32; 2],
     is_exhausted: bool,
     pushes: Vec<Push>,
@@ -187,10 +184,9 @@ impl World {
         }
         for &Member { index, island, rank } in members {
             let (at, row) = (index as usize, self.rows[index as usize]);
-            let name = self.name_of(domain, row);
             let to = &mut to[rank];
-            put_record(to, name, &self.scratch.starts, at);
-            put_record(to, name, &self.particles, at);
+            put_record(to, domain.id(row), &self.scratch.starts, at);
+            put_record(to, domain.id(row), &self.particles, at);
             let given = self.given_accelerations().get(row as usize).copied().unwrap_or_default();
             let is_exhausted = self.scratch.exhausted.binary_search(&row).is_ok();
             let pushes = pushes.remove(&row).unwrap_or_default();
@@ -211,11 +207,8 @@ impl World {
                 details.push(Details::get(&mut rest, rank));
             }
         }
-        let (starts, ids, kinds) = read_records(&starts);
-        let tie = |a: usize, b: usize| {
-            let order = starts.compare(a, b).then_with(|| kinds[a].cmp(&kinds[b]));
-            order.then_with(|| ids[a].cmp(&ids[b]))
-        };
+        let (starts, ids) = read_records(&starts);
+        let tie = |a: usize, b: usize| starts.compare(a, b).then_with(|| ids[a].cmp(&ids[b]));
         let centers = starts.positions.clone();
         let shapes =
             Shapes { centers, radii: Each::Rows(vec![0.0; ids.len()]), ..Shapes::default() };
@@ -224,26 +217,21 @@ impl World {
         tree.set_nested();
         tree.rebuild_unchecked(&shapes, self.settings.tree, &tie)?;
         let order = tree.rows().iter().map(|&row| row as usize).collect();
-        Ok(Arrived { states: [starts, read_records(&ends).0], kinds, details, order })
+        Ok(Arrived { states: [starts, read_records(&ends).0], details, order })
     }
 
     /// Merges the islands whose members have arrived. Those that cannot merge are left out.
     fn unions(&self, arrived: &Arrived) -> Vec<Merged> {
-        let Arrived { states: [_, ends], kinds, details, order } = arrived;
+        let Arrived { states: [_, ends], details, order } = arrived;
         let mut all = order.clone();
         all.sort_by_key(|&at| details[at].island);
         let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
         let merge = |members: &[usize]| {
             let particle = union(ends, members, &self.settings.container)?;
-            let with_kinds = |force: usize| {
-                let of = |&at: &usize| (ends.masses[at], kinds[at][force]);
-                kind_of_heaviest(members.iter().map(of)).unwrap_or_default()
-            };
             let given = members.iter().map(|&at| (ends.masses[at], details[at].given));
             Some(Merged {
                 island: details[members[0]].island,
                 particle,
-                kinds: std::array::from_fn(with_kinds),
                 given: joint_acceleration(given),
                 is_exhausted: members.iter().any(|&at| details[at].is_exhausted),
                 pushes: members.iter().flat_map(|&at| details[at].pushes.clone()).collect(),
@@ -282,7 +270,6 @@ impl World {
             if let Some(given) = &mut self.given {
                 given[row as usize] = of.given;
             }
-            forces::put_kinds(&mut self.forces, row as usize, of.kinds);
         }
         exhausted.sort_unstable();
     }

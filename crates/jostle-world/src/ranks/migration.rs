@@ -9,7 +9,6 @@ use super::domain::Domain;
 use super::{
     Group, Scale, cuts, key, put_record, read_records, read_samples, sample, sample_positions,
 };
-use crate::forces;
 use crate::world::World;
 use crate::world::edits::retain_unless;
 use crate::world::ids::Ids;
@@ -39,7 +38,7 @@ impl World {
             return;
         }
         let Self { halo, particles, rows, persistent, contacts, ids, given, .. } = self;
-        let (wall_impulses, forces) = (&mut self.wall_impulses, &mut self.forces);
+        let wall_impulses = &mut self.wall_impulses;
         let domain = Domain::of_mut(&mut **halo);
         let own = domain.own;
         if domain.has_ghosts() {
@@ -62,7 +61,6 @@ impl World {
             persistent.resize(awake);
             rows.truncate(awake);
             domain.ids.truncate(own);
-            forces::change_kinds(forces, |kinds| kinds.truncate(own));
             given.iter_mut().for_each(|given| given.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
             *ids = Ids::of_rows(own);
@@ -73,14 +71,13 @@ impl World {
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
     pub(crate) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { halo, particles, rows, persistent, ids, forces, given, .. } = self;
+        let Self { halo, particles, rows, persistent, ids, given, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         let first = domain.ids.len();
         for bytes in bytes {
-            let (new, new_ids, new_kinds) = read_records(bytes);
+            let (new, new_ids) = read_records(bytes);
             particles.extend(&new);
             domain.ids.extend(new_ids);
-            forces::add_kinds(forces, &new_kinds);
         }
         let len = domain.ids.len();
         rows.extend(first as u32..len as u32);
@@ -153,14 +150,11 @@ impl World {
     /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
     /// stored by indices.
     fn renumber(&mut self) {
-        let Self { halo, rows, wall_impulses, forces, given, asleep, .. } = self;
+        let Self { halo, rows, wall_impulses, given, asleep, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         let mut new = vec![0; domain.own];
         let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
         (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
-        forces::change_kinds(forces, |kinds| {
-            *kinds = old.iter().map(|&row| kinds[row as usize]).collect();
-        });
         if let Some(given) = given {
             *given = old.iter().map(|&row| given[row as usize]).collect();
         }
@@ -194,9 +188,9 @@ impl World {
                 continue;
             }
             let row = self.rows[index];
-            let name = self.name_of(domain, row);
-            put_record(&mut leaving.records[destination], name, &self.particles, index);
-            put_kept(&mut leaving.kept[destination], name.0, &self.persistent, index);
+            let id = domain.id(row);
+            put_record(&mut leaving.records[destination], id, &self.particles, index);
+            put_kept(&mut leaving.kept[destination], id, &self.persistent, index);
             if let Some(given) = &self.given {
                 let bytes = given[row as usize].iter().flat_map(|a| a.to_le_bytes());
                 leaving.given[destination].extend(bytes);
@@ -235,7 +229,6 @@ impl World {
             .collect();
         self.keep(&stays);
         let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
-        forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, &gone));
         self.given.iter_mut().for_each(|given| retain_unless(given, &gone));
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.asleep.renumber(&shifted);

@@ -1,21 +1,20 @@
-//! Particles as bytes, one record of fixed length for each: its id, all fields, and its kinds.
+//! Particles as bytes, one record of fixed length for each: its id and all fields.
 //!
 //! Fields with numbers of 8 bytes come first, then those of 4 bytes, then bytes.
 
-use crate::forces::Kinds;
 use crate::particles::{Field, FieldVisitor, FieldVisitorMut, Particles};
 use jostle_base::bytes::Plain;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
 
 /// Bytes of a record.
-pub const RECORD: usize = u64::SIZE + Particles::ROW_SIZE + Kinds::SIZE;
+pub const RECORD: usize = u64::SIZE + Particles::ROW_SIZE;
 
 /// Bytes of numbers, in the order of a record.
 const WIDTHS: [usize; 3] = [8, 4, 1];
 
-/// Appends the record of the particle in a row, with its id and its kinds.
-pub fn put_record(to: &mut Vec<u8>, (id, kinds): (Id, Kinds), all: &Particles, row: usize) {
+/// Appends the record of the particle in a row, with its id.
+pub fn put_record(to: &mut Vec<u8>, id: Id, all: &Particles, row: usize) {
     let start = to.len();
     to.resize(start + RECORD, 0);
     let mut rest = &mut to[start..];
@@ -23,7 +22,6 @@ pub fn put_record(to: &mut Vec<u8>, (id, kinds): (Id, Kinds), all: &Particles, r
     for width in WIDTHS {
         all.visit_row(row, &mut Put { rest: &mut rest, width });
     }
-    put(&mut rest, kinds);
 }
 
 /// Writes the fields of one width.
@@ -47,19 +45,18 @@ fn put<P: Plain>(rest: &mut &mut [u8], value: P) {
     *rest = after;
 }
 
-/// The particles of some records, their ids and their kinds.
-pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>, Vec<Kinds>) {
-    let (mut all, mut ids, mut kinds) = (Particles::default(), Vec::new(), Vec::new());
+/// The particles of some records, and their ids.
+pub fn read_records(bytes: &[u8]) -> (Particles, Vec<Id>) {
+    let (mut all, mut ids) = (Particles::default(), Vec::new());
     all.resize(bytes.len() / RECORD);
     for (row, mut rest) in bytes.chunks_exact(RECORD).enumerate() {
         ids.push(get::<u64>(&mut rest) as Id);
         for width in WIDTHS {
             all.visit_row_mut(row, &mut Get { rest: &mut rest, width });
         }
-        kinds.push(get::<Kinds>(&mut rest));
     }
     all.simplify();
-    (all, ids, kinds)
+    (all, ids)
 }
 
 /// Reads the fields of one width.
@@ -125,15 +122,15 @@ mod tests {
         all.spins_mut()[1] = Spin { friction: 0.25, velocity: -1.5, angle: 0.75 };
         all.filters_mut()[1] = Filter { category: 2, mask: 3 };
         all.sensors_mut()[1] = true;
+        all.kinds = vec![3, 63];
         let mut bytes = Vec::new();
-        put_record(&mut bytes, (-1, [3, 0]), &all, 0);
-        put_record(&mut bytes, (1 << 40, [0, 63]), &all, 1);
+        put_record(&mut bytes, -1, &all, 0);
+        put_record(&mut bytes, 1 << 40, &all, 1);
         assert_eq!(bytes.len(), 2 * RECORD);
-        let kinds = vec![[3, 0], [0, 63]];
-        assert_eq!(read_records(&bytes), (all, vec![-1, 1 << 40], kinds));
+        assert_eq!(read_records(&bytes), (all, vec![-1, 1 << 40]));
         let plain = Particles::new(vec![[0.0; 2]], vec![[0.0; 2]], vec![1.0], 1.0);
         let mut bytes = Vec::new();
-        put_record(&mut bytes, (0, [0; 2]), &plain, 0);
-        assert_eq!(read_records(&bytes), (plain, vec![0], vec![[0; 2]]));
+        put_record(&mut bytes, 0, &plain, 0);
+        assert_eq!(read_records(&bytes), (plain, vec![0]));
     }
 }

@@ -100,6 +100,11 @@ impl World {
         self.column(|all, at| all.is_sensor(at))
     }
 
+    /// Kinds in the order of adding.
+    pub fn kinds(&self) -> Vec<u8> {
+        self.column(|all, at| all.kind(at))
+    }
+
     /// Whether some particles may not touch others.
     fn has_filters(&self) -> bool {
         let sleepers = &self.asleep.sleepers().discs.particles;

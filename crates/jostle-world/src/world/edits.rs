@@ -13,10 +13,11 @@ use jostle_index::shapes::MAX_ROWS;
 
 impl World {
     /// Adds particles after the others and returns their ids, which are above all ids before. An
-    /// immovable one wakes all. Their kind is 0, see [`World::set_kinds`].
+    /// immovable one wakes all.
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
+        forces::check_kinds(&self.forces, &particles.kinds)?;
         particles.simplify();
         let (old, new) = (self.len(), self.len() + particles.len());
         if new > MAX_ROWS {
@@ -29,7 +30,6 @@ impl World {
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
         self.given.iter_mut().for_each(|given| given.resize(new, [0.0; 2]));
-        forces::change_kinds(&mut self.forces, |kinds| kinds.resize(new, 0));
         self.persistent.resize(self.rows.len());
         self.forget_indices();
         Ok(ids)
@@ -68,7 +68,6 @@ impl World {
         self.keep(&keep);
         self.ids.remove(gone);
         self.given.iter_mut().for_each(|given| retain_unless(given, gone));
-        forces::change_kinds(&mut self.forces, |kinds| retain_unless(kinds, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.forget_indices();
@@ -128,6 +127,7 @@ impl World {
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
+        forces::check_kinds(&self.forces, &copy.kinds)?;
         let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
@@ -148,6 +148,9 @@ impl World {
         changes.validate(rows.len())?;
         if let Some(radii) = &changes.radii {
             radii.check(|radii| self.settings.container.check_fit(radii))?;
+        }
+        if let Some(kinds) = &changes.kinds {
+            kinds.check(|kinds| forces::check_kinds(&self.forces, kinds))?;
         }
         if self.may_wake() {
             let before = self.particles_in(rows);

@@ -206,6 +206,7 @@ pub(crate) fn bodies<'a>(
         velocities: &particles.velocities,
         masses: &particles.masses,
         radii: &particles.radii,
+        kinds: &particles.kinds,
         rows,
         indices,
         container,

@@ -141,7 +141,6 @@ impl World {
             };
             any = true;
             self.merge_given(&indices);
-            self.merge_kinds(&indices);
             let len = self.rows.len();
             self.particles.put(len, indices[0], &one, 0);
             self.persistent.warm_start.clear_one(indices[0]);
@@ -166,18 +165,6 @@ impl World {
         let rows = indices.iter().map(|&index| self.rows[index]);
         let first = rows.fold(u32::MAX, u32::min);
         given[first as usize] = joint;
-    }
-
-    /// The smallest row of merging particles gets the kind of the heaviest; the smallest of several.
-    fn merge_kinds(&mut self, indices: &[usize]) {
-        let (masses, rows) = (&self.particles.masses, &self.rows);
-        let first = indices.iter().fold(u32::MAX, |first, &index| first.min(rows[index]));
-        forces::change_kinds(&mut self.forces, |kinds| {
-            let of = |&index: &usize| (masses[index], kinds[rows[index] as usize]);
-            if let Some(kind) = kind_of_heaviest(indices.iter().map(of)) {
-                kinds[first as usize] = kind;
-            }
-        });
     }
 
     /// Removes the rows that became others.
@@ -226,12 +213,6 @@ pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> 
         sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
     }
     sum.map(|force| (force / mass) as f32)
-}
-
-/// The kind of the heaviest of merging particles, from masses and kinds; the smallest of several.
-pub(crate) fn kind_of_heaviest(all: impl Iterator<Item = (f32, u8)>) -> Option<u8> {
-    let order = |a: &(f32, u8), b: &(f32, u8)| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(&a.1));
-    all.max_by(order).map(|(_, kind)| kind)
 }
 
 /// The merged particle: the sums of area, mass and momentum at the centre of mass. None if it
@@ -288,7 +269,18 @@ pub(crate) fn union(
         spins: vec![spin_of(all, indices, container, radius)],
         filters: vec![filter_of(all, indices)],
         sensors: vec![],
+        kinds: vec![kind_of(all, indices)],
     })
+}
+
+/// The kind of the heaviest of `indices`; the smallest of several.
+fn kind_of(all: &Particles, indices: &[usize]) -> u8 {
+    let mass = |index: usize| all.masses[index];
+    let order = |a: usize, b: usize| {
+        mass(a).total_cmp(&mass(b)).then_with(|| all.kind(b).cmp(&all.kind(a)))
+    };
+    let heaviest = indices.iter().copied().max_by(|&a, &b| order(a, b));
+    heaviest.map_or(0, |index| all.kind(index))
 }
 
 /// The filter of the merged particle, which may touch whatever one of `indices` may touch.

@@ -49,7 +49,7 @@ use crate::events::Events;
 use crate::flow::Kick;
 use crate::forces::{self, Force, HotWalls};
 use crate::motion::{Motions, Spins};
-use crate::particles::Particles;
+use crate::particles::{Changes, Particles};
 use crate::resting::{Resting, WallPush};
 use crate::walls::{self, FIRST, Wall, Walls};
 use asleep::Asleep;
@@ -58,10 +58,11 @@ use discs::{Discs, Persistent};
 use distribution::{Agreement, Distribution};
 use force_step::ForceScratch;
 use ids::Ids;
-use jostle_base::error::{Error, Result, counted};
+use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::table::Table;
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::Shapes;
+use jostle_index::shapes::{Each, Shapes};
 pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
@@ -332,8 +333,29 @@ impl World {
 
     /// Changes the forces. They name particles by ids. If they are refused, the old ones stay. All
     /// particles wake.
-    pub fn set_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
-        forces::validate(&forces, self.len(), |id| self.contains(id))?;
+    pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
+        forces::check_kinds(&forces, &self.kinds())?;
+        self.replace_forces(forces)
+    }
+
+    /// Changes the forces, as [`World::set_forces`], and the kinds of all particles, in the order of adding.
+    pub fn set_forces_and_kinds(&mut self, forces: Vec<Force>, kinds: Vec<u8>) -> Result<()> {
+        let changes = Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() };
+        changes.validate(self.len())?;
+        if let Some(kinds) = &changes.kinds {
+            kinds.check(|kinds| forces::check_kinds(&forces, kinds))?;
+        }
+        self.replace_forces(forces)?;
+        let rows: Vec<u32> = (0..self.len() as u32).collect();
+        // All particles are awake, so each index is one of `particles`.
+        let indices = self.indices_of(&rows);
+        changes.write(&mut self.particles, &indices);
+        self.particles.drop_defaults();
+        Ok(())
+    }
+
+    fn replace_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
+        forces::validate(&forces, |id| self.contains(id))?;
         forces::check_fit(&forces, self.settings.container)?;
         forces::check_sides(&forces, self.settings.container)?;
         self.check_motors(&forces)?;
@@ -342,38 +364,6 @@ impl World {
         self.persistent.drifts.clear();
         self.forces = forces;
         Ok(())
-    }
-
-    /// Changes the kinds of some particles in all forces between kinds.
-    pub fn set_kinds(&mut self, ids: &[Id], kinds: &[u8]) -> Result<()> {
-        let rows = self.distinct_rows_of(ids)?;
-        if kinds.len() != rows.len() {
-            let (found, expected) = (kinds.len(), rows.len());
-            return Err(Error::Length { argument: "kinds", found, expected });
-        }
-        self.check_kinds(kinds)?;
-        forces::change_kinds(&mut self.forces, |all| {
-            rows.iter().zip(kinds).for_each(|(&row, &kind)| all[row as usize] = kind);
-        });
-        Ok(())
-    }
-
-    /// The kinds of some particles in the first force between kinds; None if there is no such force.
-    pub fn kinds_of(&self, ids: &[Id]) -> Result<Option<Vec<u8>>> {
-        let rows = self.rows_of(ids)?;
-        let pair = forces::pairs(&self.forces).next();
-        Ok(pair.map(|pair| rows.iter().map(|&row| pair.kinds[row as usize]).collect()))
-    }
-
-    /// Refuses kinds that [`World::set_kinds`] would refuse.
-    pub fn check_kinds(&self, kinds: &[u8]) -> Result<()> {
-        match forces::kind_count(&self.forces) {
-            Some(count) => forces::pair::check_kinds(kinds, count),
-            None => {
-                let rule = "the world has no PairForce";
-                Err(Error::of("kinds", counted(kinds.len(), "kind"), rule))
-            }
-        }
     }
 
     /// Simulated seconds.

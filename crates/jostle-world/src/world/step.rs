@@ -230,13 +230,11 @@ impl World {
             Some(known) => Some(known),
             None => self.everywhere().extent(&self.particles.positions)?,
         };
-        let Self { particles, forces, rows, scratch, halo, .. } = self;
+        let Self { particles, rows, scratch, halo, .. } = self;
         let ids = halo.ids();
         let tie = |a: usize, b: usize| {
-            let order = particles.compare(a, b);
-            let (a, b) = (rows[a], rows[b]);
-            let order = order.then_with(|| forces::compare_kinds(forces, a, b));
-            order.then_with(|| ids.get(a as usize).cmp(&ids.get(b as usize)))
+            let id = |index: usize| ids.get(rows[index] as usize);
+            particles.compare(a, b).then_with(|| id(a).cmp(&id(b)))
         };
         scratch.tree.set_extent(extent);
         scratch.tree.set_nested();

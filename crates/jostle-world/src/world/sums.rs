@@ -108,7 +108,7 @@ impl World {
         (0..self.rows.len()).filter(felt).map(energy).sum()
     }
 
-    /// A 64-bit hash of the particles, the same on every platform.
+    /// A 64-bit hash of the particles but their kinds, the same on every platform.
     pub fn state_hash(&self) -> u64 {
         let all = self.particles();
         let hash = StateHash::begin(all.len());
@@ -162,6 +162,11 @@ impl StateHash {
     }
 }
 
+/// Whether a column is a part of the hash. Kinds belong to forces, as their tables do, which are no part either.
+fn is_hashed(about: Declared) -> bool {
+    about.name != "kinds"
+}
+
 /// Lists the parts of a hash.
 struct Parts {
     found: Vec<usize>,
@@ -173,7 +178,7 @@ impl Visitor for Parts {
     fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
         if about.kind == Kind::Sparse {
             self.sparse += 1;
-            if !column.is_empty() {
+            if !column.is_empty() && is_hashed(about) {
                 self.found.push(self.sparse);
             }
         }

@@ -121,7 +121,7 @@ impl RanksCase {
             let (mut records, mut given) = (Vec::new(), Vec::new());
             for row in own {
                 let id = ids.start + row as Id;
-                put_record(&mut records, (id, Default::default()), &new, row);
+                put_record(&mut records, id, &new, row);
                 given.push(id);
             }
             world.add_of_ranks(records, &given, count)?;
@@ -260,7 +260,7 @@ impl RanksCase {
         let parts = self.all_ranks(|_, world| Ok(world.own_records()));
         let mut found: Vec<(Id, Particles)> = Vec::new();
         for bytes in parts {
-            let (own, ids, _) = read_records(&bytes.expect("they are read"));
+            let (own, ids) = read_records(&bytes.expect("they are read"));
             for (row, id) in ids.into_iter().enumerate() {
                 let mut one = Particles::default();
                 one.push(&own, row);

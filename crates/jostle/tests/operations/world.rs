@@ -6,14 +6,15 @@
 use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use jostle_base::interrupt::watch;
 use jostle_base::{Error, Id, Method, Result};
 use jostle_index::{Each, Filter};
 use jostle_scenes::STEP;
 use jostle_world::forces::{
-    Andersen, Attractor, Flocking, Gravitation, Law, Motor, Pole, Spring, Springs, ThermalWalls,
-    Thermostat,
+    Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
+    Springs, ThermalWalls, Thermostat,
 };
 use jostle_world::{
     Changes, Container, Force, OnTouch, Particles, Spin, Wall, World, WorldSettings,
@@ -125,7 +126,7 @@ impl WorldCase {
     /// Sets one column of some particles.
     fn set(&mut self, draw: &mut Draw) {
         let ids = draw.subset(&self.ids, 4);
-        let (rows, which) = (self.rows_of(&ids), draw.below(9));
+        let (rows, which) = (self.rows_of(&ids), draw.below(10));
         let new = (0..ids.len()).map(|_| draw_particle(draw)).collect::<Vec<_>>();
         let (mut changes, mut all) = (Changes::default(), self.all.clone());
         let first =
@@ -141,6 +142,10 @@ impl WorldCase {
                 5 => all.spins_mut()[row].friction = spin.friction,
                 6 => all.spins_mut()[row].velocity = spin.velocity,
                 7 => all.filters_mut()[row].mask = new.filter(0).mask,
+                8 => {
+                    all.kinds.resize(all.len(), 0);
+                    all.kinds[row] = new.kind(0);
+                }
                 _ => all.sensors_mut()[row] = new.is_sensor(0),
             }
         }
@@ -158,6 +163,7 @@ impl WorldCase {
             5 => changes.friction = Some(first(&|of| of.spin(0).friction)),
             6 => changes.angular_velocities = Some(first(&|of| of.spin(0).velocity)),
             7 => changes.masks = Some(Each::Rows(new.iter().map(|of| of.filter(0).mask).collect())),
+            8 => changes.kinds = Some(Each::Rows(new.iter().map(|of| of.kind(0)).collect())),
             _ => changes.sensors = Some(Each::Rows(new.iter().map(|of| of.is_sensor(0)).collect())),
         }
         draw.say("set", (&ids, &changes));
@@ -204,7 +210,7 @@ impl WorldCase {
     fn draw_force(&self, draw: &mut Draw) -> Force {
         let some = draw.subset(&self.ids, 2);
         let seed = draw.below(9) as u32;
-        match draw.below(10) {
+        match draw.below(11) {
             0 => Force::Attractor(Attractor {
                 pole: Pole::Point([4.0, 5.0]),
                 strength: 3.0,
@@ -233,6 +239,11 @@ impl WorldCase {
                 walls: vec![],
                 seed,
             }),
+            10 => {
+                let values = (0..9 * 5).map(|_| draw.between(-3.0, 3.0) as f32).collect();
+                let table = PairTable::new(3, values, draw.pick(&[1.5, 3.0]), 0.1);
+                Force::Pair(PairForce { table: Arc::new(table.expect("valid")) })
+            }
             7 => Force::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed }),
             8 => {
                 let (walls, ids) = (if draw.one_in(2) { vec![0] } else { vec![] }, some);
@@ -539,6 +550,9 @@ pub fn draw_particle(draw: &mut Draw) -> Particles {
     }
     if draw.one_in(12) {
         one.sensors = vec![true];
+    }
+    if draw.one_in(4) {
+        one.kinds = vec![draw.pick(&[1, 2])];
     }
     one.simplify();
     one

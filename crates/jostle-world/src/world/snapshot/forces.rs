@@ -71,10 +71,8 @@ pub(super) fn put_force(to: &mut Writer, force: &Force) {
             to.put([*center, *velocity]);
             to.put([*angular_velocity, *period]);
         }
-        Force::Pair(PairForce { kinds, table }) => {
+        Force::Pair(PairForce { table }) => {
             to.put(7u8);
-            to.put_count(kinds.len());
-            to.put_all(kinds);
             to.put_count(table.kinds());
             to.put([table.cutoff(), table.damping()]);
             to.put_count(table.values().len());
@@ -139,13 +137,11 @@ pub(super) fn get_force(from: &mut Reader<'_>) -> Result<Force> {
             Force::Motor(Motor { ids, walls, center, angular_velocity, velocity, period })
         }
         7 => {
-            let count = from.get_count()?;
-            let kinds = from.get_all(count)?;
             let (kind_count, [cutoff, damping]) = (from.get_count()?, from.get()?);
             let count = from.get_count()?;
             let table = PairTable::new(kind_count, from.get_all(count)?, cutoff, damping);
             let table = table.map_err(|error| damaged(&error.to_string()))?;
-            Force::Pair(PairForce { kinds, table: Arc::new(table) })
+            Force::Pair(PairForce { table: Arc::new(table) })
         }
         8 => {
             let ([cutoff, separation, alignment], [cohesion, max_speed, min_speed]) =

@@ -35,7 +35,7 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -117,8 +117,9 @@ impl World {
         // Not reserved: a damaged count may be very large.
         let forces: Result<Vec<Force>> = (0..count).map(|_| get_force(&mut from)).collect();
         world.forces = forces?;
-        let (forces, len) = (&world.forces, world.len());
-        all_forces::validate(forces, len, |row| world.contains(row)).map_err(valid)?;
+        let forces = &world.forces;
+        all_forces::validate(forces, |row| world.contains(row)).map_err(valid)?;
+        all_forces::check_kinds(forces, &world.kinds()).map_err(valid)?;
         all_forces::check_fit(forces, world.settings.container).map_err(valid)?;
         let WorldSettings { container, tree, .. } = world.settings;
         world.walls = Walls::new(get_walls(&mut from)?, container, tree).map_err(valid)?;
