@@ -9,7 +9,6 @@ use std::cmp::Reverse;
 use super::plan::Plan;
 use super::{Agreement, OnTouch, Stage, Stats, StepScratch, Watch, World, search, touches};
 use crate::events::MAX_COLLISIONS;
-use crate::forces;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
 
