@@ -100,6 +100,9 @@ impl Writer {
         self.put(0u8);
         let start = self.0.len();
         self.put_all(values);
+        // Bytes are compared, not values: -0.0 equals 0.0 and NaN equals nothing, but a snapshot
+        // gives back the same bits. The values are written first and cut off afterwards, so that
+        // each is converted once.
         let all = &self.0[start..];
         if all.chunks_exact(P::SIZE).all(|bytes| bytes == &all[..P::SIZE]) {
             self.0[start - 1] = 1;
@@ -145,6 +148,8 @@ impl<'a> Reader<'a> {
             let rule = format!("this version of jostle reads format {version}");
             return Err(Error::of("data", format!("a snapshot in format {found}"), &rule));
         }
+        // The length is checked before the checksum: a file that is cut off gets a message of its
+        // own, because its user can copy it again.
         let (length, sum): (u64, u64) = (reader.get()?, reader.get()?);
         if length > reader.0.len() as u64 {
             return Err(cut_off_after(all, (HEAD as u64).saturating_add(length)));
@@ -175,6 +180,7 @@ impl<'a> Reader<'a> {
     /// The next `count` values, which [`Writer::put_uniform`] has written.
     pub fn get_uniform<P: Plain>(&mut self, count: usize) -> Result<Vec<P>> {
         let is_same: bool = self.get()?;
+        // `put_uniform` of no values writes 1 and nothing else: all of none are equal.
         if is_same && count > 0 { Ok(vec![self.get()?; count]) } else { self.get_all(count) }
     }
 
@@ -207,7 +213,13 @@ fn cut_off() -> Error {
 /// multiplications are as fast as memory.
 pub fn checksum(bytes: &[u8]) -> u64 {
     const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    // Each step is a bijection of the word for a given sum, and of the sum for a given word. So two
+    // inputs that differ in one word have different sums: nothing after that word can make them
+    // equal again. The rotation brings high bits to low places, where the next multiplication
+    // spreads them.
     let mix = |sum: u64, word: u64| ((sum ^ word).wrapping_mul(FACTOR)).rotate_left(29);
+    // A multiplication waits for the one before it in its chain. Four chains keep the multiplier
+    // busy while each waits.
     let mut chains = [1u64, 2, 3, 4];
     let (blocks, rest) = bytes.as_chunks::<32>();
     for block in blocks {

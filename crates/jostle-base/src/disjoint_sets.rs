@@ -19,6 +19,9 @@ impl DisjointSets {
         let parents = &mut self.0;
         let mut item = item as usize;
         while parents[item] as usize != item {
+            // Path halving: each second member of the path skips its parent. The next search is
+            // half as long, and no second pass over the path is needed. A root is its own parent,
+            // so the assignment never passes it.
             parents[item] = parents[parents[item] as usize];
             item = parents[item] as usize;
         }
@@ -28,6 +31,9 @@ impl DisjointSets {
     /// Merges the sets of `a` and `b`.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
+        // The smaller root wins, not the larger set. So the root is the smallest member whatever
+        // the order in which sets are joined, and an island has the same name on any number of
+        // threads and ranks. Path halving alone keeps the searches short (O(log n) amortized).
         self.0[a.max(b) as usize] = a.min(b);
     }
 }

@@ -101,6 +101,7 @@ impl Error {
         rule: &str,
     ) -> Self {
         let (mut left, mut indices) = (index, Vec::new());
+        // Row-major order: the last axis varies fastest, so its index is the first remainder.
         for size in shape.iter().rev() {
             indices.insert(0, left % size);
             left /= size;
@@ -217,6 +218,8 @@ pub fn counted(count: usize, noun: &str) -> String {
 fn printed(value: impl fmt::Display) -> String {
     let text = value.to_string();
     match text.parse::<f64>() {
+        // 1e300 as a decimal number has 301 digits, and the rule at the end of the sentence would
+        // be lost behind them. The exponent form is as exact: both read back as the same float64.
         Ok(number) if text.len() > MAX_CHARACTERS => format!("{number:e}"),
         _ => text,
     }

@@ -43,6 +43,9 @@ pub fn unwatched<R>(work: impl FnOnce() -> R) -> R {
 fn with<R>(watch: Watch, work: impl FnOnce() -> R) -> R {
     /// Restores the previous watch of the thread, also after a panic.
     struct Before(Option<Watch>);
+    // A guard and not a line after `work()`: the binding turns a panic into an exception, and the
+    // thread goes on. Without the guard a later call on it would poll for a call that no longer
+    // exists.
     impl Drop for Before {
         fn drop(&mut self) {
             CURRENT.set(self.0.take());
@@ -77,11 +80,15 @@ impl Stop {
 
     /// Whether a poll has returned true.
     fn was_polled(&self) -> bool {
+        // Relaxed, here and below: the flag publishes no other data. A task that reads it late does
+        // a little more work, whose result is dropped with those of the others.
         self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// Whether the call is interrupted. Polls if the current thread is the caller's.
     pub fn is_set(&self) -> bool {
+        // Each way out before the poll is one read. Only the thread that called `watch` has a
+        // `poll`, which may use what belongs to that thread.
         let Some(flag) = &self.0 else { return false };
         if flag.load(Ordering::Relaxed) {
             return true;
@@ -89,12 +96,16 @@ impl Stop {
         // Taken out while it runs, because `poll` itself may call `watch`.
         let poll = CURRENT.with_borrow_mut(|watch| {
             let own = watch.as_mut()?;
+            // A `Stop` of an outer call may be read inside of an inner one. Then the inner poll
+            // must not be asked: its answer would interrupt a call that it does not belong to.
             let same = own.stop.0.as_ref().is_some_and(|own| Arc::ptr_eq(own, flag));
             if same { own.poll.take() } else { None }
         });
         let Some(poll) = poll else { return false };
         let stopped = poll();
         CURRENT.with_borrow_mut(|watch| {
+            // No borrow was held during `poll`, so it may replace the watch itself; `with` has
+            // restored the one of this thread since, and the poll goes back into it.
             if let Some(watch) = watch {
                 watch.poll = Some(poll);
             }
@@ -133,6 +144,7 @@ impl Pulse {
     /// checks. So all but the first check at once.
     pub fn of_task(stop: &Stop, number: usize) -> Self {
         let mut pulse = Self::of(stop);
+        // Task 0 is left out, so that a call with a single short task never polls at all.
         pulse.stopped |= number > 0 && stop.is_set();
         pulse
     }
@@ -145,6 +157,8 @@ impl Pulse {
     /// Adds `work`, the approximate number of values read; returns whether to stop.
     #[inline(always)]
     pub fn stops(&mut self, work: usize) -> bool {
+        // The common way is one subtraction and one comparison, because loops over shapes call this
+        // for each few shapes. A poll takes far longer than both, so it is behind a cold call.
         if self.left > work {
             self.left -= work;
             return self.stopped;
@@ -161,6 +175,8 @@ impl Pulse {
     #[cold]
     fn check_stop(&mut self) -> bool {
         self.left = WORK_PER_CHECK;
+        // Once true it stays true, without further polls. Every later call returns it, so the loops
+        // around the one that stopped first end as well.
         self.stopped = self.stopped || self.stop.is_set();
         self.stopped
     }

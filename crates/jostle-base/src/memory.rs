@@ -14,6 +14,8 @@ const SMALL: usize = 1 << 10;
 
 /// Whether [`MARGIN`] bytes are free after an allocation for `len` values.
 pub fn check_margin<V>(len: usize) -> core::result::Result<(), TryReserveError> {
+    // A small vector grows by doubling, so it passes here about once for each size. A check of the
+    // margin costs a call of the system for a mebibyte, too much for each of them.
     if len.saturating_mul(size_of::<V>()) < SMALL {
         return Ok(());
     }
@@ -37,6 +39,7 @@ fn grow<V>(values: &mut Vec<V>, more: usize) -> Result<()> {
     let grown = values.try_reserve(more).and_then(|()| check_margin::<V>(values.capacity()));
     grown.map_err(|error| {
         // Other threads continue, and allocate, until they read the error.
+        // The length has not changed, so `shrink_to` gives back only what this call has reserved.
         values.shrink_to(before);
         no_memory::<V>(&error, len.saturating_add(more))
     })
@@ -79,6 +82,7 @@ pub fn resize<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<()>
 /// Appends copies of `value` until there are `len` values.
 pub fn lengthen<V: Clone>(values: &mut Vec<V>, len: usize, value: V) -> Result<()> {
     let longer = len.max(values.len());
+    // `Vec::resize` would shorten a vector that is longer than `len`.
     resize(values, longer, value)
 }
 

@@ -12,6 +12,7 @@ pub fn key(x: u32, y: u32) -> u32 {
 /// As [`key`], of coordinates of 32 bits.
 #[inline(always)]
 pub fn wide_key(x: u32, y: u32) -> u64 {
+    // The high halves decide first, so the order is the Morton order of all 32 bits.
     let low = key(x & 0xffff, y & 0xffff);
     u64::from(key(x >> 16, y >> 16)) << 32 | u64::from(low)
 }
@@ -24,6 +25,9 @@ pub fn cell(key: u32) -> [u32; 2] {
 /// Moves bit k of the low 16 bits to bit 2k.
 #[inline(always)]
 fn spread(v: u32) -> u32 {
+    // Each line halves the groups of adjacent bits and moves the upper half of each to its place.
+    // After four lines the groups are single bits, with a gap after each for a bit of the other
+    // coordinate.
     let v = (v | v << 8) & 0x00ff_00ff;
     let v = (v | v << 4) & 0x0f0f_0f0f;
     let v = (v | v << 2) & 0x3333_3333;

@@ -55,11 +55,17 @@ pub fn sort<V: Bytes>(items: &mut [V], pulse: &mut Pulse) -> Result<()> {
         items.sort_unstable();
         return Ok(());
     }
+    // A list of open parts instead of recursion, each level of which would keep the 256 ends of its
+    // parts on the stack.
     let mut open = vec![(items, 0)];
     while let Some((items, at)) = open.pop() {
+        // A long part polls in `partition`; a short one is sorted by one call of the library, which
+        // cannot be interrupted. `SHORT` limits that call to a few milliseconds.
         pulse.check(items.len().min(SHORT))?;
         if items.len() <= SHORT {
             items.sort_unstable();
+        // Items that agree in all bytes are equal, because the order of the type is that of its
+        // bytes. So a part that is left after the last byte is sorted.
         } else if at < V::COUNT {
             let ends = partition(items, at, pulse)?;
             let (mut rest, mut start) = (items, 0);
@@ -88,15 +94,22 @@ fn partition<V: Bytes>(items: &mut [V], at: usize, pulse: &mut Pulse) -> Result<
         sum += counts[value];
         ends[value] = sum;
     }
+    // All items have the same byte, as the high bytes of small numbers do. The loop below would
+    // visit every item and move none.
     if counts.contains(&items.len()) {
         return Ok(ends);
     }
     for value in 0..256 {
+        // Invariant: the items from the start of each part to its `nexts` have the byte of the
+        // part. Every iteration puts one more item into its part, so there are as many iterations
+        // as items. The swap brings an item of unknown byte to `index`, which is examined next.
         while nexts[value] < ends[value] {
             pulse.check(4)?;
             let index = nexts[value];
             let target = usize::from(items[index].byte(at));
             if target != value {
+                // `nexts[target]` is below `ends[target]`: the counts say that an item of this byte
+                // is still missing there. So the swap never leaves the slice.
                 items.swap(index, nexts[target]);
             }
             nexts[target] += 1;
@@ -127,6 +140,9 @@ pub fn counting_sort<I, V>(
     ends.fill(0);
     items.clone().for_each(|item| ends[key(&item)] += 1);
     prefix_sum(ends);
+    // `ends` holds the next free place of each key now, and is the end of the key's values when all
+    // are written. So no second array of starts is needed. Equal keys keep their order, because the
+    // places of a key are filled upwards.
     items.for_each(|item| {
         let next = &mut ends[key(&item)];
         to[*next as usize] = value(item);

@@ -113,6 +113,8 @@ pub mod dense {
     /// See [`Table::keep`](super::Table::keep).
     pub fn keep<V>(column: &mut Vec<V>, keep: &[bool]) {
         let mut keep = keep.iter();
+        // `retain` visits the rows in their order, once each, so the marks are read in step with
+        // them.
         column.retain(|_| keep.next().is_some_and(|&keep| keep));
     }
 
@@ -172,6 +174,8 @@ pub mod sparse {
         if column.is_empty() && other.is_empty() {
             return;
         }
+        // An empty column does not know how many rows it stands for: `len` says it. The last line
+        // pads the rows of `other` if its column is empty.
         column.resize(len, V::default());
         column.extend_from_slice(other);
         column.resize(len + added, V::default());
@@ -187,6 +191,8 @@ pub mod sparse {
     ) {
         let value = sparse_value(other, from);
         if column.is_empty() {
+            // Nothing is written, so the column stays empty: a column with one default value would
+            // cost the memory and the time of a dense one in each reorder.
             if value == V::default() {
                 return;
             }
@@ -231,6 +237,8 @@ pub mod sparse {
             value
         };
         if column.is_empty() {
+            // `change` may be called twice for a row, here and below. It only computes a value, so
+            // that is harmless and cheaper than a column that is made and emptied again.
             if rows().all(|(nth, _)| changed(nth, V::default()) == V::default()) {
                 return;
             }
@@ -241,6 +249,8 @@ pub mod sparse {
             column[row] = changed(nth, column[row]);
             has_default |= column[row] == V::default();
         }
+        // Only then can all rows have the default value; the search through the column costs as
+        // much as its length, and this function may be called for one row of a million.
         if has_default {
             drop_defaults(column);
         }

@@ -54,6 +54,8 @@ impl<T: Scalar> Columns<T> {
     /// The columns x and y of `len` shapes, for writing. [`Columns::fill_rest`] fills the others.
     pub fn centers_mut(&mut self, len: usize) -> Result<[&mut [T]; 2]> {
         self.len = len;
+        // A kernel may read a whole block at the last row, and in the strips of a leaf two. What it
+        // reads there are numbers of no shape, whose bits are masked out.
         memory::resize(&mut self.x, len + SPARE, T::ZERO)?;
         memory::resize(&mut self.y, len + SPARE, T::ZERO)?;
         Ok([&mut self.x[..len], &mut self.y[..len]])
@@ -90,6 +92,7 @@ impl<T: Scalar> Columns<T> {
 
     /// Increases all radii.
     pub fn grow(&mut self, by: T) {
+        // Without the spare rows, whose values are never used.
         self.radius[..self.len].iter_mut().for_each(|radius| *radius = *radius + by);
     }
 
@@ -119,6 +122,8 @@ impl<T: Scalar> Columns<T> {
             put_pairs(lower, len, threads, |index| corners(&boxes[row(index)])[0])?;
             put_pairs(upper, len, threads, |index| corners(&boxes[row(index)])[1])?;
         } else {
+            // An empty column says that upper and lower corner are the same number. So kernels read
+            // half as much memory, and can use the faster formulas for centres.
             upper.into_iter().for_each(Vec::clear);
         }
         put_each(&mut self.radius, radii, len, threads, &row)?;
@@ -218,9 +223,12 @@ fn put_each<V: Copy + Default + Send + Sync>(
     threads: Option<usize>,
     row: impl Fn(usize) -> usize + Sync + Send,
 ) -> Result<()> {
+    // Between columns, not within: a column takes a few milliseconds for a million shapes.
     interrupt::check()?;
     memory::resize(column, len + SPARE, V::default())?;
     match values {
+        // One value for all still gets a column. Kernels would need a copy of each loop for a
+        // single radius, and the column is read in order, which is the cheapest kind of reading.
         Each::One(value) => column[..len].fill(*value),
         Each::Rows(values) => parallel::for_chunks(threads, &mut column[..len], |first, chunk| {
             for (offset, to) in chunk.iter_mut().enumerate() {

@@ -57,9 +57,13 @@ impl<T: Scalar> Period<T> {
     pub fn turns(&self, center: [T; 2]) -> [T; 2] {
         [0, 1].map(|axis| {
             let (side, along) = (self.0[axis], center[axis]);
+            // Positions in the first period get exactly 0, so nothing is subtracted and nothing
+            // rounded.
             if !self.is_along(axis) || (along >= T::ZERO && along < side) {
                 return T::ZERO;
             }
+            // In float64, also for float32: the quotient may be large, and the product is rounded
+            // once at the end.
             T::from_f64((along.to_f64() / side.to_f64()).floor() * side.to_f64())
         })
     }
@@ -78,6 +82,7 @@ impl<T: Scalar> Period<T> {
         [0, 1].map(|axis| {
             let (side, along) = (self.0[axis], displacement[axis]);
             let turns = if self.is_along(axis) { (along / side).to_f64().round() } else { 0.0 };
+            // Most displacements are shorter than half a period. They keep their bits.
             if turns == 0.0 { along } else { along - T::from_f64(turns) * side }
         })
     }
@@ -87,6 +92,8 @@ impl<T: Scalar> Period<T> {
     pub fn images_near(&self, min: [T; 2], max: [T; 2]) -> impl Iterator<Item = Turns> + use<T> {
         let [x, y] = [0, 1].map(|axis| {
             let turns = |at: T| (at / self.0[axis]).to_f64().floor() as i32;
+            // A shape belongs to the period of its centre, but reaches beyond it, so the periods on
+            // either side count.
             if self.is_along(axis) { turns(min[axis]) - 1..=turns(max[axis]) + 1 } else { 0..=0 }
         });
         y.flat_map(move |y| x.clone().map(move |x| [x, y]))
@@ -140,6 +147,8 @@ impl<T: Scalar> Period<T> {
         let along = |axis: usize| {
             let side = self.0[axis];
             let count = if self.is_along(axis) { 3 } else { 1 };
+            // Itself first: most searches end there, and the order of the hits begins with the
+            // unmoved ones.
             [T::ZERO, -side, side].into_iter().take(count)
         };
         along(1).flat_map(move |y| along(0).map(move |x| [x, y]))
@@ -155,6 +164,9 @@ impl<T: Scalar> Period<T> {
     /// shape with the higher centre was moved by one period.
     fn gaps(&self, a: &Shape<T>, b: &Shape<T>) -> [[T; 2]; 2] {
         let direct = a.gaps(b);
+        // Always the shape with the higher centre is moved by -p, never the lower one by +p. The
+        // two give the same gap in exact arithmetic and different roundings: then `overlap(a, b)`
+        // and `overlap(b, a)` could differ.
         let (first, second) = (a.moved(self.0).gaps(b), a.gaps(&b.moved(self.0)));
         let (is_first, both) = (higher(a, b), [direct, first, second]);
         let wrapped = [0, 1].map(|axis| both[if is_first[axis] { 1 } else { 2 }][axis]);
@@ -175,9 +187,13 @@ impl<T: Scalar> Period<T> {
     pub fn is_first_overlap(&self, a: &Shape<T>, b: &Shape<T>, wrapped: [bool; 2]) -> bool {
         let gaps = self.gaps(a, b);
         let own = usize::from(wrapped[0]) + 2 * usize::from(wrapped[1]);
+        // A bit of an axis that is not periodic would mean a move by 0, the same combination once
+        // more.
         let exists = |which: &usize| {
             (which & 1 == 0 || self.is_along(0)) && (which & 2 == 0 || self.is_along(1))
         };
+        // Wide shapes may overlap in several images at once. The first combination that overlaps
+        // has the pair; in all later ones it is left out. So each pair is found once.
         (0..own).filter(exists).all(|which| {
             let gaps = [gaps[which & 1][0], gaps[which >> 1][1]];
             !overlap(gaps, a.radius + b.radius)
@@ -191,6 +207,7 @@ impl<T: Scalar> Period<T> {
         let is_first = higher(a, b);
         let (mut of_a, mut of_b) = ([T::ZERO; 2], [T::ZERO; 2]);
         for axis in 0..2 {
+            // Not at equal gaps: what need not be moved keeps its bits.
             if self.is_along(axis) && wrapped[axis] < direct[axis] {
                 let moved = if is_first[axis] { &mut of_a } else { &mut of_b };
                 moved[axis] = self.0[axis];
@@ -213,6 +230,8 @@ fn wrap<T: Scalar>(along: T, side: T) -> T {
     if along >= T::ZERO && along < side {
         return along + T::ZERO;
     }
+    // `fmod` is exact. `along - floor(along / side) * side` rounds three times, and may even give a
+    // number below 0.
     let rest = along.remainder(side);
     let wrapped = if rest < T::ZERO { rest + side } else { rest };
     // A tiny negative number is rounded up to the side.

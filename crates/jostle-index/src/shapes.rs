@@ -77,6 +77,9 @@ impl<V: Copy + PartialEq> Each<V> {
     /// One value for all if all rows are equal.
     fn simplified(self) -> Self {
         match &self {
+            // Only circles of one radius have the fast grid, and callers often pass a column of
+            // equal radii. The loop ends at the first difference, so it costs nothing where it does
+            // not help.
             Self::Rows(values) if values.iter().any(|value| *value != values[0]) => self,
             Self::Rows(values) => values.first().map_or(Self::default(), |&value| Self::One(value)),
             Self::One(_) => self,
@@ -177,6 +180,8 @@ impl<T: Scalar> Shapes<T> {
         filters: Option<[Each<u32>; 2]>,
     ) -> Result<Self> {
         let period = Period::default();
+        // Positions are checked first, so the first wrong argument in the order of the parameters
+        // is reported.
         let mut shapes = Self { centers, radii, half_sizes, boxes: None, filters, period };
         check_finite("centers", &shapes.centers)?;
         shapes.validate("centers")?;
@@ -227,6 +232,8 @@ impl<T: Scalar> Shapes<T> {
             for (corners, center) in boxes.iter_mut().zip(&mut self.centers) {
                 let [[min_x, min_y], [max_x, max_y]] = period.wrap_corners(self::corners(corners));
                 *corners = [min_x, min_y, max_x, max_y];
+                // Computed again from the moved corners: the tree sorts by the centre and tests the
+                // corners, so the two must belong together to the last bit.
                 *center = middle_of(corners);
             }
         } else {
@@ -305,6 +312,8 @@ pub fn fill_filters(
 pub fn half_of<T: Scalar>(distance: T) -> Result<T> {
     let [min, max] = T::RADII;
     let half = distance * T::from_f64(0.5);
+    // Half of the smallest number is 0, but it is not a distance of 0, and is refused. NaN fails
+    // all comparisons.
     if half == T::ZERO && distance == T::ZERO || (half >= min && half <= max) {
         return Ok(half);
     }
@@ -341,6 +350,7 @@ pub fn check_rects<T: Scalar>(argument: &'static str, rows: &[[T; 4]]) -> Result
 pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Result<()> {
     check_rects(argument, boxes)?;
     let half = T::from_f64(0.5);
+    // Halves are subtracted, since the width of a box from -1e308 to 1e308 is infinite.
     let fits = |min: T, max: T| max * half - min * half <= T::MAX_SIZE;
     let too_large = |row: &[T; 4]| !(fits(row[0], row[2]) && fits(row[1], row[3]));
     let Some(index) = boxes.iter().position(too_large) else { return Ok(()) };
@@ -353,6 +363,7 @@ pub fn check_boxes<T: Scalar>(argument: &'static str, boxes: &[[T; 4]]) -> Resul
 pub fn tuple<T: Scalar>(values: &[T]) -> String {
     let number = |v: &T| {
         let size = v.abs().to_f64();
+        // The limits of Python's `repr`: a message shows a number as its user would print it.
         if size < 1e16 && (size >= 1e-4 || size == 0.0) { v.to_string() } else { format!("{v:e}") }
     };
     let values: Vec<String> = values.iter().map(number).collect();
@@ -406,6 +417,8 @@ fn check_each<T: Scalar>(
     }
     let Some(index) = sizes.iter().position(|size| !fits(size)) else { return Ok(()) };
     let size = sizes[index];
+    // The value is a size, but out of range: then the limits help. Otherwise the rule without
+    // limits does.
     if size >= T::ZERO && size.is_finite() {
         return Err(Error::at(argument, index, format!("{size:e}"), rule));
     }

@@ -22,7 +22,16 @@ impl Barrier {
     /// Waits until every thread has arrived `times` times, this call of the current thread included.
     /// `pause` is called while it waits.
     pub fn wait(&self, times: usize, mut pause: impl FnMut()) {
+        // The counter is never set back. If it were, a thread still on its way out of one wait
+        // could miss that it was open, because a faster thread has begun the next wait. With a
+        // growing counter a wait that is open once stays open.
+        //
+        // Release, with the Acquire below: whatever a thread wrote before the barrier is seen by
+        // every thread after it. All arrivals are read-modify-writes of one counter, so a load that
+        // sees the last arrival also sees what came before all earlier ones.
         self.arrived.fetch_add(1, Ordering::AcqRel);
+        // `times` is counted by the thread itself. A count shared by all would need a second
+        // barrier.
         while self.arrived.load(Ordering::Acquire) < times * self.threads {
             pause();
         }
@@ -30,6 +39,8 @@ impl Barrier {
 
     /// Lets all threads pass from now on, because one of them will not arrive.
     pub fn open(&self) {
+        // The highest bit makes the counter larger than any number of arrivals, now and at every
+        // later wait. Nothing resets it: the group of threads ends with the panic that opened it.
         self.arrived.fetch_or(OPEN, Ordering::AcqRel);
     }
 }

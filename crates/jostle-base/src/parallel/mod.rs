@@ -32,6 +32,9 @@ pub fn for_tasks(threads: Option<usize>, count: usize, task: impl Fn(usize) + Sy
     if count > 1
         && let Some(team) = Team::of(threads)
     {
+        // Threads share a list of numbers, never of data: which thread runs a task is left to
+        // chance, what the task does is not. So the division of work has to depend on the data
+        // alone, and it does in each caller.
         return team.share(count, &task);
     }
     let _ = threads;
@@ -57,6 +60,8 @@ pub fn for_tasks_with<S: Send>(
     make: impl Fn() -> S + Sync + Send,
     task: impl Fn(usize, &mut S) + Sync + Send,
 ) -> Vec<S> {
+    // At most one state for each thread at work: a task takes one that lies idle, and makes one
+    // only if all are in use. The lock is held for a push or a pop, a small part of any task.
     let idle = Mutex::new(Vec::new());
     for_tasks(threads, count, |index| {
         let known = locked(&idle).pop();
@@ -76,6 +81,8 @@ pub fn map<R: Send>(
     if !is_parallel(threads) {
         return (0..count).map(task).collect();
     }
+    // A lock for each result, so no two tasks ever wait for each other. It costs a few nanoseconds,
+    // and it lets tasks write into one list without unsafe code.
     let results: Vec<Mutex<Option<R>>> = (0..count).map(|_| Mutex::default()).collect();
     for_tasks(threads, count, |index| *locked(&results[index]) = Some(task(index)));
     let result = |slot: Mutex<Option<R>>| slot.into_inner().ok().flatten();
@@ -88,10 +95,13 @@ pub fn for_each<T: Send>(
     items: impl Iterator<Item = T>,
     act: impl Fn(T) + Sync + Send,
 ) {
+    // A single item is run by the caller: nothing is allocated, and no thread is looked for.
     #[cfg(feature = "parallel")]
     if items.size_hint().1 != Some(1)
         && let Some(team) = Team::of(threads)
     {
+        // Each task takes its item out of its own lock. So an item need not be `Sync`, and may be a
+        // mutable slice.
         let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
         let act = |index: usize| locked(&items[index]).take().into_iter().for_each(&act);
         return team.share(items.len(), &act);
@@ -163,14 +173,25 @@ pub fn threads_for(
     sharing: usize,
     waking: usize,
 ) -> Option<usize> {
+    // The limits are those of the time that a second thread costs. A worker that is awake costs
+    // about two microseconds a stage, one that sleeps needs up to a millisecond. A shape takes 4 to
+    // 20 ns (docs/benchmarks-notes.md), so 4,096 shapes take 16 to 80 µs, and 65,536 take 0.3 to
+    // 1.3 ms.
     if work < sharing || threads == Some(1) {
         return Some(1);
     }
     #[cfg(feature = "parallel")]
     if let Some(team) = Team::of(threads) {
+        // In a large call a single task may take as long as a wait that means "the machine is
+        // busy". Such a wait says nothing about the machine (docs/benchmarks-notes.md, "Piles on
+        // two threads").
         team.expect_large(work >= LARGE * waking);
+        // Relaxed: a test sets the flag before it calls, on the same thread, and the flag publishes
+        // no data.
         if ALWAYS.load(Ordering::Relaxed) {
             team.wake();
+        // `is_held_up` counts this call as one of those on one thread, so it is asked only if its
+        // answer counts.
         } else if work < LARGE * waking && team.is_held_up() {
             return Some(1);
         } else if work >= waking {
@@ -187,6 +208,8 @@ pub fn threads_for(
 /// calls with long stages on one thread, in which the others would fall asleep.
 #[must_use]
 pub fn keep_awake(threads: Option<usize>, work: usize, waking: usize) -> impl Sized {
+    // It does not wake anyone. Who is awake stays so, and `threads_for` of the first stage wakes
+    // the rest.
     #[cfg(feature = "parallel")]
     let awake = if work < waking { None } else { Team::of(threads).map(Team::keep_awake) };
     #[cfg(not(feature = "parallel"))]
@@ -205,6 +228,8 @@ pub fn for_chunks<T: Send>(
     if items.len() > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
+        // A lock for each chunk hands a mutable slice to the thread that takes its number, without
+        // unsafe code. No lock is ever contended, because each number is taken once.
         let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
         let act = |index: usize| act(index * CHUNK, &mut locked(&chunks[index]));
         return team.share(chunks.len(), &act);
@@ -280,6 +305,7 @@ static FORKS: AtomicUsize = AtomicUsize::new(0);
 
 /// Number of forks between the process that loaded this library and the current one.
 pub fn forks() -> usize {
+    // Relaxed: the count changes only in a forked process, which has one thread at that time.
     FORKS.load(Ordering::Relaxed)
 }
 
@@ -287,6 +313,8 @@ pub fn forks() -> usize {
 /// parent do not exist in it.
 pub fn abandon_threads() {
     FORKS.fetch_add(1, Ordering::Relaxed);
+    // The era is made here, while the process has one thread. A lock that a thread of the parent
+    // held when the process was forked stays locked for ever; the new era has locks of its own.
     #[cfg(feature = "parallel")]
     team::Era::present();
 }

@@ -58,6 +58,9 @@ pub struct Awake(Arc<Workers>);
 
 impl Drop for Awake {
     fn drop(&mut self) {
+        // Relaxed, as all the counters of `Workers`: they decide who works and who sleeps, never
+        // what is computed. A worker that reads an old value sleeps a moment too late, or too early
+        // for one call.
         self.0.calls.fetch_sub(1, Ordering::Relaxed);
     }
 }
@@ -71,6 +74,8 @@ impl Team {
     /// thread works alone: one was requested, it is a worker itself, or the system cannot start
     /// threads.
     pub fn of(threads: Option<usize>) -> Option<Self> {
+        // A worker that asks for a team is inside a task of another call. It works alone: if it
+        // waited for workers, they could all be waiting for it.
         if threads == Some(1) || IS_WORKER.get() {
             return None;
         }
@@ -91,6 +96,8 @@ impl Team {
     /// Whether a call should use one thread, because threads had to wait for each other for long in
     /// an earlier call.
     pub fn is_held_up(&self) -> bool {
+        // Each call on one thread uses up one of the calls to make alone. At 0 the update fails,
+        // which means no.
         let next = |calls: usize| calls.checked_sub(1);
         self.0.alone.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next).is_ok()
     }
@@ -103,6 +110,8 @@ impl Team {
     /// Wakes the workers, so that they are ready for the work that follows.
     pub fn wake(&self) {
         let Workers { pool, idle, called, .. } = &*self.0;
+        // `called` is set until a worker has begun its loop, so a second call in that time does not
+        // queue another broadcast. The swap makes one caller of several the one that wakes.
         if idle.has(pool.current_num_threads()) || called.swap(true, Ordering::Relaxed) {
             return;
         }
@@ -113,11 +122,25 @@ impl Team {
     /// Runs `task(0)`, …, `task(count - 1)`. The caller starts; workers join while tasks are left.
     pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
+        // The protocol of a call:
+        //
+        // 1. The caller takes the first task at once and waits for nobody.
+        //
+        // 2. Before each further task it reserves the workers that have become idle meanwhile, and
+        // spawns one loop for each of them. A reserved worker is inside `poll_for_work` and stays
+        // there until it has run its loop. So spawned work never waits for a thread that sleeps.
+        //
+        // 3. All take numbers from `shares` until none is left.
+        //
+        // 4. The caller spins until `working` is 0. Every worker counts itself idle before it
+        // counts itself out of `working`: when the caller goes on, all are there for the next call.
         let mut absent = pool.current_num_threads();
         let shares = Shares::new(count, absent + 1);
         let working = AtomicUsize::new(0);
         let work = || {
             let _end = AtEnd { idle, working: &working };
+            // The index of the thread in its pool, not the order of joining: so a worker has the
+            // same share in each stage, and the data of its share in its cache.
             let thread = 1 + rayon::current_thread_index().expect("a worker");
             while let Some(index) = shares.take(thread) {
                 task(index);
@@ -127,13 +150,19 @@ impl Team {
             while let Some(index) = shares.take(0) {
                 let joining = idle.reserve(absent);
                 absent -= joining;
+                // Before the spawn, so the counter is never 0 while a spawned loop has yet to
+                // begin. Relaxed: the queue of rayon orders it before the loop, which subtracts.
                 working.fetch_add(joining, Ordering::Relaxed);
                 for _ in 0..joining {
                     scope.spawn(|_| work());
                 }
                 task(index);
             }
+            // The scope would wait too, but it would put the caller to sleep, and it does not poll
+            // for interruption.
             let attempts = self.0.wait_for(&working);
+            // A task of a large call may last longer than a long wait, on a machine that is not
+            // busy at all.
             if !self.0.is_large.load(Ordering::Relaxed) {
                 self.0.ended(attempts);
             }
@@ -145,13 +174,19 @@ impl Team {
     pub fn together(&self, most: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
         let most = if self.is_held_up() { 1 } else { most };
+        // The number of threads is fixed before the barrier is made. A worker that wakes up later
+        // cannot join: it would have to take part in every wait from the first on.
         let joining = idle.reserve(pool.current_num_threads().min(most.saturating_sub(1)));
         let group = Group { threads: joining + 1, barrier: Barrier::new(joining + 1), of: &self.0 };
+        // Every member needs an index below the number of threads, because it decides its share.
+        // Those of the pool may have gaps, since not all of its threads take part.
         let (joined, working) = (AtomicUsize::new(1), AtomicUsize::new(joining));
         pool.in_place_scope(|scope| {
             for _ in 0..joining {
                 scope.spawn(|_| {
                     let _end = AtEnd { idle, working: &working };
+                    // Relaxed: an addition gives each index once, and no data depends on who gets
+                    // which.
                     group.run(joined.fetch_add(1, Ordering::Relaxed), work);
                 });
             }
@@ -174,6 +209,9 @@ impl Group<'_> {
         struct Open<'a>(&'a Barrier);
         impl Drop for Open<'_> {
             fn drop(&mut self) {
+                // Without this the others would wait at the barrier for ever, and the panic would
+                // never reach the caller. They go on with what this thread left behind, but the
+                // result is thrown away by the panic.
                 if thread::panicking() {
                     self.0.open();
                 }
@@ -184,6 +222,8 @@ impl Group<'_> {
         let wait = || {
             waits.set(waits.get() + 1);
             let mut attempts = 0;
+            // Spinning without sleeping: a sub-step of a pile has hundreds of waits of a few
+            // microseconds. To sleep and be woken takes longer than the stage between two of them.
             self.barrier.wait(waits.get(), || pause(&mut attempts));
             self.of.waited(attempts);
         };
@@ -197,6 +237,8 @@ fn pause(attempts: &mut usize) {
     if attempts.is_multiple_of(ATTEMPTS_BETWEEN_YIELDS) {
         thread::yield_now()
     } else {
+        // A hint to the processor: the other thread of the core gets its units, and the loop ends
+        // without the penalty for a wrong guess of the order of memory.
         std::hint::spin_loop()
     }
 }
@@ -209,6 +251,10 @@ struct AtEnd<'a> {
 
 impl Drop for AtEnd<'_> {
     fn drop(&mut self) {
+        // In this order: a caller that sees nobody working has to find the worker idle, or the next
+        // stage would begin without it.
+        //
+        // Release, with the Acquire of `wait_for`: what the tasks wrote is seen by the caller.
         self.idle.enter();
         self.working.fetch_sub(1, Ordering::Release);
     }
@@ -220,6 +266,8 @@ impl Workers {
     fn wait_for(&self, working: &AtomicUsize) -> usize {
         let stop = Stop::current();
         let mut attempts = 0;
+        // Only the polls, not the result: an interrupted call still waits, because tasks borrow its
+        // data. They end early themselves, through their own `Stop`.
         while working.load(Ordering::Acquire) > 0 {
             pause(&mut attempts);
             if attempts.is_multiple_of(MAX_ATTEMPTS) {
@@ -233,6 +281,8 @@ impl Workers {
     fn waited(&self, attempts: usize) {
         if attempts >= LONG_WAIT {
             let (fewest, most) = CALLS_AFTER_LONG_WAIT.into_inner();
+            // Two threads that note a wait at once may lose one doubling. That is harmless in a
+            // guess.
             let calls = (2 * self.backoff.load(Ordering::Relaxed)).clamp(fewest, most);
             self.backoff.store(calls, Ordering::Relaxed);
             self.alone.store(calls, Ordering::Relaxed);
@@ -242,6 +292,8 @@ impl Workers {
     /// Notes how long a thread has waited for others at the end of a call.
     fn ended(&self, attempts: usize) {
         let backoff = self.backoff.load(Ordering::Relaxed);
+        // Each call that ends without a long wait takes one back, so the machine counts as quiet
+        // again after as many good calls as there were calls on one thread.
         if attempts < LONG_WAIT && backoff > 0 {
             self.backoff.store(backoff - 1, Ordering::Relaxed);
         }
@@ -257,13 +309,18 @@ impl Workers {
     /// longer if a call keeps the workers awake.
     fn poll_for_work(&self) {
         self.called.store(false, Ordering::Relaxed);
+        // A worker that is awake may take a second broadcast from the queue within its own loop. A
+        // loop inside the loop would count one thread twice.
         if IS_WORKER.replace(true) {
             return;
         }
         self.idle.enter();
         let mut attempts = 0;
+        // `leave` comes last, since it changes the count: it is called only by a worker that wants
+        // to sleep.
         while attempts < MAX_ATTEMPTS || self.is_kept_awake() || !self.idle.leave() {
             match rayon::yield_now() {
+                // Each task starts the time again: after one stage of a call the next follows soon.
                 Some(rayon::Yield::Executed) => attempts = 0,
                 _ => pause(&mut attempts),
             }
@@ -302,6 +359,8 @@ impl Pools {
             self.kept[..=index].rotate_right(1);
             return Some(self.kept[0].clone());
         }
+        // A system that refuses threads (a limit of the container) does so again. An attempt takes
+        // about as long as many small calls, so the next one is a thousand calls later.
         if self.refused > 0 {
             self.refused -= 1;
             return None;
@@ -319,6 +378,8 @@ impl Pools {
             calls: AtomicUsize::new(0),
             is_large: AtomicBool::new(false),
         };
+        // The pool used longest ago is dropped; its threads end when the last call that uses them
+        // does. A program uses one or two numbers of threads, and each idle pool costs only memory.
         self.kept.truncate(MAX_POOLS - 1);
         self.kept.insert(0, Arc::new(workers));
         Some(self.kept[0].clone())
@@ -341,6 +402,8 @@ impl Era {
     pub fn present() -> &'static Self {
         static FIRST: Era = Era::new();
         let next = |era: &'static Self| era.next.get_or_init(|| Box::new(Self::new()));
+        // Eras of parents are never dropped: to drop a pool means to wait for its threads, which do
+        // not exist in this process. A list that only grows also needs no lock to be read.
         (0..forks()).fold(&FIRST, |era, _| next(era))
     }
 

@@ -44,6 +44,9 @@ pub fn square_of_gaps<T: Scalar>([x, y]: [T; 2]) -> T {
 /// overlapping.
 #[inline(always)]
 pub fn overlap<T: Scalar>(gaps: [T; 2], radius_sum: T) -> bool {
+    // Squares are compared: a square root would cost more and round once more. The second part is
+    // for cores that overlap, whose distance counts as 0: with radii 0 nothing is below 0. `|` and
+    // `&` without branches, because the answer is hard to predict.
     (square_of_gaps(gaps) < radius_sum * radius_sum) | ((gaps[0] < T::ZERO) & (gaps[1] < T::ZERO))
 }
 
@@ -206,7 +209,13 @@ impl<T: Scalar> Bounds<T> {
     #[inline(always)]
     pub fn overlaps_unfiltered(&self, other: &Self, shift: [T; 2], min_gap: T) -> bool {
         let half_sizes = sum(self.half_size, other.half_size);
+        // The same operations in the same order as for two shapes, on numbers that are at most as
+        // large. Each operation is monotone, and its rounding too. So the gaps here are never above
+        // those of the shapes, and no tolerance is needed. A formula that is only equal in exact
+        // arithmetic would lose pairs.
         let gap_along = |axis: usize| {
+            // Subtracted from the coordinate, as `Shape::moved` does for the shapes. Added to the
+            // other side it would round differently.
             let own = [self.min[axis] - shift[axis], self.max[axis] - shift[axis]];
             gap(own, [other.min[axis], other.max[axis]]).max(min_gap) - half_sizes[axis]
         };
@@ -227,6 +236,7 @@ impl<T: Scalar> Bounds<T> {
 /// If the cores are disjoint, the normal joins their closest points. If they overlap, it is the
 /// axis of least penetration (separating axis test). For coincident centres it is +x.
 pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
+    // Both gaps of each axis, since which of them is the larger one tells on which side `b` lies.
     let above = [b.min[0] - a.max[0], b.min[1] - a.max[1]];
     let below = [a.min[0] - b.max[0], a.min[1] - b.max[1]];
     let sign = |axis: usize| if above[axis] < below[axis] { -T::ONE } else { T::ONE };
@@ -234,7 +244,9 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
     let radius_sum = a.radius + b.radius;
     let e = [d[0].max(T::ZERO), d[1].max(T::ZERO)];
     let length = length(e[0], e[1]);
+    // The cores are disjoint. `e` is the offset of their closest points, without signs.
     if length > T::ZERO {
+        // The squares of offsets near the ends of the range would overflow or vanish.
         let [into, _] = into_range(e[0].max(e[1]));
         let normal = [e[0] * into * sign(0), e[1] * into * sign(1)];
         // Scaled twice, so that the length is 1 for tiny and huge offsets too.
@@ -243,6 +255,7 @@ pub fn contact<T: Scalar>(a: &Shape<T>, b: &Shape<T>) -> ([T; 2], T) {
         let norm = (unit[0] * unit[0] + unit[1] * unit[1]).sqrt().recip();
         return ([unit[0] * norm, unit[1] * norm], radius_sum - length);
     }
+    // The cores overlap, so both gaps are at most 0. The gap nearest to 0 is the shortest way out.
     if d[0] < d[1] {
         ([T::ZERO, sign(1)], radius_sum - d[1])
     } else {

@@ -115,6 +115,8 @@ const fn two_to(exponent: i64) -> f64 {
 #[inline(always)]
 pub fn into_range<T: Scalar>(largest: T) -> [T; 2] {
     let [large, small, step] = T::RANGE;
+    // Powers of two change the exponent alone, so scaling rounds nothing. Not `hypot`: the
+    // libraries of systems round it differently.
     if largest > large {
         [step.recip(), step]
     } else if largest < small {
@@ -136,6 +138,9 @@ pub fn length<T: Scalar>(x: T, y: T) -> T {
 /// for a shape. With radius 0 both numbers must be 0.
 #[inline(always)]
 pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
+    // With radius 0 the squares of tiny numbers would vanish, and points at a distance would be
+    // inside. Valid radii above 0 are so large that a number whose square vanishes is inside in any
+    // case.
     if radius == T::ZERO { x.max(y) == T::ZERO } else { x * x + y * y <= radius * radius }
 }
 
@@ -144,6 +149,8 @@ pub fn within<T: Scalar>(x: T, y: T, radius: T) -> bool {
 pub fn middle<T: Scalar>(min: T, max: T) -> T {
     let half = T::from_f64(0.5);
     let sum = min + max;
+    // The sum of two numbers is rounded once and halved exactly. The other formula rounds twice
+    // near 0, where halves lose a bit; it is used only if the sum overflows, far from there.
     if sum.is_finite() { sum * half } else { min * half + max * half }
 }
 

@@ -40,6 +40,7 @@ impl<T: Scalar, I: Copy> Overlaps<T, I> {
             pulse.check(CONTACT_WORK)?;
             let [mut a, mut b] = shapes(pair);
             if !period.is_none() {
+                // The images by which the pair was found, so the depth is positive for each pair.
                 [a, b] = period.nearest_images(&a, &b);
             }
             let (normal, depth) = geometry::contact(&a, &b);
@@ -81,6 +82,8 @@ pub fn overlaps<T: Scalar>(
 fn indices_of<T: Scalar>(tree: &Quadtree<T>) -> Result<Vec<u32>> {
     let mut indices = memory::filled(tree.len(), 0)?;
     for (index, &row) in (0..).zip(tree.rows()) {
+        // The columns of a tree are in Morton order, the pairs are rows. The inverse of the
+        // permutation costs one pass; a search for each pair would cost more.
         indices[row as usize] = index;
     }
     Ok(indices)

@@ -35,6 +35,9 @@ impl Image {
         let all = choices(1).iter().flat_map(|&y| choices(0).iter().map(move |&x| Self([x, y])));
         let is_wanted = |image: &Self| match image.0 {
             [Neither, Neither] => false,
+            // Within one tree the pair (i, j) with j moved is the pair (j, i) with the first moved,
+            // and both orders are visited. Without this each pair across a border would be found
+            // twice.
             [Second, _] | [Neither, Second] => !is_same,
             _ => true,
         };
@@ -59,6 +62,9 @@ impl Image {
             Moved::Second => b_is_higher[axis],
         };
         let wrapped = self.0.map(|moved| moved != Moved::Neither);
+        // Only the higher shape of a pair is ever moved, as in `Period::gaps`: the formula has to
+        // be the same, to the last bit, or the tree and brute force could disagree about a pair
+        // that touches.
         is_higher(0) && is_higher(1) && period.is_first_overlap(&a, &b, wrapped)
     }
 }

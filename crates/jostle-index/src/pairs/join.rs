@@ -66,9 +66,13 @@ impl<'a, T: Scalar> Join<'a, T> {
         let mut found = self.run_direct(max_pairs, map, scratch)?;
         let period = self.a.period();
         debug_assert_eq!(period, self.b.period());
+        // The pairs of the plane without a period are found above. Each image is a join of its own,
+        // with the shapes of one side moved; `is_first` keeps a pair in one image only. Bounds far
+        // from the borders do not overlap in any image, so these joins end near the root.
         for image in Image::all(&period, self.is_same) {
             let [shift, other_shift] = image.shifts(&period);
             let join = Self { shift, other_shift, is_same: false, ..*self };
+            // Not negative: a join with more pairs than its limit is an error.
             let left = max_pairs - found.pairs.len();
             let shapes = |pair: [u32; 2]| {
                 let [a, b] = pair.map(|index| index as usize);
@@ -100,6 +104,8 @@ impl<'a, T: Scalar> Join<'a, T> {
         let shapes = if self.is_same { self.a.len() } else { self.a.len() + self.b.len() };
         let threads = parallel::worthwhile(self.a.settings().threads, shapes);
         let _awake = parallel::keep_awake(threads, shapes, parallel::WORTH_WAKING);
+        // One thread needs no tasks. The order of the pairs is the same: a task is replaced by its
+        // parts in their place, and the traversal of one task visits its parts in the same order.
         if parallel::is_parallel(threads) {
             self.split(tasks);
         }
@@ -123,6 +129,7 @@ impl<'a, T: Scalar> Join<'a, T> {
                     self.expand(task, &mut |part| parts.push(part));
                 }
             }
+            // As many as before: only leaves are left, or parts vanish as fast as they are made.
             if parts.len() == tasks.len() {
                 break;
             }
@@ -138,12 +145,20 @@ impl<'a, T: Scalar> Join<'a, T> {
     #[inline(always)]
     fn expand(&self, [a, b]: Task, push: &mut impl FnMut(Task)) {
         let (node_a, node_b) = (&self.a.nodes()[a as usize], &self.b.nodes()[b as usize]);
+        // Why no pair is lost or found twice: every shape is in exactly one child of a node. Of one
+        // node with itself the unordered pairs of children are taken, each with itself too. So a
+        // pair of shapes has one way down: as long as both are in one node, then in the one pair of
+        // children that has them.
+        //
+        // A task is left out only if the bounds of its nodes do not overlap, and bounds overlap
+        // wherever two of their shapes do.
         if self.is_same && a == b {
             for first in node_a.children() {
                 for second in first..node_a.children().end {
                     self.push([first as u32, second as u32], push);
                 }
             }
+        // One of two different nodes is expanded, so each pair of shapes goes to one of the parts.
         } else if node_b.is_leaf() || (!node_a.is_leaf() && self.first_is_larger(a, b)) {
             for child in node_a.children() {
                 self.push([child as u32, b], push);
@@ -162,6 +177,8 @@ impl<'a, T: Scalar> Join<'a, T> {
     fn first_is_larger(&self, a: u32, b: u32) -> bool {
         let (a, b) = (a as usize, b as usize);
         if self.is_same {
+            // Within a tree both nodes then have about as many shapes, so leaves meet leaves. A
+            // leaf against a large node would be tested against all its descendants.
             return self.a.nodes()[a].len() >= self.b.nodes()[b].len();
         }
         let width =
@@ -175,6 +192,7 @@ impl<'a, T: Scalar> Join<'a, T> {
         let (a, b) = (&self.a.bounds()[task[0] as usize], &self.b.bounds()[task[1] as usize]);
         let selected =
             self.mask.is_none_or(|mask| a.category & mask != 0 && b.category & mask != 0);
+        // Copied only if they are moved: this is the innermost test of the traversal.
         let moved;
         let b = if self.other_shift == [T::ZERO; 2] {
             b
@@ -245,12 +263,16 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
             if !join.is_leaf(task) {
                 let from = stack.len();
                 join.expand(task, &mut |part| stack.push(part));
+                // The last part pushed is the first popped. Reversed, the parts are visited in the
+                // order of the nodes, which is that of memory.
                 stack[from..].reverse();
             } else if join.is_same && first == second {
                 let leaf = &a.nodes()[first];
                 kernel.within_leaf(leaf.range(), a.strips(leaf), output);
             } else {
                 let bounds = [&a.bounds()[first], &b.bounds()[second]];
+                // Strips are known for the places where the shapes are. For moved leaves all shapes
+                // are packed by the kernel, which excludes the far ones anyway.
                 let ranges = if !is_moved {
                     [a.indices_near(first, bounds[1]), b.indices_near(second, bounds[0])]
                 } else {

@@ -237,6 +237,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     ) {
         let Scratch { packed: [packed_a, packed_b], row_hits } = scratch;
         let [shift, other_shift] = [self.shift, self.other_shift];
+        // Most shapes of a leaf are far from the other leaf. Those that overlap its bounds are
+        // packed side by side first, so the tests of all against all are few and their blocks full.
         let (bounds_a, bounds_b) = (first.bounds.moved(shift), second.bounds.moved(other_shift));
         for start in first.range.clone().step_by(CHUNK) {
             let rows = start..first.range.end.min(start + CHUNK);
@@ -250,6 +252,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 if packed_b.len > 0 {
                     self.packed::<CORE>(packed_a, packed_b, row_hits, output);
                 }
+                // Leaves of coincident points at `max_depth` may have a million shapes each, so
+                // this loop checks too.
                 if output.is_over(packed_a.len * (1 + packed_b.len)) {
                     return;
                 }
@@ -271,6 +275,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         for start in (0..packed_b.len.min(CHUNK)).step_by(LANES) {
             let others = self.load::<CORE>(&packed_b.padded(), start);
             let lanes = first_lanes(packed_b.len - start);
+            // The indices of packed shapes have gaps, so the pairs take them from a column instead
+            // of counting on.
             let indices = block(&packed_b.index, start);
             let allowed = |row: usize, bits: u32| {
                 let shape = self.a.shape(packed_a.index[row] as usize);
@@ -303,16 +309,23 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         to.len = 0;
         for start in rows.clone().step_by(LANES) {
             let mut shapes = self.load::<CORE>(&Rows::all(columns), start);
+            // Packed where they are after the move, by the same subtraction as in `Shape::moved`.
             shapes.x = simd.sub(shapes.x, simd.splat(shift[0]));
             shapes.y = simd.sub(shapes.y, simd.splat(shift[1]));
             if CORE == BOXES {
                 shapes.max_x = simd.sub(shapes.max_x, simd.splat(shift[0]));
                 shapes.max_y = simd.sub(shapes.max_y, simd.splat(shift[1]));
             } else {
+                // The compiler removes this where upper corners are not read: the kind is known at
+                // compile time.
                 [shapes.max_x, shapes.max_y] = [shapes.x, shapes.y];
             }
             let bits = self.lanes_near::<CORE>(&shapes, bounds) & first_lanes(rows.end - start);
+            // Always true that `len` is at most `CHUNK`, since no more rows come in. The minimum
+            // tells the compiler, which then leaves out the checks of the slices.
             let end = to.len.min(CHUNK);
+            // A whole block is written, of which the first numbers count; the next block overwrites
+            // the others.
             simd.pack(shapes.x, bits, block_mut(&mut to.x, end));
             simd.pack(shapes.y, bits, block_mut(&mut to.y, end));
             simd.pack(shapes.radius, bits, block_mut(&mut to.radius, end));
@@ -352,6 +365,9 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let mut gap = lanes::gap(simd, [bounds.min[axis], bounds.max[axis]], [min, max]);
         if CORE != BOXES {
             // The distance of two centres is never negative.
+            // A centre inside the bounds has a negative gap. For points the overlap test takes its
+            // square as a distance, so without the maximum such shapes would be left out, and pairs
+            // lost.
             gap = simd.max(gap, simd.splat(T::ZERO));
         }
         if CORE == POINTS {
@@ -388,6 +404,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     ) -> S::Block {
         let simd = self.simd;
         let gap = match CORE {
+            // The sign vanishes in the square, so no absolute value is needed.
             POINTS => return simd.sub(simd.splat(min), min_others),
             HALF_SIZES => simd.distance(simd.splat(min), min_others),
             _ => lanes::gap(simd, [min, max], [min_others, max_others]),
@@ -446,11 +463,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 [T::ZERO; 2]
             };
             let bits = self.hits::<CORE>([[x, y], max], half, radius, others) & wanted(row);
+            // Written in any case, and overwritten by the next row unless a bit is set. A branch on
+            // `bits` would be predicted wrongly about as often as there are hits. The remainder is
+            // the mask of a power of two, and spares the check of the index; there are at most that
+            // many rows.
             row_hits[count % MAX_ROW_HITS] = (row as u32, bits);
             count += usize::from(bits != 0);
         }
         let has_filters = self.a.has_filters() || self.b.has_filters();
         let found = count.min(MAX_ROW_HITS);
+        // Filters are applied to hits only: few pairs overlap, and filters agree in most scenes.
         if !has_filters || self.filters == Filters::Ignore {
             return &row_hits[..found];
         }
@@ -477,12 +499,16 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let mut end = last;
         while end > rows.start + 1 {
             let start = rows.start.max(end.saturating_sub(LANES));
+            // Blocks end at `last` and go downwards. The block with fewer lanes is then the first
+            // one, which is tested against the fewest rows.
             let lanes = first_lanes(end - start);
             let others = self.load::<CORE>(&Rows::all(self.b), start);
             let before = rows.end.min(end - 1);
             for first in (rows.start..before).step_by(CHUNK) {
                 let chunk = Rows::of(self.a, first..before.min(first + CHUNK));
                 let wanted = |row: usize| {
+                    // Only later lanes: each pair is tested from its first shape. The shift is
+                    // below 16; the minimum tells the compiler that it does not overflow.
                     lanes & u32::MAX << (first + row + 1).saturating_sub(start).min(31)
                 };
                 self.rows_with_block::<CORE>(
@@ -498,6 +524,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                     return;
                 }
             }
+            // Pairs, not lanes: the number that users see does not depend on the width of the
+            // instructions.
             let tests = (start..end).map(|other| other.min(rows.end) - rows.start);
             output.tests += tests.sum::<usize>() as u64;
             end = start;
@@ -593,12 +621,15 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         let has_filters = self.a.has_filters() && self.filters == Filters::Apply;
         let window = Rows::of(self.a, leaf.start..leaf.end + SPARE);
         for (rows, last) in strips {
+            // With more candidates than two blocks, a block that is loaded once for all rows takes
+            // less time than a window that begins anew at each row.
             if last - rows.start > MAX_STRIP_ROWS {
                 self.self_block_of::<CORE>(rows, last, output);
                 continue;
             }
             // The same number of blocks for each row: the branch is predictable.
             let blocks = (last - rows.start).saturating_sub(1).div_ceil(LANES);
+            // Reserved once for a strip, not in the innermost loop.
             let Some(spare) = output.spare(rows.len() * blocks * LANES) else { return };
             let mut count = 0;
             let mut tests = 0;
@@ -614,6 +645,8 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
                 };
                 tests += last - row - 1;
                 for block in 0..blocks {
+                    // Blocks begin after the row itself, not at multiples of sixteen: unaligned
+                    // loads cost little, and no lane is spent on earlier rows.
                     let start = row + 1 + block * LANES;
                     let others = self.load::<CORE>(&window, start - leaf.start);
                     let bits = self.hits::<CORE>([[x, y], max], half, window.radius[own], &others);
@@ -658,6 +691,7 @@ fn allowed<T: Scalar>(
     bits: u32,
 ) -> u32 {
     let mut agreeing = 0;
+    // Scalar code: it runs for hits of shapes with filters only.
     for_each_lane(bits, |lane| {
         let filter = if others.has_filters() {
             [others.category[row(lane)], others.mask[row(lane)]]

@@ -64,6 +64,8 @@ impl Budget {
     /// Returns an error if there are more than `max_pairs` pairs; `count` is the number of those in
     /// memory.
     fn check(&self, count: usize) -> Result<()> {
+        // Relaxed, as all atomics here: the count and the flag only end a search early. Which error
+        // is returned is decided afterwards, from what each thread has found.
         if self.count.load(Ordering::Relaxed).max(count) > self.max_pairs {
             return Err(Error::TooManyPairs { max_pairs: self.max_pairs });
         }
@@ -82,6 +84,8 @@ impl Budget {
     ) -> Result<Found> {
         let PairScratch { result, parts } = scratch;
         if !parallel::is_parallel(threads) {
+            // One thread writes straight into the memory of the result, so nothing is copied at the
+            // end.
             let part = Part { pairs: std::mem::take(result), ..parts.pop().unwrap_or_default() };
             let mut output = Output::new(self, map, part);
             (0..tasks).for_each(|task| work(task, &mut output));
@@ -89,6 +93,9 @@ impl Budget {
             return self.accept(output, parts);
         }
         let unused = Mutex::new(std::mem::take(parts));
+        // A list for each thread, not for each task: with one for each task half of the calls of
+        // the system were those of threads that waited for the memory allocator
+        // (docs/benchmarks-notes.md).
         let make = || Output::new(self, map, locked(&unused).pop().unwrap_or_default());
         let mut outputs = parallel::for_tasks_with(threads, tasks, make, |task, output| {
             if !self.failed.load(Ordering::Relaxed) {
@@ -97,6 +104,7 @@ impl Budget {
             }
         });
         *parts = unused.into_inner().unwrap_or_else(PoisonError::into_inner);
+        // One thread has done all tasks in their order: its list is the result.
         let in_order = outputs.len() == 1 && outputs[0].part.tasks.len() < 2;
         if let Some(only) = outputs.pop_if(|_| in_order) {
             return self.accept(only, parts);
@@ -132,8 +140,14 @@ impl Budget {
             tasks.iter().map(|(tasks, range)| (tasks.start, &pairs[range.clone()]))
         });
         let mut pieces: Vec<(usize, &[Pair])> = pieces.collect();
+        // Canonical order: by the number of the task, whoever has run it. A thread that ran
+        // adjacent tasks has one piece for all of them. Numbers differ, so an unstable sort has one
+        // result.
         pieces.sort_unstable_by_key(|piece| piece.0);
         if pairs.capacity() < count {
+            // The system maps a zeroed page when it is first written, here by the thread that
+            // copies to it. Filled with zeros by one thread, the pages would take longer than the
+            // copies.
             pairs = memory::zeroed(count)?;
         }
         pairs.resize(count, [0; 2]);
@@ -225,6 +239,8 @@ impl<'a> Output<'a> {
     /// Memory for `more` pairs and a spare block of [`LANES`]; None if the allocation fails.
     #[inline(always)]
     pub(super) fn spare(&mut self, more: usize) -> Option<&mut [Pair]> {
+        // Kernels write whole blocks and accept only the pairs at their beginning. So there has to
+        // be space for a block that is written and not accepted.
         let end = self.count + more + LANES;
         if end > self.part.pairs.len() && !self.grow(end) {
             return None;
@@ -237,6 +253,7 @@ impl<'a> Output<'a> {
     #[inline(always)]
     pub(super) fn accept(&mut self, count: usize) {
         self.count += count;
+        // The minimum makes a limit below a portion stop the search as early as a large one.
         if self.count - self.converted >= CONVERTED.min(self.budget.max_pairs) {
             self.convert();
         }
@@ -248,6 +265,8 @@ impl<'a> Output<'a> {
         let kept = (self.map)(&mut self.part.pairs[self.converted..self.count]);
         self.count = self.converted + kept;
         self.converted = self.count;
+        // A common counter that each task increments for each block would be in the cache of
+        // another core most of the time. With portions it is touched once for 65,536 pairs.
         if self.converted - self.reported >= REPORTED.min(self.budget.max_pairs) {
             self.report();
         }
@@ -257,6 +276,8 @@ impl<'a> Output<'a> {
     #[cold]
     fn grow(&mut self, end: usize) -> bool {
         let pairs = &mut self.part.pairs;
+        // The length grows to the capacity at once: kernels write to slices that must exist, and to
+        // lengthen the vector for each block would cost a call for each.
         let len = end.max(pairs.capacity()).max(2 * pairs.len()).max(CONVERTED);
         let grown = memory::resize(pairs, len, [0; 2]);
         grown.map_err(|error| self.fail(error.in_all(self.bytes_of_all()))).is_ok()
@@ -272,6 +293,8 @@ impl<'a> Output<'a> {
         let new = self.converted - self.reported;
         let before = self.budget.count.fetch_add(new, Ordering::Relaxed);
         self.reported = self.converted;
+        // Noticed by whichever thread reports last. The others find out at their own next report:
+        // at most 65,536 pairs each beyond the limit are in memory.
         if before + new > self.budget.max_pairs {
             self.over = Some(Over::TooMany);
         }
@@ -297,6 +320,7 @@ impl<'a> Output<'a> {
         self.convert();
         let end = self.count;
         match self.part.tasks.last_mut() {
+            // Adjacent tasks become one piece, so the list of pieces stays short.
             Some((tasks, range)) if tasks.end == task => (tasks.end, range.end) = (task + 1, end),
             last => {
                 let start = last.map_or(0, |(_, range)| range.end);

@@ -41,6 +41,9 @@ impl LineSegment {
     pub fn new([a, b]: [[f64; 2]; 2], least_radius: f64, margin: f64) -> Self {
         let offset = [0, 1].map(|k| b[k] - a[k]);
         let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        // float32 rounds a coordinate in proportion to its size, not to the length of the segment:
+        // far from the origin the margin has to be larger. 4e-6 is more than 60 roundings, and the
+        // test makes about ten.
         let size = [a, b].iter().flatten().map(|v| v.abs()).sum::<f64>();
         Self {
             start: a.map(|v| v as f32),
@@ -72,10 +75,15 @@ impl LineSegment {
         let [across, along] = self.seen([0, 1].map(|k| path.position[k] - self.start[k]));
         let [aside, ahead] = self.seen(path.displacement);
         let near_distance = self.near_distance(radius) + extent;
+        // Both ends of the path on one side of the line, and farther than the distance: then the
+        // whole path is, because it is straight. The same holds along the segment, before its start
+        // and behind its end.
         let is_beside = (across.min(across + aside) > near_distance)
             | (across.max(across + aside) < -near_distance);
         let is_before = along.max(along + ahead) < -near_distance;
         let is_behind = along.min(along + ahead) > self.length + near_distance;
+        // Corners beyond the ends of the segment are not excluded. That costs a few tests in
+        // float64, no more.
         !(is_beside | is_before | is_behind)
     }
 
@@ -87,6 +95,8 @@ impl LineSegment {
         let [x, y] = path.displacement;
         let margin = self.margin + extent;
         let is_beside = (along > margin) & (along < self.length - margin) & (across.abs() > margin);
+        // The distance grows along the path, and the angle is far above what float32 rounds. So
+        // rounding cannot have hidden an approach.
         is_beside & (across * aside > LEAVING * across.abs() * (x.abs() + y.abs()))
     }
 }
@@ -157,6 +167,8 @@ impl LineSegments {
             simd.add(simd.mul(simd.max(radius, least), scale), simd.add(margin, distance));
         let far_x = simd.add(simd.add(wide, simd.mul(u, length)), near_distance);
         let far_y = simd.add(simd.add(high, simd.mul(v, length)), near_distance);
+        // The half extent of the box across the segment. `u` and `v` are absolute values here,
+        // those of the unit vector along it; its normal is (-v, u).
         let aside = simd.add(simd.add(simd.mul(v, wide), simd.mul(u, high)), near_distance);
         simd.at_most(x, far_x) & simd.at_most(y, far_y) & simd.at_most(across, aside)
     }
@@ -212,11 +224,15 @@ impl Work<f32> for Leaf<'_, '_> {
             }
             let bounds = &circles.bounds()[number as usize];
             let gaps = [0, 1].map(|k| (own.min[k] - bounds.max[k]).max(bounds.min[k] - own.max[k]));
+            // By boxes here, by segments only at leaves of circles: a box is one test for a whole
+            // leaf of segments.
             if gaps[0].max(gaps[1]) > own.radius + bounds.radius + distance {
                 continue;
             }
             let node = &circles.nodes()[number as usize];
             if !node.is_leaf() {
+                // Only the second number is used: the stack is that of the pair search, whose
+                // memory is reused.
                 stack.extend(node.children().map(|child| [0, child as u32]));
                 continue;
             }
@@ -252,6 +268,7 @@ fn test<S: Simd<f32>>(
         let x = simd.sub(simd.load(block(&columns.x, start)), px);
         let y = simd.sub(simd.load(block(&columns.y, start)), py);
         let along = simd.add(simd.mul(x, ux), simd.mul(y, uy));
+        // The nearest point of the segment: the foot of the perpendicular, or an end.
         let along = simd.min(simd.max(along, zero), length);
         let [x, y] = [simd.sub(x, simd.mul(along, ux)), simd.sub(y, simd.mul(along, uy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));

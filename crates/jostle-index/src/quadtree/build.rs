@@ -81,6 +81,7 @@ impl<T: Scalar> Nodes<T> {
         }
         let builder = Builder { order, shapes, settings, in_strips, stop: Stop::current() };
         let root = Node { end: len as u32, ..Node::default() };
+        // Small trees are made in one piece: the parts of subtrees would be copied once more.
         if len <= LARGE {
             let Self { nodes, strips, ends, scratch, .. } = self;
             nodes.push(root);
@@ -88,6 +89,9 @@ impl<T: Scalar> Nodes<T> {
             return builder.fill_leaves(nodes, outputs, strips, ends, scratch);
         }
         self.nodes.push(root);
+        // The upper nodes. About 64 subtrees divide evenly enough among a few threads, and finding
+        // the upper nodes takes little time, because large nodes are split by the listed ends of
+        // groups.
         builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
         let Self { nodes, subtrees, .. } = self;
         let add =
@@ -105,6 +109,8 @@ impl<T: Scalar> Nodes<T> {
         memory::reserve(ends, more_ends)?;
         for (root, subtree, part) in subtrees.iter() {
             // The root of the subtree exists already; its other nodes are appended.
+            // Numbers in a part count from its start. The shift may be negative; modulo 2^32 it is
+            // right in any case.
             let node_shift = (nodes.len() as u32).wrapping_sub(subtree.nodes.start as u32 + 1);
             let strip_shift = (strips.len() as u32).wrapping_sub(subtree.strips.start as u32);
             let end_shift = (ends.len() as u32).wrapping_sub(subtree.ends.start as u32);
@@ -113,6 +119,9 @@ impl<T: Scalar> Nodes<T> {
                 Node { children: node.children.wrapping_add(shift), ..*node }
             };
             let (first, rest) = part.nodes[subtree.nodes.clone()].split_first().expect("a root");
+            // Subtrees come in the order of their shapes, not in that in which threads made them.
+            // So the list of nodes is the same on each number of threads, and parents still precede
+            // their children.
             nodes[root as usize] = moved(first);
             nodes.extend(rest.iter().map(moved));
             let leaves = &part.strips[subtree.strips.clone()];
@@ -136,6 +145,7 @@ impl<T: Scalar> Nodes<T> {
 
     /// Prepares the nodes for shapes whose radii are larger by `by`.
     pub fn grow(&mut self, by: T) {
+        // Rounding is monotone: the largest radius plus `by` is the largest of all sums.
         self.bounds.iter_mut().for_each(|bounds| bounds.radius = bounds.radius + by);
         self.strips.iter_mut().for_each(|strips| *strips = strips.reaching(by + by));
     }
@@ -155,6 +165,12 @@ impl<T: Scalar> Nodes<T> {
         };
         parallel::for_chunks(settings.threads, bounds, leaves);
         stop.check()?;
+        // Nested bounds: those of a node contain the bounds of its children, and each number is a
+        // minimum or a maximum of numbers of its shapes. Nothing is added or multiplied, so nothing
+        // is rounded, and `Bounds::overlaps` on them is never false where it is true for one of the
+        // shapes.
+        //
+        // Backwards, because children come after their parents.
         for (index, node) in nodes.iter().enumerate().rev() {
             if !node.is_leaf() {
                 let children = bounds[node.children()].iter().copied();
@@ -197,6 +213,8 @@ impl<T: Scalar> Builder<'_, T> {
         let before = nodes[0].start;
         for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
             pulse.check(node.len())?;
+            // Leaves are visited in the order of the nodes, so the number of strips so far is the
+            // index of the next.
             node.children = strips.len() as u32;
             let items = self.order.keyed[0].items(node.range());
             let from = (node.start - before) as usize;
@@ -221,8 +239,13 @@ impl<T: Scalar> Builder<'_, T> {
     #[inline(always)]
     fn split_here(&self, nodes: &mut Vec<Node>, max_len: usize) -> Result<()> {
         let mut pulse = Pulse::of(&self.stop);
+        // With `max_len` above the capacity only upper nodes are made; the rest is left for the
+        // subtrees.
         let max_len = max_len.max(self.settings.leaf_capacity);
         let mut next = nodes.len() - 1;
+        // The list of nodes is its own queue: children are appended and their turn comes later.
+        // This gives the invariant that parents precede children, and the siblings are next to each
+        // other in memory.
         while next < nodes.len() {
             let node = nodes[next];
             if node.len() > max_len && usize::from(node.depth) < self.settings.max_depth {
@@ -241,7 +264,12 @@ impl<T: Scalar> Builder<'_, T> {
         let node = &mut nodes[index];
         let (start, end) = (node.start as usize, node.end as usize);
         let mut keyed = &self.order.keyed[node.grid as usize];
+        // Items of one group may be unsorted. That changes nothing here: a node above the capacity
+        // either has several groups, and their leading bits differ, or its group was too large and
+        // has been sorted.
         let mut differing = keyed.key(start) ^ keyed.key(end - 1);
+        // All shapes are in one finest cell of this grid, so they have a grid of their own, unless
+        // they coincide.
         if differing == 0
             && let Some(finer) = self.order.finer(start, end)
         {
@@ -249,11 +277,16 @@ impl<T: Scalar> Builder<'_, T> {
             (node.grid, node.level) = (finer as u32, 0);
             differing = keyed.key(start) ^ keyed.key(end - 1);
         }
+        // Coincident shapes, or a short run. A split by index keeps leaves small, whatever the
+        // shapes: a leaf with a million coincident points would be tested against itself, a million
+        // times a million.
         if differing == 0 {
             return split_by_index(index, nodes);
         }
         // The level at which the first and the last key differ. The keys are sorted, so all agree
         // above.
+        // Levels at which all shapes are in the same quarter are skipped (path compression). So a
+        // node always has at least two children, and there are fewer nodes than shapes.
         node.level = (differing.leading_zeros() / 2) as u8;
         let shift = 2 * (GRID_LEVELS - 1 - u32::from(node.level));
         let level = node.level + 1;
@@ -273,6 +306,8 @@ fn split_by_index(index: usize, nodes: &mut Vec<Node>) {
 /// are the number of its quarter; all higher bits agree.
 #[inline(always)]
 fn quarters<T>(keyed: &Keyed<T>, start: usize, end: usize, shift: u32) -> [usize; 4] {
+    // A large node: three bounds are looked up among the listed starts of groups. The `& !3` clears
+    // the bits of the quarter, so what is left are the bits in which all keys of the node agree.
     let before = if end - start > FEW {
         let first = keyed.key(start) >> shift & !3;
         let before = |quarter: u32| keyed.first_at_least((first | quarter) << shift) - start;
@@ -297,6 +332,8 @@ fn append(index: usize, nodes: &mut Vec<Node>, sizes: [usize; 4], level: u8) {
     let mut start = parent.start;
     for size in sizes.into_iter().filter(|&size| size > 0) {
         let (end, depth) = (start + size as u32, parent.depth + 1);
+        // `grid` is that of the parent. `split` replaces it when the shapes of the child share a
+        // key.
         nodes.push(Node { start, end, children: 0, child_count: 0, depth, level, ..parent });
         start = end;
     }
@@ -382,6 +419,8 @@ fn extent<T: Scalar, S: Simd<T>>(simd: S, column: &[T], range: &Range<usize>, fi
         simd.load(block(column, range.end - LANES))
     };
     let (mut low, mut high) = (last, last);
+    // The last block is read first, so that no block is partly outside the range. A number that is
+    // read twice does not change a minimum.
     for start in (range.start..range.end.saturating_sub(LANES)).step_by(LANES) {
         let block = simd.load(block(column, start));
         (low, high) = (simd.min(low, block), simd.max(high, block));
@@ -389,6 +428,8 @@ fn extent<T: Scalar, S: Simd<T>>(simd: S, column: &[T], range: &Range<usize>, fi
     let (mut lows, mut highs) = ([first; LANES], [first; LANES]);
     simd.store(low, &mut lows);
     simd.store(high, &mut highs);
+    // Pairs of halves: four dependent steps instead of fifteen. Minima of numbers that are not NaN
+    // do not depend on the order.
     for width in [8, 4, 2, 1] {
         for lane in 0..width {
             lows[lane] = lows[lane].min(lows[lane + width]);

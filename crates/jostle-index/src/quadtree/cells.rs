@@ -88,6 +88,9 @@ impl<T: Scalar> Quadtree<T> {
         }
         for (index, node) in self.nodes().iter().enumerate() {
             pulse.check(CELL_WORK)?;
+            // The cell of a finer grid is fitted to its shapes and may extend beyond the cell of
+            // its parent. Parents come first in the list, so a cell is cut by all that are above
+            // it.
             for child in node.children() {
                 cells[child] = intersection(cells[child], cells[index]);
             }
@@ -105,6 +108,7 @@ impl<T: Scalar> Quadtree<T> {
 
     /// The box around the centres of a node's shapes.
     pub(super) fn centers_within(&self, node: usize) -> Cell {
+        // Shapes given by their centres: the bounds of a node are those of the centres themselves.
         if !self.columns.has_boxes() {
             let Bounds { min, max, .. } = self.bounds()[node];
             return [min[0], min[1], max[0], max[1]].map(T::to_f64);

@@ -28,11 +28,18 @@ impl Grid {
     pub fn around(min: [f64; 2], max: [f64; 2]) -> Self {
         let widest =
             |scale: f64| (max[0] * scale - min[0] * scale).max(max[1] * scale - min[1] * scale);
+        // The extent of finite numbers may be infinite: from -1e308 to 1e308. An eighth of it is
+        // not. Extents near the smallest number would make the cells of finer grids vanish, so they
+        // are multiplied. Powers of two round nothing, except numbers that are far below the size
+        // of a cell.
         let prescale = match widest(0.125) {
             extent if extent > 1e300 => 0.125,
             extent if extent < 1e-280 => 2f64.powi(64),
             _ => 1.0,
         };
+        // The origin lies up to an eighth of the side below the smallest centre. The other seven
+        // eighths have to contain the extent. If the origin were the smallest centre itself, one
+        // moving disc at the edge would shift all cells, and with them the tree, in every step.
         let side = power_of_two_at_least(widest(prescale) * (8.0 / 7.0));
         let step = side / 8.0;
         let origin = [0, 1].map(|axis| (min[axis] * prescale / step).floor() * step);
@@ -49,16 +56,23 @@ impl Grid {
         // Below this side the corners of a grid are no numbers of their own.
         let farthest = min.iter().chain(&max).fold(0.0f64, |most, v| most.max(v.abs()));
         let mut side = side.max(power_of_two_at_least(farthest) * 2f64.powi(-40)) * 0.5;
+        // A square whose corners are multiples of its side lies on one side of both axes. So it can
+        // contain only centres on one side.
         if [0, 1].iter().all(|&k| (min[k] < 0.0) == (max[k] < 0.0)) {
             // It ends at the latest where the corner is the origin.
             while side.is_finite() {
                 let cell = |v: [f64; 2]| v.map(|v| (v / side).floor());
+                // Both corners in one cell: so are all centres between them, because the rounding
+                // of `floor` is monotone. The first such side is the smallest one.
                 if cell(min) == cell(max) {
                     return Self { prescale, origin: cell(min).map(|v| v * side), side };
                 }
                 side *= 2.0;
             }
         }
+        // A square around the origin contains every smaller one of either kind, so the orders
+        // agree. The factor is for a centre at exactly the upper corner. It would be clamped into
+        // the last cell, and its order would differ from that in a larger square.
         let half = power_of_two_at_least(farthest * (1.0 + f64::EPSILON));
         Self { prescale, origin: [-half; 2], side: 2.0 * half }
     }
@@ -87,11 +101,16 @@ impl Grid {
     /// The keys of some centres, given as columns, so that the compiler vectorizes the loop.
     #[inline(always)]
     pub fn keys<const COUNT: usize>(&self, x: &[f64; COUNT], y: &[f64; COUNT]) -> [u32; COUNT] {
+        // The side is a power of two, so the factor is exact: the only rounding is that of the
+        // difference. Rounding is monotone, so a larger coordinate never has a smaller cell.
         let cells = f64::from(1u32 << GRID_LEVELS) / self.side;
         let index = |along: f64, axis: usize| {
             cell_index((along * self.prescale - self.origin[axis]) * cells)
         };
         let mut keys = [0; COUNT];
+        // Arrays and a plain loop: with iterators and closures the compiler makes scalar code.
+        // Sixteen centres at a time take 13.5 instead of 17 ns a shape for the tree
+        // (docs/benchmarks-notes.md).
         for lane in 0..COUNT {
             keys[lane] = morton::key(index(x[lane], 0), index(y[lane], 1));
         }
@@ -111,6 +130,8 @@ impl Grid {
     pub fn compare(&self, a: [f64; 2], b: [f64; 2]) -> Ordering {
         let mut grid = *self;
         for _ in 0..NESTED {
+            // Each grid continues in the cell of the one before: together they are one very fine
+            // grid.
             let keys = [a, b].map(|center| grid.key(center));
             if keys[0] != keys[1] || a == b {
                 return keys[0].cmp(&keys[1]);
@@ -145,14 +166,20 @@ pub fn nearest_integer(number: f64) -> u32 {
 #[inline(always)]
 fn cell_index(along: f64) -> u32 {
     const LAST: f64 = ((1u32 << GRID_LEVELS) - 1) as f64;
+    // The comparison is false for NaN, which becomes 0. So each line is one instruction. `clamp`
+    // keeps NaN and takes more.
     let along = if along > 0.0 { along } else { 0.0 };
     let along = if along < LAST { along } else { LAST };
+    // The sum has no bits for a fraction, so this rounds to the nearest integer. If it went up, one
+    // less is the integer part. There is no instruction for floor with SSE2.
     let rounded = (along + SHIFTER) - SHIFTER;
     nearest_integer(rounded - if rounded > along { 1.0 } else { 0.0 })
 }
 
 /// Smallest power of two that is at least `value`, for positive normal values.
 fn power_of_two_at_least(value: f64) -> f64 {
+    // The exponent without the fraction: the power of two that is at most `value`. No logarithm,
+    // because the mathematical libraries of systems round it differently.
     let floor = f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000);
     if floor < value { floor * 2.0 } else { floor }
 }

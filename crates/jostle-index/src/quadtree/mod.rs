@@ -127,6 +127,7 @@ impl<T: Scalar> Quadtree<T> {
         tie: &order::Tie<'_>,
     ) -> Result<()> {
         let built = self.rebuild_unchecked(shapes, settings, tie);
+        // The check takes longer than the build, so trees of long tests would make them too slow.
         debug_assert!(self.len() > CHECKED || self.check() == Ok(()), "{:?}", self.check());
         built
     }
@@ -168,8 +169,11 @@ impl<T: Scalar> Quadtree<T> {
         self.settings = settings;
         self.period = shapes.period;
         let threads = parallel::worthwhile(settings.threads, shapes.len());
+        // The upper nodes and the joining of subtrees use one thread. Without this the others could
+        // fall asleep meanwhile, and each stage after it would have to wake them.
         let _awake = parallel::keep_awake(threads, shapes.len(), parallel::WORTH_WAKING);
         let built = self.build_here(shapes, unsorted, tie, threads);
+        // Half of a tree could have ranges beyond the columns. An empty one answers every query.
         if built.is_err() {
             self.clear();
         }
@@ -183,12 +187,31 @@ impl<T: Scalar> Quadtree<T> {
         tie: &order::Tie<'_>,
         threads: Option<usize>,
     ) -> Result<()> {
+        // The stages and what each hands on:
+        //
+        // 1. The order: rows and centres sorted by Morton key, as far as a leaf needs it. After it
+        // a node of the tree is a range of indices, and nothing is moved between nodes.
+        //
+        // 2. Nodes: each is split where the keys of its range change. Leaves sort their shapes into
+        // strips and write rows and centres to the columns, so both are read once.
+        //
+        // 3. The other columns are gathered by row.
+        //
+        // 4. Bounds, from the leaves up. They need the columns, not the keys.
+        //
+        // Canonical order: the order comes from the keys, the coordinates and `tie`, so a
+        // permutation of the input permutes `rows` and changes nothing else. The tree is the same
+        // for each number of threads, because every division of work depends on the number of
+        // shapes alone.
         let settings = Settings { threads, ..self.settings };
         self.order.sort(shapes, tie, unsorted, threads)?;
+        // Taken out, because the leaves write the rows while they read the keys of the same order.
         let mut rows = std::mem::take(&mut self.order.rows);
         memory::resize(&mut rows, shapes.len(), 0)?;
         let [x, y] = self.columns.centers_mut(shapes.len())?;
         let outputs = strips::Outputs { rows: &mut rows, x, y };
+        // Strips change the order within a leaf, so only a caller that allows unsorted groups gets
+        // them. The others need the Morton order in the leaves too.
         let built = self.built.build(&self.order, shapes, outputs, &settings, unsorted > 0);
         self.order.rows = rows;
         built?;
@@ -242,9 +265,12 @@ impl<T: Scalar> Quadtree<T> {
     /// own shapes could overlap.
     #[inline(always)]
     pub fn strips(&self, leaf: &Node) -> impl Iterator<Item = (Range<usize>, usize)> {
+        // A leaf has no children, so the field holds the index of its strips instead.
         let strips = &self.built.strips[leaf.children as usize];
         let ends = &self.built.ends[strips.ends()];
         let mut start = leaf.start as usize;
+        // Only strips after the own one: a pair is found from the lower of its two strips, so from
+        // one side only.
         ends.iter().enumerate().map(move |(strip, &end)| {
             let indices = start..end as usize;
             start = end as usize;
@@ -283,6 +309,8 @@ impl<T: Scalar> Quadtree<T> {
             settings: self.settings,
             period: self.period,
         };
+        // Only radii change, and by the same number. So the order, the nodes and which shapes they
+        // have stay as they are. A copy costs far less than a new tree.
         grown.columns.grow(by);
         grown.built.grow(by);
         Ok(grown)
@@ -305,6 +333,8 @@ const CHECKED: usize = 500;
 /// Compares shapes with coincident centres by all their other values.
 fn compare_shapes<T: Scalar>(shapes: &Shapes<T>, a: usize, b: usize) -> Ordering {
     let (a, b) = (shapes.shape(a), shapes.shape(b));
+    // All values that can make two shapes with one centre differ. Shapes that are equal in all of
+    // them may be exchanged without any effect, so they may stay in the order of their rows.
     let sizes = |Shape { min, max, half_size, radius, .. }: &Shape<T>| {
         [*radius, half_size[0], half_size[1], min[0], min[1], max[0], max[1]]
     };

@@ -93,6 +93,8 @@ impl<T: Scalar> Order<T> {
     ) -> Result<()> {
         let len = shapes.len();
         interrupt::check()?;
+        // The grid of all shapes is kept for its memory. Finer grids are dropped: how many there
+        // will be, and how large, is different each time.
         let mut root = self.keyed.drain(..).next().unwrap_or_default();
         (root.start, root.end) = (0, len);
         self.finer.clear();
@@ -104,6 +106,8 @@ impl<T: Scalar> Order<T> {
         let centers = &shapes.centers;
         let extent = extent_of(centers);
         let known = grid_around(self.extent.unwrap_or(extent), self.is_nested);
+        // All centres coincide. Any grid with finite numbers will do, because the keys of all are
+        // equal in it.
         let grid = known.unwrap_or(Grid::at(centers[0].map(T::to_f64)));
         let precision = match unsorted {
             0 => Precision::Full,
@@ -112,6 +116,7 @@ impl<T: Scalar> Order<T> {
         self.sort_by_key(&mut root, threads, precision, &Centers { grid, centers }, &mut open)?;
         self.keyed.push(root);
         let mut pulse = Pulse::current();
+        // A queue instead of recursion: with clusters in clusters the depth follows from the data.
         while let Some(range) = open.pop_front() {
             pulse.check(range.len())?;
             self.resolve(range, tie, threads, &mut open)?;
@@ -170,15 +175,26 @@ impl<T: Scalar> Order<T> {
     ) -> Result<()> {
         let (root, is_nested) = (self.keyed[0].grid, self.is_nested);
         let items = &mut self.keyed[0].items[range.clone()];
+        // In a grid of their own, fitted to them, most shapes of a cluster get keys of their own at
+        // once. For a few shapes the search of the extent and another sort cost more than
+        // comparisons.
         let finer = match items.len() {
             0..=SHORT_RUN => None,
+            // A fitted grid would depend on which other shapes are in the cell. The cells of the
+            // first grid do not.
             _ if is_nested => cell_of(root, items),
             _ => grid_of(items),
         };
+        // Few shapes, or coincident ones, or coordinates so close that not even `NESTED` grids
+        // separate them. The comparison ends with the row, so that it is a total order: without one
+        // the result of an unstable sort is not defined.
         let Some(grid) = finer.filter(Grid::is_finite) else {
             items.sort_unstable_by(|a, b| {
                 let ([a_x, a_y], [b_x, b_y]) = (a.center, b.center);
                 let nested = || root.compare(a.center.map(T::to_f64), b.center.map(T::to_f64));
+                // Short runs, too, must be in Morton order if the order of two shapes may not
+                // depend on a third: with one more shape in its cell the same pair would be sorted
+                // by keys.
                 let by_cell = if is_nested { nested() } else { Ordering::Equal };
                 let by_x = by_cell.then_with(|| a_x.total_order(&b_x));
                 let by_position = by_x.then_with(|| a_y.total_order(&b_y));
@@ -189,14 +205,19 @@ impl<T: Scalar> Order<T> {
         };
         let Range { start, end } = range;
         let mut keyed = Keyed { start, end, ..Keyed::default() };
+        // A copy, since the sorted items are written over those that are read.
         let items = memory::collect(items.iter().copied())?;
         let source = Items { grid, items: &items };
         self.sort_by_key(&mut keyed, threads, Precision::Full, &source, open)?;
         for (item, finer) in self.keyed[0].items[start..end].iter_mut().zip(&keyed.items) {
+            // The shape moves, the key stays: keys of the first grid must remain ascending, because
+            // the upper nodes are found in them. The finer keys are in an entry of their own.
             *item = Item { key: item.key, ..*finer };
         }
         let entries = self.finer.len() + 1;
         self.finer.try_reserve(1).map_err(|e| memory::no_memory::<[usize; 4]>(&e, entries))?;
+        // The builder reaches this range as a node whose keys are all equal, and asks for it by its
+        // ends. The map is never iterated, so its order has no effect.
         self.finer.insert((start, end), self.keyed.len());
         memory::push(&mut self.keyed, keyed)
     }
@@ -217,6 +238,7 @@ impl<T: Scalar> Order<T> {
         self.sorter.sort(threads, precision, source, items, parts, equal)?;
         let ranges = open.len() + equal.len();
         open.try_reserve(equal.len()).map_err(|e| memory::no_memory::<Range<usize>>(&e, ranges))?;
+        // The ranges count from the first item of this grid, `open` from the first of all.
         open.extend(equal.iter().map(|range| keyed.start + range.start..keyed.start + range.end));
         Ok(())
     }
@@ -313,6 +335,8 @@ impl<T: Scalar> Work<T> for Keys<'_, T> {
 /// The fraction of a grid that the bounding box of the centres covers, at least 0.001.
 fn occupied<T: Scalar>(grid: &Grid, [min, max]: [[T; 2]; 2]) -> f64 {
     let [width, height] = [0, 1].map(|axis| grid.fraction(max[axis].to_f64(), min[axis].to_f64()));
+    // Centres on a line cover nothing. Without a limit the expected number of groups would be
+    // infinite.
     (width * height).clamp(1e-3, 1.0)
 }
 
@@ -332,6 +356,7 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
     fn run<S: Simd<T>>(self, simd: S) -> Self::Out {
         let numbers = self.0.as_flattened();
         let (blocks, rest) = numbers.as_chunks::<LANES>();
+        // The first centre in all lanes: a lane that gets no other number then changes nothing.
         let mut lows: [T; LANES] = std::array::from_fn(|lane| numbers[lane % 2]);
         let mut highs = lows;
         let (mut low, mut high) = (simd.load(&lows), simd.load(&lows));
@@ -341,6 +366,7 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
         }
         simd.store(low, &mut lows);
         simd.store(high, &mut highs);
+        // The rest begins after whole blocks, at an even number, so x is at even places in it too.
         let of_axis = |lanes: &[T; LANES], axis: usize, both: fn(T, T) -> T| {
             let all = lanes.iter().chain(rest).skip(axis).step_by(2).copied();
             all.reduce(both).unwrap_or(numbers[axis])
@@ -369,6 +395,7 @@ fn cell_of<T: Scalar>(root: Grid, items: &[Item<T>]) -> Option<Grid> {
     for _ in 0..NESTED {
         let key = |item: &Item<T>| grid.key(item.center.map(T::to_f64));
         let first = key(&items[0]);
+        // A grid in which all shapes share a key divides nothing, so it is skipped.
         if !items.iter().all(|item| key(item) == first) {
             return Some(grid);
         }

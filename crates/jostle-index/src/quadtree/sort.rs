@@ -55,6 +55,10 @@ impl Precision {
         match self {
             Self::Full => KEY_BITS,
             Self::Groups { max, occupied } => {
+                // With evenly spread shapes the groups vary around their mean. Groups above `max`
+                // are sorted in full. A larger mean makes more of these, a smaller one makes more
+                // groups than the tree has leaves. That a leaf is sorted no further takes the tree
+                // from 16 to 8.5 ns a shape (docs/benchmarks-notes.md).
                 let groups = len as f64 / (MEAN_GROUP * max as f64 * occupied);
                 // Two bits for each subdivision.
                 let suffices = |bits: &u32| f64::from(1 << bits) >= groups;
@@ -86,6 +90,13 @@ impl Parts {
         let known = match self.bits {
             0 => 0..items.len(),
             bits => {
+                // All keys of the parts before this one are below `bound`, those of later parts
+                // above. So at most one part is searched, and none if the bound is where a part
+                // begins.
+                //
+                // A part whose items are not sorted is never searched: it fits into a leaf, and
+                // only the ends of quarters of larger nodes are asked for, which are ends of parts
+                // then.
                 let part = (bound >> (KEY_BITS - bits)) as usize;
                 if bound << bits == 0 {
                     return self.starts[part] as usize;
@@ -151,6 +162,9 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         equal.clear();
         let len = source.len();
         memory::resize(items, len, Item::default())?;
+        // No partition: its counters and blocks cost the same for two shapes as for a thousand. A
+        // space builds trees of a few shapes in each update. `benchmarks/small.py` measures such
+        // calls.
         if len <= SMALL {
             memory::resize(&mut self.partition.keys, len, 0)?;
             let keys = &mut self.partition.keys[..len];
@@ -164,7 +178,13 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
             items.sort_unstable_by_key(Item::rank);
             return equal_keys(items, 0, equal);
         }
+        // Blocks of about 4,096 items, so that a block with its counters fits into the second-level
+        // cache. With half of that a tree of a million shapes takes 21.9 instead of 17.4 ns a
+        // shape.
         let bits = (len / BLOCK).next_power_of_two().trailing_zeros();
+        // At most 1,024 blocks: the partition writes to as many places in turn, and the processor
+        // keeps only a limited number of lines and pages at hand. At least 16, so that several
+        // threads have work.
         let bits = bits.clamp(MIN_BLOCK_BITS, MAX_BLOCK_BITS);
         self.partition.fill(threads, source, bits)?;
         self.sort_blocks(threads, precision, items, bits, parts, equal)
@@ -186,7 +206,12 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         partition.find_starts(starts)?;
         let source = Blocks(partition);
         // Two bits for each subdivision; blocks may have an odd number of bits.
+        // At least the bits of a block: blocks are gathered one by one, so no group has items of
+        // two.
         let group_bits = precision.bits(len).max(bits + bits % 2);
+        // The starts of groups are listed, because they are found by the way. The builder then
+        // needs no binary search for the ends of its upper nodes: 8.8 → 5.9 ns on two threads. A
+        // full sort has no groups.
         parts.bits = if group_bits < KEY_BITS { group_bits } else { bits };
         memory::resize(&mut parts.starts, (1 << parts.bits) + 1, 0)?;
         let how = BlockSort { bits, group_bits, listed: parts.bits - bits, precision };
@@ -195,11 +220,13 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         let make = || locked(spare).pop().unwrap_or_default();
         let sort = |task, scratch: &mut Scratch<T>| {
             if let Err(error) = source.sort(task, how, &stop, scratch) {
+                // Any of the errors will do: each is a failed allocation or the interruption.
                 *locked(&failed) = Err(error);
             }
         };
         let mut result = Ok(());
         parallel::for_each_with(threads, tasks, make, sort, |mut scratch| {
+            // The lists of all threads are joined here, on the caller, one after the other.
             match memory::reserve(equal, scratch.equal.len()) {
                 Ok(()) => equal.append(&mut scratch.equal),
                 Err(error) => result = Err(error),
@@ -249,6 +276,8 @@ impl<T: Copy + Default> Blocks<'_, T> {
             self.sort_block(block, sorted, start, how, scratch)?;
             let ends = ends.next().expect("ends for each block");
             ends.fill(0);
+            // Counted again, not taken from the counters of the sort: these may have fewer bits
+            // than are listed, or there are none if the block was large.
             sorted.iter().for_each(|item| ends[leading(item.key, how.bits, how.listed)] += 1);
             let mut end = start as u32;
             for sum in ends {
@@ -269,6 +298,9 @@ impl<T: Copy + Default> Blocks<'_, T> {
         scratch: &mut Scratch<T>,
     ) -> Result<()> {
         let BlockSort { bits, group_bits, precision, .. } = how;
+        // Most of the shapes are in a small part of the plane. One pass by counting would leave
+        // groups of thousands to the comparison sort; passes over all bits take a time that is
+        // proportional to the number.
         if sorted.len() > LARGE_BLOCK {
             scratch.collected.clear();
             memory::reserve(&mut scratch.collected, sorted.len())?;
@@ -277,18 +309,26 @@ impl<T: Copy + Default> Blocks<'_, T> {
             sorted.copy_from_slice(&scratch.collected);
             return equal_keys(sorted, start, &mut scratch.equal);
         }
+        // At most four counters for each item: a sparse block would spend its time on clearing
+        // empty counters.
         let max_bits = (2 * sorted.len()).next_power_of_two().trailing_zeros();
         let next = (group_bits - bits).min(max_bits);
+        // The counters do not reach the bits of a group. Then what they separate are several
+        // groups, which need to be in their order among each other.
         let precision = if bits + next < group_bits { Precision::Full } else { precision };
         let ends = &mut scratch.counts;
         ends.resize(1 << next, 0);
         let items = self.0.pieces(block).flatten();
+        // Stable, and the pieces come in the order of the source. So items of one group stay in
+        // ascending order of their rows, which is the order that `Precision` promises.
         counting_sort(items, |item| leading(item.key, bits, next), |item| *item, ends, sorted);
         let mut from = 0;
         for &end in &*ends {
             let end = end as usize;
             if !precision.accepts(end - from) {
                 let group = &mut sorted[from..end];
+                // By far the most frequent length; the call of the library's sort costs more than
+                // the comparison.
                 if let [a, b] = group {
                     if a.rank() > b.rank() {
                         std::mem::swap(a, b);
@@ -316,6 +356,8 @@ impl<T: Copy + Default> Blocks<'_, T> {
         let (mut first, mut start) = (0, 0);
         (1..=blocks).filter_map(move |end| {
             let size = starts[end] as usize - start;
+            // Blocks are joined until a task is large enough. Borders depend on the sizes of blocks
+            // only, so tasks are the same on each number of threads. The last task may be small.
             if size < min_size && end < blocks {
                 return None;
             }
@@ -351,6 +393,8 @@ fn radix_sort<T: Copy + Default>(items: &mut Vec<Item<T>>, spare: &mut Vec<Item<
     const BITS: u32 = 11;
     spare.clear();
     memory::resize(spare, items.len(), Item::default())?;
+    // Three passes of 11 bits cover the 32 of a key; two of 16 would need counters that exceed the
+    // first-level cache. Each pass is stable, so equal keys stay in ascending order of their rows.
     for pass in 0..3 {
         let digit = |item: &Item<T>| (item.key >> (pass * BITS)) as usize & ((1 << BITS) - 1);
         let mut ends = [0; 1 << BITS];
@@ -366,6 +410,7 @@ fn equal_keys<T>(items: &[Item<T>], start: usize, equal: &mut Vec<Range<usize>>)
         if pair[0].key == pair[1].key {
             let at = start + index;
             match equal.last_mut() {
+                // The run before this pair ends with its first item, so the pair lengthens it.
                 Some(last) if last.end == at + 1 => last.end += 1,
                 _ => memory::push(equal, at..at + 2)?,
             }

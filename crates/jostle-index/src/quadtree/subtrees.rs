@@ -55,16 +55,22 @@ impl<T: Clone + Default + Send> Subtrees<T> {
         parts.iter_mut().for_each(Part::clear);
         let failed = Mutex::new(Ok(()));
         let idle = Mutex::new(parts);
+        // The outputs are cut at the ends of the subtrees, which are in the order of their shapes.
+        // So each task owns the part of the columns that it writes.
         let mut tasks = roots.iter().enumerate().map(|(task, &root)| {
             let root = nodes[root as usize];
             (task, root, outputs.split_off(root.len()))
         });
         parallel::for_each(threads, &mut tasks, |(task, root, outputs)| {
+            // A thread appends all its subtrees to one part: as many lists as threads, not as
+            // subtrees. Their memory is kept for the next tree.
             let mut part = locked(&idle).pop().unwrap_or_default();
             let start = [part.nodes.len(), part.strips.len(), part.ends.len()];
             if let Err(error) = add(&mut part, root, outputs) {
                 *locked(&failed) = Err(error);
             }
+            // After an error, too: the ranges of the part stay valid, and the whole tree is cleared
+            // afterwards.
             part.end_subtree(task, start);
             locked(&idle).push(part);
         });

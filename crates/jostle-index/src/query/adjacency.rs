@@ -20,6 +20,7 @@ pub fn neighbors<T: Scalar>(
     distance: T,
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
+    // Each pair becomes two ids, one at either shape.
     let found = pairs::near(tree, None, distance, mask, MAX_IDS / 2);
     let found = found.map_err(|error| match error {
         Error::TooManyPairs { .. } => Error::TooManyIds { limit: MAX_IDS },
@@ -42,6 +43,8 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
             next[j as usize] += 1;
         }
     }
+    // `next` counts, then holds the place of each row's next neighbour, and ends up at the row's
+    // end. So `offsets` is copied before anything is written.
     sorting::prefix_sum(&mut next);
     offsets.iter_mut().zip(&next).for_each(|(offset, &next)| *offset = next as usize);
     let mut ids: Vec<u32> = memory::zeroed(2 * pairs.len())?;
@@ -54,6 +57,8 @@ pub fn neighbors_of_pairs(len: usize, found: Found, threads: Option<usize>) -> R
             }
         }
     }
+    // Ids are as many bytes as pairs. Without the pairs the sort below needs no more than the
+    // result.
     drop(pairs);
     sort_rows(&offsets, &mut ids, parallel::worthwhile(threads, len))?;
     Ok(Hits { offsets, ids, tests })

@@ -43,6 +43,8 @@ impl<T: Scalar> Frontier<T> {
         self.len = usize::from(!nodes.is_empty());
         self.nodes[0] = 0;
         // Leaves remain; other nodes are replaced by their children.
+        // Level by level, so that the nodes of a full frontier have about the same size. Depth
+        // first would spend the whole capacity on one corner of the window.
         let mut opened = true;
         while opened && self.len <= MAX_NODES {
             opened = false;
@@ -55,16 +57,23 @@ impl<T: Scalar> Frontier<T> {
                     continue;
                 }
                 opened = true;
+                // Nodes before `end` are those of this level that have not been opened. The opened
+                // one is replaced by the last of these, and that one by the last of the children.
+                // So no list has to be moved.
                 end -= 1;
                 self.len -= 1;
                 self.nodes[index] = self.nodes[end];
                 self.nodes[end] = self.nodes[self.len];
                 for child in node.children() {
                     self.nodes[self.len] = child as u32;
+                    // Written in any case and counted only if it is near: a branch here would be
+                    // hard to predict.
                     self.len += usize::from(window.may_touch(&node_bounds[child]));
                 }
             }
         }
+        // The bounds are copied into columns once for sixteen queries, each of which then tests
+        // sixteen nodes with one instruction of each kind.
         for index in 0..self.len {
             let bounds = &node_bounds[self.nodes[index] as usize];
             for axis in 0..2 {

@@ -36,6 +36,8 @@ impl<R> Images<R> {
         for (index, region) in regions.iter().enumerate() {
             pulse.check(16)?;
             region.check_period(index, period)?;
+            // Centres of shapes are in the first period. With the region there as well, its images
+            // by one period in each direction are all that can overlap.
             let wrapped = region.wrapped(period);
             for shift in period.images() {
                 let image = wrapped.moved(shift);
@@ -60,6 +62,7 @@ impl<R> Images<R> {
                 pulse.check(1 + found.of(image).len())?;
                 all.ids.extend_from_slice(found.of(image));
             }
+            // A shape that is wide, or in a corner, is found by several images of a region.
             if end - first > 1 {
                 sorting::sort(&mut all.ids[start..], &mut pulse)?;
                 remove_repeated(&mut all.ids, start);

@@ -76,6 +76,8 @@ fn morton_order<T: Scalar>(
             max[axis] = max[axis].max(position[axis].to_f64());
         }
     }
+    // Infinite if all positions agree along an axis. Then 0 · ∞ is NaN below, and the cast makes 0
+    // of it.
     let scale = [0, 1].map(|axis| 65535.0 / (max[axis] - min[axis]));
     let key = |position: [T; 2]| {
         let along = [0, 1].map(|axis| (position[axis].to_f64() - min[axis]) * scale[axis]);

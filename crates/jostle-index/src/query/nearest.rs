@@ -84,6 +84,9 @@ impl<T: Scalar> Origin<T> {
 /// up to `distance`, also in case of underflow.
 #[inline(always)]
 fn max_square<T: Scalar>(distance: T) -> T {
+    // Squares are compared because a square root for each node takes too long. The two sides are
+    // rounded in different ways, so this one is enlarged by more than all roundings, and nothing at
+    // exactly the limit is lost. The added constant is for squares that vanish.
     let distance = distance * slack();
     distance * distance + T::SMALLEST_SQUARE
 }
@@ -122,6 +125,8 @@ impl<T: Scalar> Bytes for Neighbor<T> {
     fn byte(&self, at: usize) -> u8 {
         // A distance is at least 0, or −0.
         let distance = self.distance.to_f64().to_bits() as i64;
+        // The bits of floats are in the order of their values, except that those of negative ones
+        // are descending.
         let signed = if distance < 0 { !distance ^ i64::MIN } else { distance };
         if at < 8 { signed.byte(at) } else { (self.id >> (120 - 8 * at)) as u8 }
     }
@@ -154,6 +159,8 @@ impl<T: Scalar> Nearest<T> {
     #[inline(always)]
     fn limit(&self) -> T {
         match self.found.peek() {
+            // With k shapes found only nearer ones count. At the same distance a smaller id still
+            // does, so nodes at exactly the limit are visited.
             Some(last) if self.found.len() >= self.k => last.distance,
             _ => self.bound,
         }
@@ -164,6 +171,8 @@ impl<T: Scalar> Nearest<T> {
     pub fn offer(&mut self, distance: T, id: u64) {
         let new = Neighbor { distance, id };
         if self.found.len() < self.k {
+            // Equal to the bound counts: the bound may be the distance of a shape that has to be
+            // found.
             if distance <= self.bound && self.has_room() {
                 self.found.push(new);
             }
@@ -183,6 +192,8 @@ impl<T: Scalar> Nearest<T> {
     #[cold]
     fn grow(&mut self) -> bool {
         let len = self.found.len();
+        // Doubled, but not beyond k: with a huge k and few shapes nothing is reserved that is not
+        // used.
         let grown = self.found.try_reserve(1 + len.min(self.k - len - 1));
         let grown = grown
             .and_then(|()| memory::check_margin::<Neighbor<T>>(self.found.capacity()))
@@ -209,6 +220,7 @@ impl<T: Scalar> Nearest<T> {
             return Err(error);
         }
         let mut found = mem::take(&mut self.found).into_vec();
+        // Not `into_sorted_vec` of the heap: k may be millions, and this sort can be interrupted.
         sorting::sort(&mut found, &mut self.pulse)?;
         memory::reserve(neighbors, found.len())?;
         neighbors.append(&mut found);
@@ -260,6 +272,8 @@ impl<T: Scalar, const PERIODIC: bool> Work<T> for Search<'_, T, PERIODIC> {
         stack.push((self.origin.min_square::<PERIODIC>(root), 0));
         while let Some((square, index)) = stack.pop() {
             let radius = node_bounds[index as usize].radius;
+            // Tested again: nearer shapes may have been found since the node was pushed. `radius`
+            // is on this side, because the squares are those of distances to cores.
             if square > max_square(self.best.limit() + radius) {
                 continue;
             }
@@ -281,6 +295,9 @@ impl<T: Scalar, const PERIODIC: bool> Work<T> for Search<'_, T, PERIODIC> {
                     stack.push((square, child as u32));
                 }
             }
+            // The nearest child is visited first and lowers the limit for the others. With the
+            // children of one node sorted, a search leaves out most of the tree without a priority
+            // queue over all nodes.
             sort_farthest_first(&mut stack[from..]);
         }
         self.best.stack = stack;
@@ -311,6 +328,8 @@ impl<T: Scalar, const PERIODIC: bool> Search<'_, T, PERIODIC> {
             }
             let limit = self.best.limit();
             let origin = &self.origin;
+            // A conservative test of sixteen shapes; the few that pass get their exact distance in
+            // scalar code.
             let near = within::<T, S, PERIODIC>(simd, origin, limit, (shapes, round), first);
             for_each_lane(near & first_lanes(indices.end - first), |lane| {
                 let shape = shapes.shape_if(first + lane, round);
@@ -344,6 +363,7 @@ fn within<T: Scalar, S: Simd<T>, const PERIODIC: bool>(
     }
     let distance = simd.mul(distance, simd.splat(slack()));
     let max_square = simd.add(simd.mul(distance, distance), simd.splat(T::SMALLEST_SQUARE));
+    // Negated, so that NaN passes and is decided by the exact distance.
     !simd.less(max_square, lanes::square(simd, [x, y]))
 }
 
@@ -421,6 +441,8 @@ pub fn nearest<T: Scalar>(
 ) -> Result<Neighbors<T>> {
     let rows = tree.rows();
     // Ordered by row; the low bits are the index.
+    // At equal distances the smaller row comes first, whatever the tree looks like. The index in
+    // the low bits finds the shape again without a table from rows to indices.
     let id_of = |index: usize| Some(u64::from(rows[index]) << 32 | index as u64);
     let period = tree.period();
     let distance_of =
@@ -478,6 +500,8 @@ pub fn nearest_from<T: Scalar>(
     let len = k * points.len();
     let distances = filled(len, T::INFINITY, &stop)?;
     let mut all = Neighbors { distances, ids: filled(len, -1, &stop)?, tests: 0 };
+    // The chain of limits ends with the task, whose queries depend on their number alone. So the
+    // number of tests is the same on each number of threads.
     let found = parallel::map(threads, parts.len(), |part| {
         // One list for all queries of a task, because failures of small allocations abort.
         let (mut neighbors, mut ends) = (Vec::new(), memory::with_capacity(parts[part].len())?);
@@ -489,6 +513,9 @@ pub fn nearest_from<T: Scalar>(
             let max_distance = max_distances.at(query as usize);
             best.bound = max_distance;
             let before: &[Neighbor<T>] = &neighbors[start..];
+            // The k shapes of the query before are k shapes at known distances. So the k nearest
+            // are not farther than the farthest of them, and the first nodes are already tested
+            // with a useful limit.
             if before.len() == k {
                 let distances = before.iter().map(|near| distance_of(point, near.id));
                 best.bound = distances.fold(T::ZERO, T::max).min(max_distance);
@@ -509,6 +536,8 @@ pub fn nearest_from<T: Scalar>(
         for (&query, end) in part.iter().zip(ends) {
             pulse.check(k)?;
             let mut index = k * query as usize;
+            // Rows with fewer than k shapes keep the infinity and the -1 with which they were
+            // filled.
             while let Some((_, Neighbor { distance, id })) = neighbors.next_if(|&(at, _)| at < end)
             {
                 all.distances[index] = distance;

@@ -50,6 +50,7 @@ impl<T: Scalar, A: FnMut(usize)> Work<T> for Overlapping<'_, T, A> {
             let (shapes, indices) = (tree.columns(), node.range());
             let round = bounds.radius > T::ZERO;
             for first in indices.clone().step_by(LANES) {
+                // Conservative, without filters. The exact test below applies them and `min_gap`.
                 let bits = window.lanes(simd, shapes, first, (round, false));
                 for_each_lane(bits & first_lanes(indices.end - first), |lane| {
                     if overlaps(&Bounds::of(&shapes.shape(first + lane))) {

@@ -36,6 +36,8 @@ impl<T: Scalar> Region<T> for Point<T> {
         if shape.radius == T::ZERO && !shape.is_round() {
             let inside = |axis: usize| {
                 let (point, half) = (self.0[axis], half_size[axis]);
+                // Differences, as everywhere in the core: `shape.min - half` is rounded, and a
+                // point at exactly the edge would be inside or outside by chance.
                 (point - shape.min[axis] >= -half) & (point - shape.max[axis] < half)
             };
             return inside(0) & inside(1);

@@ -65,6 +65,8 @@ impl<T: Scalar> Polygon<T> {
         }
         let mut corners: Vec<[f64; 2]> = vertices.iter().map(|v| v.map(T::to_f64)).collect();
         let scaled = scaled(&corners);
+        // Sides need their interior on the left. A clockwise polygon is read backwards, and errors
+        // name the corner as the caller counts it.
         let reversed = area(&scaled) < 0.0;
         if reversed {
             corners.reverse();
@@ -78,6 +80,8 @@ impl<T: Scalar> Polygon<T> {
             let along = |axis: usize| vertices.iter().map(|v| v[axis]).reduce(pick);
             [along(0).unwrap_or(T::ZERO), along(1).unwrap_or(T::ZERO)]
         };
+        // In the type of the caller, from the corners themselves: the window is exact, without a
+        // rounding.
         let window = Window { min: corner(T::min), max: corner(T::max), radius: T::ZERO };
         let next = corners.iter().cycle().skip(1);
         let sides = corners.iter().zip(next).map(|(&a, &b)| Side::new(a, b)).collect();
@@ -94,6 +98,8 @@ impl<T: Scalar> Polygon<T> {
             let corner_y = if along[0] < 0.0 { shape.min[1] } else { shape.max[1] };
             let (x, y) = (corner_x - start[0], corner_y - start[1]);
             let outside = along[1] * x - along[0] * y;
+            // Whether the farthest corner is inside this side. If all sides have one, no side
+            // separates the two. Equality is touching.
             outside - (along[1].abs() * hx + along[0].abs() * hy) < 0.0
         })
     }
@@ -105,6 +111,7 @@ impl<T: Scalar> Polygon<T> {
         let from_core = |vertex: [f64; 2]| square_of_gaps(shape.gaps_to(vertex));
         let [left, top, right, bottom] = shape.core();
         let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        // The four corners of a point are the same.
         let corners = if shape.is_round() { &corners[..1] } else { &corners[..] };
         self.sides.iter().any(|side| from_core(side.start) < radius_square)
             || self
@@ -117,6 +124,8 @@ impl<T: Scalar> Polygon<T> {
 /// Squared distance of a point from a side.
 fn from_side(point: [f64; 2], &Side { start, along, length }: &Side) -> f64 {
     let (x, y) = (point[0] - start[0], point[1] - start[1]);
+    // `along` is not a unit vector: a division by its length would round it. Its square may be 0
+    // for a side of length 0, whose only point is its start.
     let square = along[0] * along[0] + along[1] * along[1];
     let far = if square > 0.0 { (x * along[0] + y * along[1]) / square } else { 0.0 };
     let far = far.clamp(0.0, length);
@@ -151,6 +160,8 @@ fn dent<T: Scalar>(vertices: &[[f64; 2]]) -> Option<usize> {
         [b[0] - a[0], b[1] - a[1]]
     };
     // With a tolerance, because rounding can move corners on a straight side.
+    // In the caller's precision, not that of the calculation: corners on a straight side were
+    // rounded to float32 before they came here.
     let slack = 4.0 * T::EPSILON.to_f64();
     let turns_right = |corner: usize| {
         let ([ax, ay], [bx, by]) = (side(corner + len - 1), side(corner));
@@ -208,6 +219,8 @@ impl<T: Scalar> Region<T> for Polygon<T> {
                 outside += normal[axis] * (corner - start[axis]) - steep * extent;
                 size += steep * (corner.abs() + start[axis].abs() + extent + span);
             }
+            // Only if certain. A node that is kept in vain costs some tests, one that is left out
+            // wrongly costs a hit.
             outside > size * roundings
         })
     }

@@ -120,12 +120,15 @@ pub fn hit<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>) -> Option<T> {
     let Shape { min, max, half_size: [hx, hy], .. } = shape;
     let radius_sum = shape.radius + ray.radius;
     let [x, y] = shape.gaps_to(ray.origin);
+    // Inside or touching first, with the formula of points. What follows may assume that the start
+    // is outside, and never has to choose between two hits behind it.
     if within(x.max(T::ZERO), y.max(T::ZERO), radius_sum) {
         return Some(T::ZERO);
     }
     let far = |axis: usize| {
         (ray.origin[axis] - min[axis]).abs().max((ray.origin[axis] - max[axis]).abs())
     };
+    // The largest number of the calculation decides. A power of two rounds nothing.
     let [into, back] = into_range(far(0).max(far(1)).max(hx.max(hy)).max(radius_sum));
     // Scaled before the subtraction, which may overflow.
     let from = |corner: [T; 2]| [0, 1].map(|axis| ray.origin[axis] * into - corner[axis] * into);
@@ -150,6 +153,8 @@ pub fn normal<T: Scalar>(ray: &Ray<T>, shape: &Shape<T>, distance: T) -> [T; 2] 
     }
     let (x, y) = (gaps[0].max(T::ZERO), gaps[1].max(T::ZERO));
     let far = length(x, y);
+    // The nearest point of the core is a corner or lies on a side, so the normal points from it.
+    // Without a radius `far` is a rounding error of the hit, with an arbitrary direction.
     if radius + ray.radius > T::ZERO && far > T::ZERO {
         return [x / far * signs[0], y / far * signs[1]];
     }
@@ -179,6 +184,8 @@ fn hit_in_range<T: Scalar>(core: &Core<T>, radius: T, ray: &Ray<T>) -> Option<T>
     let corner = |x: T, y: T| into_circle([x, y], ray.direction, radius);
     let (left, top) = (min[0] + hx, min[1] + hy);
     let (right, bottom) = (max[0] - hx, max[1] - hy);
+    // The first of six: of a convex union the ray enters the part that it reaches first. All six
+    // are computed, since which parts lie behind others costs more to find out.
     let distances = [
         into_box([hx + radius, hy]),
         into_box([hx, hy + radius]),
@@ -198,6 +205,8 @@ fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
     if !(along <= T::ZERO && across.abs() <= radius) {
         return None;
     }
+    // Not from the discriminant of the quadratic equation, b² - c: both are large for a distant
+    // circle, and their difference has few digits.
     let half_chord = (radius * radius - across * across).max(T::ZERO);
     Some((-along - half_chord.sqrt()).max(T::ZERO))
 }
@@ -206,6 +215,7 @@ fn into_circle<T: Scalar>(m: [T; 2], u: [T; 2], radius: T) -> Option<T> {
 fn into_box<T: Scalar>(Core { min, max, half_size, .. }: &Core<T>, u: [T; 2]) -> Option<T> {
     let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
     for axis in 0..2 {
+        // Parallel to the slab: a division would give 0 / 0 for a start at its edge.
         if u[axis] == T::ZERO {
             if (-min[axis]).max(max[axis]) > half_size[axis] {
                 return None;

@@ -53,6 +53,9 @@ impl<T: Scalar> NodeRay<T> {
     /// them.
     #[inline(always)]
     fn enters(&self, bounds: &Bounds<T>) -> Option<T> {
+        // The bounds grow by all roundings of the exact test and of this one, so a shape is never
+        // left out where `hit` would find it. Roundings are in proportion to the numbers, so the
+        // slack is to their sum.
         let radius_sum = bounds.radius + self.ray.radius + self.slack(bounds);
         let (mut enter, mut leave) = (T::ZERO, T::INFINITY);
         for axis in 0..2 {
@@ -61,11 +64,14 @@ impl<T: Scalar> NodeRay<T> {
             let second = ((bounds.max[axis] + grown) - self.ray.origin[axis]) * self.inverse[axis];
             // NaN (0 · ∞) is ignored by `max` and `min`.
             let (near, far) =
+                // By the sign of the direction, not by comparison of the two: with NaN a comparison
+                // would take either.
                 if self.inverse[axis] < T::ZERO { (second, first) } else { (first, second) };
             enter = enter.max(near);
             leave = leave.min(far);
         }
         let less = T::ONE - T::EPSILON * T::from_f64(ROUNDINGS);
+        // A lower bound also after the rounding of the product above.
         let enter = enter * less;
         (enter <= leave).then_some(enter)
     }
@@ -84,6 +90,8 @@ impl<T: Scalar> NodeRay<T> {
         let [ux, uy] = self.ray.direction;
         let x = simd.sub(simd.splat(ox), simd.load(block(&shapes.x, first)));
         let y = simd.sub(simd.splat(oy), simd.load(block(&shapes.y, first)));
+        // The distance from the whole line. Shapes behind the start pass, too, and `hit` leaves
+        // them out.
         let across = simd.sub(simd.mul(x, simd.splat(uy)), simd.mul(y, simd.splat(ux)));
         let [hx, hy] = self.ray.half_size;
         let mut size = simd.splat(self.ray.radius + hx + hy + slack);
@@ -149,6 +157,8 @@ pub trait RayPath<T: Scalar>: Sized {
             let shift = [0, 1].map(|axis| T::from_f64(turns[axis] * period.sides()[axis].to_f64()));
             *self.ray() = ray.moved(shift);
             let near = NodeRay::of(*self.ray()).enters(bounds);
+            // Images come in the order of the ray. After a first hit most of the others are beyond
+            // the limit.
             if near.is_some_and(|near| near <= self.limit()) {
                 act(self);
             }
@@ -178,6 +188,8 @@ fn images<T: Scalar>(
             ((bounds.min[axis] - grown).to_f64(), (bounds.max[axis] + grown).to_f64());
         let side = sides[axis];
         // Centres are in the first period.
+        // See above: what is wider than the period is hit first in the image whose centre is
+        // nearest.
         if side > 0.0 { [low.max(-0.5 * side), high.min(1.5 * side)] } else { [low, high] }
     };
     let (columns, rows) = (extent(0), extent(1));
@@ -199,6 +211,9 @@ fn images<T: Scalar>(
         let column = if backwards { first + last - index } else { index };
         let shift = column as f64 * sides[0];
         // The distances between which the ray is in the column.
+        // A ray along the column: the distances of the edges would be infinite or NaN. The longest
+        // ray has 1,024 periods, so with such a direction it moves by a billionth of a period along
+        // x.
         let part = if direction.abs() < 1e-12 || sides[0] == 0.0 {
             [0.0, length]
         } else {
@@ -309,6 +324,8 @@ impl<T: Scalar> AllHits<T> {
         self.pulse.check(self.found.len())?;
         let by_distance =
             |a: &RayContact<T>, b: &RayContact<T>| a.distance.total_order(&b.distance);
+        // By id and distance first: of several hits of one shape `dedup_by_key` keeps the first,
+        // the nearest one.
         self.found.sort_unstable_by(|a, b| a.id.cmp(&b.id).then(by_distance(a, b)));
         self.found.dedup_by_key(|hit| hit.id);
         self.found.sort_unstable_by(|a, b| by_distance(a, b).then(a.id.cmp(&b.id)));
@@ -548,6 +565,8 @@ fn each_ray<T: Scalar, V: Send>(
         let mut found = Vec::with_capacity(parts[part].len());
         for &query in parts[part] {
             pulse.check(NODE_WORK)?;
+            // The pulse goes through all searches of a task, since each alone is too short for a
+            // check.
             let (result, rest) = search(rays[query as usize], pulse)?;
             found.push(result);
             pulse = rest;

@@ -138,6 +138,7 @@ pub fn search_here<T: Scalar, R: Region<T>>(
     regions: &[R],
     mask: Option<u32>,
 ) -> Result<Hits<u32>> {
+    // Sixteen consecutive queries share a frontier, so they should be near each other.
     let order = morton_order(regions.iter().map(|region| region.window().min))?;
     search_in_order(tree, &regions, &order, mask)
 }
@@ -159,6 +160,7 @@ fn search_in_order<T: Scalar>(
         T::with_widest(Search { tree, regions, exact, order, mask, count: &count, pulse, len: 0 })
     });
     let count = count.into_inner();
+    // Checked once more here: the count may have passed the limit in the last group of each task.
     if count > MAX_IDS {
         return Err(Error::TooManyIds { limit: MAX_IDS });
     }
@@ -225,6 +227,9 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
             match windows.reduce(Window::join) {
                 // There are too many ids already: the other queries are skipped.
                 Some(_) if self.count.load(Ordering::Relaxed) > MAX_IDS => frontier.len = 0,
+                // Two passes over a group. First the nodes of all sixteen queries are found, and
+                // their shapes prefetched. Then the shapes are tested, which are in the cache by
+                // then. With one pass a query waits for memory at each leaf.
                 Some(window) => frontier.fill(self.tree, &window),
                 None => {}
             }
@@ -242,6 +247,8 @@ impl<T: Scalar> Work<T> for Search<'_, T> {
                 })?;
                 from = end;
             }
+            // Relaxed: the sum only decides whether to go on. Too late costs the ids of one group
+            // for each thread.
             self.count.fetch_add(self.len - before, Ordering::Relaxed);
         }
         hits.ids.truncate(self.len);
@@ -275,6 +282,9 @@ impl<T: Scalar> Search<'_, T> {
         while let Some(index) = stack.pop() {
             self.pulse.check(NODE_WORK)?;
             let node = &self.tree.nodes()[index as usize];
+            // If the window contains all centres and is the region itself, every shape of the node
+            // overlaps it. So the descent ends there: a large window costs as much as its border,
+            // plus a copy of the indices inside.
             if node.is_leaf() || self.takes_all(&window, index as usize) {
                 memory::push(found, index)?;
                 self.prefetch(simd, node);
@@ -319,6 +329,8 @@ impl<T: Scalar> Search<'_, T> {
             if self.takes_all(&window, node as usize) {
                 self.pulse.check(indices.len())?;
                 self.len += indices.len();
+                // Shapes are adjacent in the order of the tree, so a node that is taken whole is a
+                // range of numbers.
                 spare.iter_mut().zip(indices).for_each(|(to, index)| *to = index as u32);
             } else {
                 hits.tests += indices.len() as u64;
@@ -330,6 +342,7 @@ impl<T: Scalar> Search<'_, T> {
             self.pulse.check(indices.len())?;
             indices.iter_mut().for_each(|index| *index = rows[*index as usize]);
         }
+        // Ascending, so that the answer is the same as that of brute force and of any other tree.
         sort(found, &mut self.pulse)?;
         hits.offsets.push(self.len);
         Ok(())
@@ -389,6 +402,7 @@ fn spare(ids: &mut Vec<u32>, len: usize, more: usize) -> Result<&mut [u32]> {
     let needed = len + more + LANES;
     if ids.len() < needed {
         memory::reserve(ids, needed - ids.len())?;
+        // To the capacity at once, so that most calls find the length large enough.
         ids.resize(ids.capacity(), 0);
     }
     Ok(&mut ids[len..])
@@ -404,6 +418,8 @@ fn sort(ids: &mut [u32], pulse: &mut Pulse) -> Result<()> {
     let mut all = [0; LANES];
     all[..ids.len()].copy_from_slice(ids);
     let mut ranks = [0u32; LANES];
+    // Each number adds one to the rank of all larger ones: sixteen comparisons at a time and no
+    // branch. Numbers are distinct, so ranks are as well.
     for &id in &all[..ids.len()] {
         for (rank, other) in ranks.iter_mut().zip(&all) {
             *rank += u32::from(id < *other);

@@ -50,6 +50,7 @@ impl<T: Scalar> Window<T> {
     #[inline(always)]
     pub(super) fn may_touch(&self, bounds: &Bounds<T>) -> bool {
         let radius_sum = self.radius + bounds.radius;
+        // At most, not below: some regions contain their edge.
         square_of_gaps(bounds.gaps_to(self.min, self.max)) <= radius_sum * radius_sum
     }
 
@@ -59,6 +60,8 @@ impl<T: Scalar> Window<T> {
         let beyond = |axis: usize| {
             (self.min[axis] - bounds.min[axis]).max(bounds.max[axis] - self.max[axis])
         };
+        // The centre of the farthest corner overlaps the window as a point would. A shape around a
+        // centre inside overlaps even more, since rounding is monotone in the sizes, too.
         overlap([beyond(0), beyond(1)], self.radius)
     }
 
@@ -79,6 +82,7 @@ impl<T: Scalar> Window<T> {
             radius_sum = simd.add(radius_sum, simd.load(block(&shapes.radius, first)));
         }
         if exact {
+            // The window is the region, so this block test is the exact test, with the same bits.
             lanes::overlap(simd, [dx, dy], radius_sum)
         } else {
             lanes::may_touch(simd, [dx, dy], radius_sum)

@@ -54,6 +54,8 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         self.starts.clear();
         memory::resize(&mut self.starts, end + 2, 0)?;
         let count: usize = items.clone().map(<[Item<T, SIZES>]>::len).sum();
+        // The last row of the band before comes first in this one. So the three cells above a shape
+        // are always in the same columns, and the inner loop knows no borders between bands.
         self.copy_row(layout, last, count)?;
         // Until the sums are formed, `starts[cell + 2]` counts the shapes of `cell`. Then
         // `starts[cell + 1]` is the index of its next shape. The loops are nested, because the
@@ -63,6 +65,7 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
                 self.starts[own + layout.cell(item.key) + 2] += 1;
             }
         }
+        // Shapes of the copied row have the first indices; their starts are copied, too.
         let mut sum = self.before as u32;
         self.starts[own] = sum;
         for start in &mut self.starts[own + 1..] {
@@ -95,6 +98,8 @@ impl<T: Scalar, const SIZES: usize> Band<T, SIZES> {
         let row = last.last_row(layout);
         self.before = row.len();
         self.len = row.len() + count;
+        // Never shortened: bands have different lengths, and each growth would fill new values with
+        // zeros.
         memory::lengthen(&mut self.cells, self.len, 0)?;
         memory::lengthen(&mut self.ids, self.len + LANES, 0)?;
         memory::lengthen(&mut self.x, self.len + LANES, T::ZERO)?;

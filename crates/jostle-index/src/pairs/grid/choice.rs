@@ -43,6 +43,8 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
     radius: Option<T>,
 ) -> Option<Choice<T>> {
     let len = input.len();
+    // Circles of one radius are all small, and the layout alone says whether most cells would be
+    // empty. So there is no sample, and no cost of one.
     if let Some(radius) = radius {
         let distance = [(radius + radius).to_f64(); 2];
         let layout = Layout::over(extent, distance, len, false)?;
@@ -54,10 +56,16 @@ pub(super) fn choose<T: Scalar, const SIZES: usize>(
     for fraction in FRACTIONS {
         // A grid with fewer small shapes takes at least this time.
         let least = fraction * SHAPE + (1.0 - fraction) * LARGE;
+        // The least possible time of this fraction, with empty cells. Without this end a sparse
+        // scene of 1,000 circles took 1.26 instead of 1.03 times as long as with the tree
+        // (docs/benchmarks-notes.md).
         if best.as_ref().is_some_and(|best| best.0 < least + blocks(0.0)) {
             break;
         }
         let last = ((sample.len() as f64 * fraction) as usize).clamp(1, sample.len()) - 1;
+        // The largest shape is most likely not in the sample. With the margin most shapes that are
+        // a little larger are still small, instead of a few large ones that each cost six times as
+        // much.
         let margin = if fraction < 1.0 { 1.0 } else { MARGIN };
         let small = sample.sorted.each_ref().map(|sorted| T::from_f64(sorted[last] * margin));
         let Some((time, choice)) = sample.estimate(extent, small, len) else { continue };
@@ -82,6 +90,9 @@ impl Sample {
         let len = input.len();
         let count = (len / FOR_EACH_SAMPLED).clamp(SAMPLES[0], SAMPLES[1]).min(len);
         // One from each of `count` ranges of rows, at an offset in it from a hash.
+        // Rows at equal distances may have a pattern: of rectangles alternately wide and high all
+        // of one kind were chosen. Not random either, because the choice decides the order of the
+        // pairs.
         let at = |index: usize| index * len / count + hash(index) as usize % (len / count);
         let shapes = (0..count).map(|index| {
             let Item { center, sizes, .. } = input.item(at(index));
@@ -114,12 +125,16 @@ impl Sample {
         let layout = Layout::over(extent, limit.map(|v| 2.0 * v), count as usize, true)?;
         let cell = layout.cell_size();
         let sides = [0, 1].map(|k| extent[1][k].to_f64() - extent[0][k].to_f64() + cell[k]);
+        // As if the shapes were spread evenly. The sample sees clusters, but with few shapes it may
+        // see no two in one cell. The larger of the two estimates errs towards the tree.
         let even = count * (cell[0] / sides[0]) * (cell[1] / sides[1]);
         let some = shapes().filter(|shape| is_small(shape.1)).map(|shape| *shape.0);
         let in_cell = neighbors(&layout, some, len as f64 / self.len() as f64).max(even);
         let mut time = share * (SHAPE + blocks(TESTED_CELLS * in_cell));
         for half_extent in self.half_extents.iter().filter(|of| !is_small(of)) {
             let cells = [0, 1].map(|k| 2.0 * (half_extent[k] + limit[k]) / cell[k] + 1.0);
+            // The cells of a row are one range, tested as whole blocks; each row begins a block of
+            // its own.
             let [along, across] = [layout.axis, 1 - layout.axis].map(|axis| cells[axis]);
             time += (LARGE + across * blocks(along * in_cell)) / self.len() as f64;
         }
@@ -145,5 +160,7 @@ fn neighbors(layout: &Layout, centers: impl Iterator<Item = [f64; 2]>, each: f64
     keys.sort_unstable();
     let of_cell = |keys: &[u32]| keys.len() * (keys.len() - 1);
     let pairs: usize = keys.chunk_by(|a, b| a == b).map(of_cell).sum();
+    // Each shape of the sample stands for `each` shapes, so a neighbour in the sample stands for as
+    // many.
     pairs as f64 * each / keys.len().max(1) as f64
 }

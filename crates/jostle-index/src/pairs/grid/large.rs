@@ -57,10 +57,13 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
         pieces.for_each(|piece| items.extend_from_slice(piece));
         for item in &*items {
             let half_extent = half_extent_of(&item.sizes);
+            // The same slack as for cells: the cell of a centre is rounded, here and in `keys`.
             let distance = [0, 1].map(|k| (half_extent[k].to_f64() + small[k].to_f64()) * SLACK);
             let around = layout.around(item.center.map(T::to_f64), distance);
             cells.push(around);
             total += bands_of(layout, &around).len();
+            // Known only here, because the sample may have missed the largest shapes. The caller
+            // then uses the tree; what has been sorted so far is lost.
             if total > MAX_ENTRIES * of {
                 return Ok(false);
             }

@@ -60,6 +60,8 @@ impl Layout {
         large: bool,
     ) -> Option<Self> {
         let extent = [0, 1].map(|axis| max[axis].to_f64() - min[axis].to_f64());
+        // Short rows: the row above is still in the cache when its shapes are tested, and bands can
+        // be cut more finely.
         let axis = usize::from(extent[1] < extent[0]);
         let (start, [along, across]) = ([axis, 1 - axis], [extent[axis], extent[1 - axis]]);
         let least = start.map(|axis| distance[axis] * SLACK);
@@ -69,20 +71,30 @@ impl Layout {
         }
         // Cells of the least size for each shape.
         let cells = (along / least[0] + 1.0) * (across / least[1] + 1.0) / len as f64;
+        // Sparse shapes get larger cells, so that there are at most eight for each shape. First
+        // wider: the cells of a row are one range, so width costs tests only. Height adds tests in
+        // three rows of clusters. With up to eight cells for a shape instead of four, 2 % of the
+        // area covered takes 18 instead of 27 ns a shape.
         let width = cells.clamp(1.0, MAX_WIDTH);
         let height = (cells / width / MAX_CELLS).clamp(1.0, MAX_HEIGHT);
         if cells > width * height * MAX_CELLS {
             return None;
         }
         let per_unit = [1.0 / (least[0] * width), 1.0 / (least[1] * height)];
+        // A coordinate is rounded to the nearest cell, so the last index is up to one above the
+        // integer part.
         let columns = (along * per_unit[0]) as usize + 2;
         let rows = (across * per_unit[1]) as usize + 2;
+        // About 4,096 shapes in a band, whose columns fit into the second-level cache together with
+        // its cells.
         let row_bits = ((rows as f64 * BAND / len as f64) as usize).max(1).ilog2();
         let row_bits = row_bits.min(rows.next_power_of_two().ilog2());
+        // Not more bands than the partition can write to at once, see `sort`.
         let row_bits = row_bits.max(rows.div_ceil(1 << MAX_BAND_BITS).next_power_of_two().ilog2());
         let bands = rows.div_ceil(1 << row_bits);
         let bits = (bands + usize::from(large)).next_power_of_two().ilog2();
         let stride = columns as u32 + 1;
+        // The number of a cell in its band needs the bits that the number of the band leaves.
         let fits = u64::from(stride) << row_bits < 1 << (KEY_BITS - bits);
         let start = start.map(|axis| min[axis].to_f64());
         let cells = [columns as u32, rows as u32];
@@ -120,6 +132,8 @@ impl Layout {
             let cell = |at: f64, k: usize| nearest_integer((at - self.start[k]) * self.per_unit[k]);
             let (column, row) = (cell(along[lane], 0), cell(across[lane], 1));
             let in_band = (row & ((1 << self.row_bits) - 1)) * self.stride + column;
+            // In 64 bits, because a shift by 32 is possible: with a single band no bits are left
+            // for its number.
             let band = u64::from(row >> self.row_bits) << shift;
             keys[lane] = band as u32 | in_band;
         }
@@ -146,6 +160,7 @@ impl Layout {
             let k = usize::from(axis != self.axis);
             let cell = |at: f64| {
                 let along = (at - self.start[k]) * self.per_unit[k];
+                // A large shape may reach beyond the grid, where there are no cells.
                 nearest_integer(along.clamp(0.0, f64::from(self.cells[k] - 1)))
             };
             [cell(center[axis] - distance[axis]), cell(center[axis] + distance[axis])]

@@ -118,7 +118,15 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             let cell = band.cells[index] as usize;
             let start = |cell: usize| band.starts[cell] as usize;
             let ahead = index + 1..start(cell + 2);
+            // Half of the neighbourhood: later shapes of the own cell, the next cell, and three
+            // cells of the row above. For the other half this shape is among the candidates of the
+            // other. So each pair is tested once.
+            //
+            // Cells of a row are contiguous, so the candidates are two ranges. The empty cell
+            // between rows is the neighbour of both ends, so no row needs a case of its own.
             let above = start(cell - stride - 1)..start(cell - stride + 2);
+            // The usual case: both ranges are loaded into the halves of one block, for one test. No
+            // branch depends on how many candidates there are.
             if ahead.len().max(above.len()) <= HALF {
                 tests += (ahead.len() + above.len()) as u64;
                 let lanes = first_lanes(ahead.len()) | first_lanes(above.len()) << HALF;
@@ -133,8 +141,12 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             }
             // The others of a cell have the same candidates.
             let cell = index..start(cell + 1);
+            // Pairs so far are accepted first, because the methods below reserve memory of their
+            // own.
             output.accept(count);
             count = 0;
+            // At most 65 shapes of the cell and 5 blocks of candidates, so at most 325 hits: below
+            // `MAX_HITS`, and the list needs no check.
             if ahead.len() + above.len() <= FEW {
                 tests += (cell.len() * (ahead.len() + above.len() + 1)) as u64;
                 tests -= (cell.len() * (cell.len() + 1) / 2) as u64;
@@ -145,6 +157,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
                     tests += (ahead.end - index - 1 + above.len()) as u64;
                     self.test_long(&one, index + 1..ahead.end, output);
                     self.test_long(&one, above.clone(), output);
+                    // A cell with thousands of shapes has millions of pairs. Each row counts as
+                    // work in `test_long`.
                     if output.is_over(0) {
                         return indices.end;
                     }
@@ -183,6 +197,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
             let lanes = first_lanes(end - start);
             for index in cell.clone() {
                 let one = self.one(index);
+                // A block may begin before the shape. Earlier lanes are pairs that the earlier
+                // shape finds.
                 let later = u32::MAX << (index + 1).saturating_sub(start).min(31);
                 hits.add(one.row, start, self.near(&one, &others) & lanes & later);
             }
@@ -248,6 +264,8 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
                 let others = self.load_block(start);
                 hits.add(one.row, start, self.near(one, &others) & first_lanes(end - start));
             }
+            // The next range may add as many as `FEW_BLOCKS`; if there are more hits already, they
+            // are written first.
             if hits.count > MAX_HITS - FEW_BLOCKS {
                 self.emit(hits, output);
             }
@@ -315,6 +333,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
         }
         let dx = simd.sub(simd.distance(x, others.x), self.sum(one, others, 0));
         let dy = simd.sub(simd.distance(y, others.y), self.sum(one, others, 1));
+        // Without radii, squares below 0 do not exist: only the inner part of the formula is left.
         if SIZES == RECTANGLES {
             return simd.both_negative(dx, dy);
         }
@@ -330,6 +349,7 @@ impl<T: Scalar, S: Simd<T>, const SIZES: usize> Tester<'_, T, S, SIZES> {
     /// The sums of the radii.
     #[inline(always)]
     fn radius_sum(&self, one: &Item<T, SIZES>, others: &Loaded<S::Block, SIZES>) -> S::Block {
+        // The radius is the last size of each kind.
         self.sum(one, others, SIZES.saturating_sub(1))
     }
 

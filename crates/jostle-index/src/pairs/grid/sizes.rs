@@ -147,11 +147,15 @@ fn keys_of<T: Scalar, I: Input<T, SIZES> + ?Sized, const SIZES: usize, const COU
     let Keyed { layout, small, input } = keyed;
     let (mut along, mut across) = ([0.0; COUNT], [0.0; COUNT]);
     let mut large = [false; COUNT];
+    // Loops over arrays of a constant length, without branches inside: the compiler makes vector
+    // instructions of them.
     for lane in 0..COUNT {
         let item = input.item(start + lane);
         along[lane] = item.center[layout.axis].to_f64();
         across[lane] = item.center[1 - layout.axis].to_f64();
         let half_extent = half_extent_of(&item.sizes);
+        // Half extents are rounded sums, here and where `small` was chosen. So the largest small
+        // shape is small here, too.
         large[lane] = SIZES != EQUAL && (half_extent[0] > small[0]) | (half_extent[1] > small[1]);
     }
     let mut keys = layout.keys(&along, &across);
