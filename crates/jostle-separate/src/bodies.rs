@@ -78,6 +78,8 @@ impl<T: Scalar> Given<T> {
     pub fn fits_single(&self, gap: T) -> bool {
         /// Squares of larger numbers, and of smaller ones, lose precision.
         const RANGE: [f64; 2] = [1e-12, 1e12];
+        // float32 pays off only if its rounding adds few pairs to the lists. At the limit the
+        // distance of the search is larger by a fifth of the margin.
         let margin = near::margin(self.mean_extents, gap);
         let error = near::rounding::<T, f32>(&self.all, &self.centers, margin + gap);
         let margin = margin.to_f64();
@@ -101,6 +103,8 @@ impl<T: Scalar> Bodies<T> {
         };
         let tie = |a: usize, b: usize| {
             let pairs = values(a).into_iter().zip(values(b));
+            // All values that make a difference, then the row. So the order of the rounds follows
+            // from the shapes, and a permutation of the input permutes the result.
             let by_value = pairs.map(|(a, b)| a.total_order(&b)).find(|order| order.is_ne());
             by_value.unwrap_or(Ordering::Equal).then(a.cmp(&b))
         };
@@ -139,6 +143,8 @@ fn mean<T: Scalar>(all: impl ExactSizeIterator<Item = T> + Clone) -> T {
     if largest == 0.0 {
         return T::ZERO;
     }
+    // A sum of floats depends on the order of the rows, and the margin and with it the result
+    // would, too.
     let sum: u64 = all.map(|number| (number.to_f64() / largest * STEPS) as u64).sum();
     T::from_f64(largest * (sum as f64 / STEPS / count))
 }

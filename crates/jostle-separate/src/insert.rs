@@ -29,6 +29,7 @@ pub fn insert<T: Scalar>(
     pusher: &Pusher<T>,
     rules: &Separation<T>,
 ) -> Result<()> {
+    // Without the shapes to be inserted: they are in nobody's way until they have their places.
     let mut grid = Grid::of(bodies, indices)?;
     let mut search = Search { taken: Taken::default(), nearby: Vec::new(), lines: Vec::new() };
     let mut pulse = Pulse::current();
@@ -39,6 +40,8 @@ pub fn insert<T: Scalar>(
         {
             bodies.centers[index as usize] = free;
         }
+        // Also if no place was found: the next shapes keep away from it, so that it is the only one
+        // that overlaps.
         grid.put(index, bodies.centers[index as usize])?;
     }
     Ok(())
@@ -63,6 +66,9 @@ impl<T: Scalar> Search<T> {
     ) -> Result<Option<[T; 2]>> {
         let extent = [0, 1].map(|axis| bodies.all[index].extent(axis));
         let mut range = extent[0].max(extent[1]).max(bodies.mean_extents[0]);
+        // The range doubles until it contains a free place and everything that could be in its way.
+        // So the search costs little where the crowd is loose, and no maximum distance has to be
+        // chosen.
         range = range + range;
         let mut nearby_before = usize::MAX;
         loop {
@@ -72,6 +78,7 @@ impl<T: Scalar> Search<T> {
             let x = |index: &u32| bodies.centers[*index as usize][0];
             self.nearby.sort_unstable_by(|a, b| x(a).total_order(&x(b)).then(a.cmp(b)));
             let found = self.along_lines(bodies, index, range, (pusher, rules), pulse)?;
+            // A larger range with as many shapes: all of the cluster are in it already.
             let all = self.nearby.len() == nearby_before;
             match found {
                 // Shapes beyond the range may be in the way of a position beyond it.
@@ -107,6 +114,7 @@ impl<T: Scalar> Search<T> {
         let mut best: Option<([T; 2], T)> = None;
         for line in 0..self.lines.len() {
             let (away, x) = self.lines[line];
+            // Lines are sorted by their distance, and no place on a line is nearer than the line.
             if best.is_some_and(|(_, distance)| away >= distance) {
                 break;
             }
@@ -139,6 +147,9 @@ impl<T: Scalar> Search<T> {
             let needed = pusher.needed_along(0, body, second, T::ZERO) * pusher.size_factor();
             widest = widest.max(needed);
             let round = body.half[0] + second.half[0] < body.radius + second.radius;
+            // The nearest free place of a box among boxes is beside one of them, on its left or
+            // right line, or straight above or below. Around a disc it may be anywhere; the seven
+            // lines are those at every 30 degrees.
             let shares = if round { &LINES_OF_ROUND[..] } else { &LINES_OF_BOX[..] };
             for &share in shares {
                 let x = center[0] + needed * T::from_f64(share);
@@ -163,6 +174,8 @@ impl<T: Scalar> Search<T> {
     ) -> Result<()> {
         self.taken.intervals.clear();
         let x_of = |other: u32| bodies.centers[other as usize][0];
+        // `nearby` is sorted by x, and no shape further away along x can touch this one on the
+        // line.
         let first = self.nearby.partition_point(|&other| x_of(other) < x - widest);
         let last = self.nearby.partition_point(|&other| x_of(other) <= x + widest);
         pulse.check(last - first)?;
@@ -204,6 +217,8 @@ impl<T: Scalar> Grid<T> {
         let most = ((bodies.len() as f64).sqrt() as usize + 1).min(1 << 12);
         let mut grid = Self { min, cell: [T::ONE; 2], counts: [1; 2], cells: Vec::new(), widest };
         for axis in 0..2 {
+            // Two mean shapes wide. The number of cells is limited by the square root of the number
+            // of shapes on each axis, so that one far shape does not make a grid of empty cells.
             let size = bodies.mean_extents[axis] * T::from_f64(4.0);
             let cells = ((max[axis] - min[axis]) / size).to_f64();
             // NaN and infinity become 1 and `most`.

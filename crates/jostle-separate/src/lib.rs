@@ -101,6 +101,9 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
     let given = Given::of(shapes, &rules)?;
+    // Only the search for near pairs is in float32, with radii enlarged by its rounding errors: it
+    // may list a pair too many, never one too few. What is moved, and how far, is computed in the
+    // caller's type.
     if given.fits_single(rules.gap) {
         run::<T, f32>(&given, &rules)
     } else {
@@ -110,6 +113,7 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
 
 /// Moves the shapes; near pairs are found in the arithmetic of `K`.
 fn run<T: Scalar, K: Scalar>(given: &Given<T>, rules: &Separation<T>) -> Result<Separated<T>> {
+    // The tree that sorts the shapes also has the bounds of the first lists, so it is used twice.
     let (mut bodies, tree) = Bodies::sorted::<K>(given, rules)?;
     let crowded = spread::is_crowded(&tree, &bodies, rules.gap)?;
     let pusher = Pusher::of(rules);
@@ -140,15 +144,22 @@ fn in_plane<T: Scalar, K: Scalar>(
 ) -> Result<Outcome> {
     let is_spread = crowded && rules.max_rounds >= FEW_ROUNDS;
     if is_spread {
+        // Rounds push only neighbours. Where shapes lie many deep, the ones in the middle cannot
+        // move until those at the edge have, so the number of rounds grows with the width of the
+        // heap. Enlarging takes one pass.
         spread::spread(bodies, rules, spread::FULL)?;
     }
     let mut rounds = Rounds::of(bodies, pusher, rules, (!is_spread).then_some(tree))?;
     let mut done = rounds.run(false)?;
+    // Many shapes still overlap: the region as a whole is too small, also if no part of it was
+    // found crowded.
     if !done && rounds.to_take_out()?.len() > shapes_worth_spreading(&rounds) {
         rounds.change(|bodies| spread::spread(bodies, rules, spread::LOOSE))?;
         done = rounds.run(false)?;
     }
     if !done {
+        // What is left are single shapes among others that fit. Each moves once, to a place of its
+        // own; this always ends, and at most these shapes move far.
         let indices = rounds.to_take_out()?;
         rounds.change(|bodies| insert::insert(bodies, &indices, pusher, rules))?;
     }
@@ -177,6 +188,8 @@ fn along_axis<T: Scalar, K: Scalar>(
 ) -> Result<Outcome> {
     let before = memory::collect(bodies.centers.iter().copied())?;
     let mut done = 0;
+    // Few, or not crowded: rounds keep shapes near their places. A long crowded row needs too many
+    // of them, since each push has to be passed on from neighbour to neighbour.
     if rules.max_rounds == 0 || !crowded || bodies.len() <= FEW {
         let mut rounds = Rounds::of(bodies, pusher, rules, Some(tree))?;
         rounds.run(true)?;
@@ -184,6 +197,8 @@ fn along_axis<T: Scalar, K: Scalar>(
         if outcome.overlaps == 0 || rules.max_rounds == 0 {
             return Ok(outcome);
         }
+        // The sweep begins with the places that the caller wanted, not with what the rounds have
+        // made of them.
         bodies.centers = before;
         done = outcome.rounds;
     }
@@ -200,6 +215,7 @@ fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
     rules.fixed.check_len("fixed", len)?;
     rules.weights.check(|weights| {
         let fits = |w: &T| *w > T::ZERO && *w <= T::MAX_SIZE;
+        // NaN fails the comparisons and is refused like any other weight.
         let Some(index) = weights.iter().position(|w| !fits(w)) else { return Ok(()) };
         let rule = format!("a weight must be above 0 and at most {:e}", T::MAX_SIZE.to_f64());
         Err(Error::at("weights", index, weights[index], &rule))

@@ -18,6 +18,10 @@ const MARGIN: f64 = 0.5;
 
 /// The margin of shapes with these mean extents.
 pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
+    // In proportion to the shorter extent: that is how far a shape moves before its list is out of
+    // date. Long labels would otherwise list everything above and below. Not below a tenth of the
+    // longer one, because lists that hold for a tiny displacement would be made again in each
+    // round.
     (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN)
 }
 
@@ -30,6 +34,8 @@ pub fn rounding<T: Scalar, K: Scalar>(bodies: &[Body<T>], centers: &[[T; 2]], wi
     let far = centers.as_flattened().iter().fold(T::ZERO, |most, v| most.max(v.abs()));
     let wide =
         bodies.iter().fold(T::ZERO, |most, body| most.max(body.extent(0)).max(body.extent(1)));
+    // Two coordinates, two sizes and their sums are rounded once each, by half an epsilon of the
+    // largest number.
     (far.to_f64() + wide.to_f64() + wider.to_f64()) * 4.0 * K::EPSILON.to_f64()
 }
 
@@ -40,6 +46,7 @@ pub fn fill_wide<T: Scalar, K: Scalar>(
     centers: &[[T; 2]],
     wider: T,
 ) -> Result<()> {
+    // Both shapes of a pair are enlarged, so each by half of the distance.
     let more = wider.to_f64() * 0.5 + rounding::<T, K>(bodies, centers, wider);
     let key = |v: T| K::from_f64(v.to_f64());
     shapes.centers.clear();
@@ -89,6 +96,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
     pub fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
         fill_wide(&mut self.shapes, &bodies.all, &bodies.centers, self.margin + self.gap)?;
         let mut tree = std::mem::take(&mut self.tree);
+        // The order of the pairs has no effect, because each list is sorted below.
         tree.fill_unordered(&self.shapes, Settings { threads, ..Settings::default() })?;
         self.find_in(&tree, Some(tree.rows()), bodies)?;
         self.tree = tree;
@@ -109,6 +117,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
         }
         let is_fixed = |index: u32| bodies.all[index as usize].is_fixed();
         if bodies.any_fixed {
+            // Neither can move, so such a pair would count as an overlap for ever.
             found.retain(|&[i, j]| !(is_fixed(i) && is_fixed(j)));
         }
         self.list(&found, bodies.len())?;

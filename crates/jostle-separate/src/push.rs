@@ -23,6 +23,8 @@ pub struct Pusher<T> {
 impl<T: Scalar> Pusher<T> {
     /// The rules of a call.
     pub fn of(rules: &Separation<T>) -> Self {
+        // With a tolerance of 0 two shapes would touch after exact arithmetic, and overlap after
+        // rounding half of the time. Four epsilons are more than the roundings of a push.
         let smallest = T::from_f64(4.0) * T::EPSILON;
         Self {
             axis: rules.axis,
@@ -34,6 +36,9 @@ impl<T: Scalar> Pusher<T> {
 
     /// The rules in a round, of which `before` precede.
     pub fn in_round(&self, before: usize) -> Self {
+        // In a crowd each push moves shapes into others, so pushes that are too long arrive sooner
+        // (successive over-relaxation). Two shapes alone are done after one round and stay as near
+        // as they can. `examples/crowd` prints rounds, time and mean displacement.
         let factor = if before < EXACT { 1.0 } else { RELAXATION };
         Self { relaxation: T::from_f64(factor), ..*self }
     }
@@ -64,16 +69,22 @@ impl<T: Scalar> Pusher<T> {
         if let Some(axis) = self.axis {
             return self.push_along(axis, a, b, offset);
         }
+        // 0 counts as positive, so of two shapes with the same coordinate the later one moves up:
+        // their order decides, and it is canonical.
         let sign = |axis: usize| if offset[axis] < T::ZERO { -T::ONE } else { T::ONE };
         let halves = half_sizes(a, b);
         let gaps = gaps(offset, halves);
         let radius_sum = self.radius_sum(a, b);
         let [x, y] = [gaps[0].max(T::ZERO), gaps[1].max(T::ZERO)];
+        // The pair overlaps, so the squares are at most that of the radii and do not overflow. If
+        // they vanish, the shapes move along an axis.
         let distance = (x * x + y * y).sqrt();
         let (normal, depth) = if distance > T::ZERO {
             let scale = distance.recip();
             ([x * scale * sign(0), y * scale * sign(1)], radius_sum - distance)
         } else if offset == [T::ZERO; 2] && halves == [T::ZERO; 2] {
+            // Coincident discs have no normal. If all went the same way, a heap of them would
+            // become a line.
             (direction(rank), radius_sum)
         } else if gaps[0] < gaps[1] {
             ([T::ZERO, sign(1)], radius_sum - gaps[1])
@@ -94,6 +105,7 @@ impl<T: Scalar> Pusher<T> {
         let needed = self.radius_sum(a, b) * self.size_factor();
         let distance = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         if distance > T::ZERO {
+            // The same length as in `push`, for discs: depth plus tolerance is `needed - distance`.
             let scale = (needed - distance) * self.relaxation / distance;
             return [offset[0] * scale, offset[1] * scale];
         }
@@ -102,6 +114,7 @@ impl<T: Scalar> Pusher<T> {
 
     /// As [`Self::push`], along an axis.
     fn push_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> [T; 2] {
+        // No over-relaxation along an axis, so that shapes in a row keep their order.
         let needed = self.needed_along(axis, a, b, offset[1 - axis]);
         let depth = needed * self.size_factor() - offset[axis].abs();
         let mut push = [T::ZERO; 2];
@@ -116,6 +129,9 @@ impl<T: Scalar> Pusher<T> {
         let gap = across.abs() - (a.half[1 - axis] + b.half[1 - axis]);
         let halves = a.half[axis] + b.half[axis];
         let beyond = gap.max(T::ZERO);
+        // Two rounded boxes touch where the nearest corners of their cores are a radius apart
+        // (Pythagoras). If the cores overlap across, nothing is beyond, and the whole radius counts
+        // along the axis.
         let square = radius_sum * radius_sum - beyond * beyond;
         if gap >= T::ZERO && square <= T::ZERO {
             return T::ZERO;
@@ -154,5 +170,6 @@ fn direction<T: Scalar>(rank: usize) -> [T; 2] {
         [63.0, -16.0],
         [-25.0, -60.0],
     ];
+    // A table, not sine and cosine, whose last bits differ between systems.
     POINTS[rank % POINTS.len()].map(|v| T::from_f64(v / 65.0))
 }

@@ -37,6 +37,8 @@ pub fn is_crowded<T: Scalar, K: Scalar>(
     bodies: &Bodies<T>,
     gap: T,
 ) -> Result<bool> {
+    // Nodes are ranges of the order of the bodies. With sums of all before each index the area in a
+    // node is one difference, at every level of the tree.
     let mut sums = memory::with_capacity(bodies.len() + 1)?;
     let mut sum = [0.0; 3];
     sums.push(sum);
@@ -51,6 +53,9 @@ pub fn is_crowded<T: Scalar, K: Scalar>(
         let side = |axis: usize| {
             (bounds.max[axis] - bounds.min[axis]).to_f64() + sum(axis) / range.len() as f64
         };
+        // The box around centres is enlarged by one mean size, half on each side: shapes extend
+        // beyond their centres. With few shapes that edge is most of the box, and the ratio says
+        // nothing.
         range.len() >= MIN_SHAPES && sum(2) > FULL * side(0) * side(1)
     }))
 }
@@ -92,6 +97,7 @@ pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, rules: &Separation<T>, most: f6
     });
     let mut state = Spread { bodies, gap, unit, most };
     let root = state.root(&order, rules.bounds);
+    // Not recursive: no recursion of the core grows with the data.
     let mut stack = vec![root];
     let mut pulse = Pulse::current();
     while let Some(part) = stack.pop() {
@@ -130,6 +136,8 @@ impl<T: Scalar> Spread<'_, T> {
                 max[axis] = max[axis].max(self.at(index, axis) + self.unit[axis]);
             }
         }
+        // Discs cover at most 91 % of a plane, and about 84 % without order (random close packing).
+        // At half, rounds have room to sort out the rest.
         let needed = self.area_of(order) / FILL;
         let old = [max[0] - min[0], max[1] - min[1]];
         let most = bounds.map_or([f64::INFINITY; 2], |bounds| {
@@ -175,10 +183,14 @@ impl<T: Scalar> Spread<'_, T> {
         let compare = |a: &u32, b: &u32| -> Ordering {
             self.at(*a, axis).total_cmp(&self.at(*b, axis)).then(a.cmp(b))
         };
+        // The median in linear time. Ties by index, and those by the canonical order, so a heap of
+        // coincident shapes is divided in the same way whatever the order of the input.
         order.select_nth_unstable_by(middle, compare);
         let (first, second) = order.split_at(middle);
         let highest =
             first.iter().map(|&index| self.at(index, axis)).fold(part.min[axis], f64::max);
+        // Between the last shape of one half and the first of the other, so no centre lies on the
+        // other side of it.
         let line = (highest + self.at(second[0], axis)) / 2.0;
         let across = part.max[1 - axis] - part.min[1 - axis];
         let (low, high) = (part.min[axis], part.max[axis]);
@@ -189,6 +201,7 @@ impl<T: Scalar> Spread<'_, T> {
         let mut halves = [part; 2];
         (halves[0].end, halves[1].start) = (part.start + middle, part.start + middle);
         (halves[0].max[axis], halves[1].min[axis]) = (new, new);
+        // Where no line has moved, no shape is moved either, not even by the rounding of `enter`.
         halves.map(|half| Part { enlarged: part.enlarged || new != line, ..half })
     }
 
@@ -211,6 +224,7 @@ impl<T: Scalar> Spread<'_, T> {
 /// The sides of a box that has become at least as large as `needed`; the shorter side, in the
 /// given units, grows first. No side becomes longer than `most`.
 fn enlarged(old: [f64; 2], needed: f64, unit: [f64; 2], most: [f64; 2]) -> [f64; 2] {
+    // Large enough already: regions with room keep their places.
     if old[0] * old[1] >= needed {
         return [old[0].min(most[0]), old[1].min(most[1])];
     }
@@ -218,6 +232,8 @@ fn enlarged(old: [f64; 2], needed: f64, unit: [f64; 2], most: [f64; 2]) -> [f64;
     let longer = 1 - shorter;
     let mut new = old;
     new[shorter] = needed / old[longer];
+    // The shorter side would become the longer one. Then both grow, to a square in units of the
+    // shapes, which moves shapes least.
     if new[shorter] / unit[shorter] > old[longer] / unit[longer] {
         let side = (needed / (unit[0] * unit[1])).sqrt();
         new = [side * unit[0], side * unit[1]];
@@ -239,6 +255,8 @@ fn divide([low, line, high]: [f64; 3], areas: [f64; 2], across: f64, most: f64) 
         return line;
     }
     let total = areas[0] + areas[1];
+    // If the whole box is too small for the aim, both halves get the same share, which is the best
+    // there is.
     let fill = FILL.max(total / ((high - low) * across));
     let least = low + areas[0] / (fill * across);
     let greatest = high - areas[1] / (fill * across);

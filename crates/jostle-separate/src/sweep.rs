@@ -26,6 +26,7 @@ pub fn place<T: Scalar>(
     let at = |index: &u32| bodies.centers[*index as usize];
     order.sort_unstable_by(|a, b| {
         let [a_at, b_at] = [at(a), at(b)];
+        // Sorted across the axis, so that all shapes that can be in the way of one are a range.
         let by_position = a_at[across].total_order(&b_at[across]);
         by_position.then(a_at[axis].total_order(&b_at[axis])).then(a.cmp(b))
     });
@@ -37,8 +38,11 @@ pub fn place<T: Scalar>(
     for nth in far_apart(order.len()) {
         let own = order[nth] as usize;
         let (body, center) = (bodies.all[own], bodies.centers[own]);
+        // The widest shape decides for all: a single one that is very wide makes each range long,
+        // and the sweep quadratic at worst.
         let range = body.extent(across) + widest;
         let away = |other: u32| bodies.centers[other as usize][across] - center[across];
+        // Positions across do not change, so the order stays valid while shapes are placed.
         let first = order.partition_point(|&other| away(other) <= -range);
         let last = order.partition_point(|&other| away(other) < range);
         pulse.check(last - first)?;
@@ -46,6 +50,8 @@ pub fn place<T: Scalar>(
         for &other in &order[first..last] {
             let other = other as usize;
             let second = &bodies.all[other];
+            // Shapes that are placed later will go round this one. Fixed ones are in the way from
+            // the start.
             if other == own || !(placed[other] || second.is_fixed()) {
                 continue;
             }
@@ -76,6 +82,9 @@ pub fn place<T: Scalar>(
 fn far_apart(len: usize) -> impl Iterator<Item = usize> {
     let bits = len.next_power_of_two().trailing_zeros();
     let reversed =
+        // Reversed bits: each power of two of steps covers the whole range evenly, at half the
+        // distance of the one before. In ascending order each shape would push all later ones in
+        // one direction, and a swarm would lean.
         move |k: usize| if bits == 0 { k } else { k.reverse_bits() >> (usize::BITS - bits) };
     (0..1usize << bits).map(reversed).filter(move |&k| k < len)
 }

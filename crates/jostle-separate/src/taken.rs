@@ -22,6 +22,9 @@ impl<T: Scalar> Taken<T> {
         let start = wanted.max(low).min(high);
         self.intervals
             .sort_unstable_by(|a, b| a[0].total_order(&b[0]).then(a[1].total_order(&b[1])));
+        // Intervals in ascending order: those that overlap are joined, until the union around
+        // `start` is complete. Its two ends are the nearest free positions, so nothing before or
+        // after it has to be kept.
         let mut union = [-T::INFINITY; 2];
         for &[from, to] in &self.intervals {
             if from < union[1] {

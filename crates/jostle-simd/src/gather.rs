@@ -51,6 +51,8 @@ unsafe fn set_two(pairs: __m128d, to: &[AtomicU64], indices: &[u32; LANES], lane
 #[inline(always)]
 pub unsafe fn gather_128(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> [__m128; 2] {
     unsafe {
+        // Two words side by side are x0 y0 x1 y1. Of two such registers one shuffle takes all x,
+        // another all y.
         let low = _mm_castpd_ps(two(from, indices, lane));
         let high = _mm_castpd_ps(two(from, indices, lane + 2));
         [_mm_shuffle_ps::<0x88>(low, high), _mm_shuffle_ps::<0xdd>(low, high)]
@@ -79,6 +81,8 @@ unsafe fn two_avx(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> __
     let pairs: __m128d;
     unsafe {
         asm!(
+            // An aligned read of eight bytes is atomic on x86, and the compiler may not divide it.
+            // `pure, readonly` lets the compiler move and drop reads, as relaxed loads allow.
             "vmovsd {pairs}, qword ptr [{from} + 8 * {first}]",
             "vmovhpd {pairs}, {pairs}, qword ptr [{from} + 8 * {second}]",
             pairs = out(xmm_reg) pairs,

@@ -25,6 +25,8 @@ pub const HALF: usize = LANES / 2;
 /// Bits of the first `count` lanes.
 #[inline(always)]
 pub fn first_lanes(count: usize) -> u32 {
+    // Counts above a block are usual: what is left of a range. A shift by 32 or more would
+    // overflow.
     if count < LANES { (1 << count) - 1 } else { (1 << LANES) - 1 }
 }
 
@@ -33,6 +35,7 @@ pub fn first_lanes(count: usize) -> u32 {
 pub fn for_each_lane(mut bits: u32, mut act: impl FnMut(usize)) {
     while bits != 0 {
         act(bits.trailing_zeros() as usize);
+        // Clears the lowest set bit, so there are as many iterations as bits, not as lanes.
         bits &= bits - 1;
     }
 }
@@ -52,6 +55,9 @@ pub fn block_mut<V>(column: &mut [V], start: usize) -> &mut [V; LANES] {
 /// The two float32 of the word at `index`.
 #[inline(always)]
 pub fn numbers_at(from: &[AtomicU64], index: u32) -> [f32; 2] {
+    // Relaxed: a word is read and written whole, so the two numbers belong together. Which thread
+    // may write it at what time is decided by the colours of the contacts and by barriers between
+    // them.
     let word = from[index as usize].load(Ordering::Relaxed);
     [word as u32, (word >> 32) as u32].map(f32::from_bits)
 }
@@ -60,6 +66,7 @@ pub fn numbers_at(from: &[AtomicU64], index: u32) -> [f32; 2] {
 #[inline(always)]
 pub fn set_numbers_at(to: &[AtomicU64], index: u32, numbers: [f32; 2]) {
     let [a, b] = numbers.map(|number| u64::from(number.to_bits()));
+    // Relaxed, as in `numbers_at`.
     to[index as usize].store(a | b << 32, Ordering::Relaxed);
 }
 
@@ -74,6 +81,9 @@ pub struct PairIndices {
 impl PairIndices {
     /// The indices of the first and of the second of each pair.
     pub fn new(indices: [[u32; LANES]; 2]) -> Self {
+        // Once for each step: the sixteen indices of a block are then tested by one comparison in
+        // each iteration of the solver. Steps of piles take 3 to 4 % less time than with sixteen
+        // tests (docs/benchmarks-notes.md).
         let largest = indices.as_flattened().iter().copied().fold(0, u32::max);
         Self { indices, largest }
     }
@@ -212,6 +222,9 @@ macro_rules! number {
                 self as f32
             }
             fn with_widest<W: Work<Self>>(work: W) -> W::Out {
+                // One branch for each piece of work, not for each instruction. Everything below is
+                // inlined into the function that has the instructions turned on; a call out of it
+                // would run with SSE2 and pass blocks through memory.
                 #[cfg(target_arch = "x86_64")]
                 match widest() {
                     Instructions::Avx512 => x86::with_avx512(work),
@@ -245,6 +258,8 @@ static LIMIT: AtomicU8 = AtomicU8::new(Instructions::Avx512 as u8);
 /// Sets the widest instructions that the process uses from now on. For measurements and tests;
 /// results do not depend on it.
 pub fn limit(widest: Instructions) {
+    // Relaxed: all sets of instructions give the same bits, so it does not matter when a thread
+    // sees it.
     LIMIT.store(widest as u8, Ordering::Relaxed);
 }
 

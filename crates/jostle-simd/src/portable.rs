@@ -11,6 +11,8 @@ pub struct Portable;
 pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
+        // The remainders change nothing, since there are only sixteen bits. They tell the compiler,
+        // which then leaves out the checks.
         to[count % LANES] = from[lane % LANES];
         count += 1;
     });
@@ -97,6 +99,8 @@ impl<T: Number> Simd<T> for Portable {
     }
     #[inline(always)]
     fn max(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        // Not `T::max`: of +0 and -0, and of NaN and a number, the vector instructions return the
+        // second operand.
         both(a, b, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
@@ -105,6 +109,8 @@ impl<T: Number> Simd<T> for Portable {
     }
     #[inline(always)]
     fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
+        // The same as the absolute value of a - b, also in its bits: rounding is symmetric, and for
+        // equal numbers the difference is +0.
         both(a, b, |a, b| if a > b { a - b } else { b - a })
     }
     #[inline(always)]

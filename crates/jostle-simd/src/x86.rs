@@ -57,6 +57,8 @@ where
     {
         work.run(Avx2(()))
     }
+    // `is_x86_feature_detected` keeps its answer in an atomic word, so the check costs a few
+    // instructions for each piece of work.
     assert!(widest() >= Instructions::Avx2);
     // SAFETY: the line above has made sure that the processor has the features.
     unsafe { inner(work) }
@@ -207,6 +209,8 @@ macro_rules! pack_one_by_one {
     ($t:ty) => {
         #[inline(always)]
         fn pack(self, from: Self::Block, bits: u32, to: &mut [$t; LANES]) {
+            // SSE2 cannot permute by a variable. A loop over the set bits is as short as there are
+            // hits.
             let mut numbers = [0.0; LANES];
             self.store(from, &mut numbers);
             portable::pack(&numbers, bits, to);
@@ -339,6 +343,8 @@ fn at_most_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
 #[inline(always)]
 fn choose_128(_: Sse2, bits: u32, a: __m128, b: __m128) -> __m128 {
     unsafe {
+        // The bits become a mask: each lane keeps its own bit of the word and compares it with what
+        // it should be.
         let lanes = _mm_setr_epi32(1, 2, 4, 8);
         let chosen = _mm_and_si128(_mm_set1_epi32(bits as i32), lanes);
         let mask = _mm_castsi128_ps(_mm_cmpeq_epi32(chosen, lanes));
@@ -540,6 +546,8 @@ fn pairs_512(_: Avx512, first: u32, others: __m512i, bits: u32, to: &mut [[u32; 
     // SAFETY: the token proves the instructions; all stores end within the sixteen pairs.
     unsafe {
         let to = to.as_mut_ptr();
+        // Compressed first: the numbers that count are in front, so the pairs are the first ones of
+        // each store.
         let others = _mm512_maskz_compress_epi32(bits as u16, others);
         let (own, low) = (_mm_set1_epi32(first as i32), _mm512_castsi512_si128(others));
         _mm_storeu_si128(to.cast(), _mm_unpacklo_epi32(own, low));
@@ -878,6 +886,8 @@ static LANES_OF: [u64; 256] = {
 /// The words of a register whose bit is set, first.
 #[inline(always)]
 fn packed_256(_: Avx2, register: __m256i, bits: u32) -> __m256i {
+    // AVX2 can permute by a register but not compress. The table of 2 KiB has the order for each
+    // set of eight bits.
     let order = LANES_OF[(bits & 0xff) as usize] as i64;
     // SAFETY: the token proves the instructions.
     unsafe {
@@ -926,6 +936,8 @@ fn pairs_256(
         let lanes = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(lanes_of(bits) as i64));
         let low = _mm256_permutevar8x32_epi32(low, lanes);
         let high = _mm256_permutevar8x32_epi32(high, lanes);
+        // The permutation uses the low three bits of a lane, so both halves are permuted alike, and
+        // the fourth bit chooses between them.
         let is_high = _mm256_cmpgt_epi32(lanes, _mm256_set1_epi32(7));
         _mm256_castsi256_si128(_mm256_blendv_epi8(low, high, is_high))
     };
@@ -944,6 +956,7 @@ fn ordered_pairs_256(
     // SAFETY: the token proves the instruction; each array is one register long.
     let others = unsafe { [low, high].map(|half| _mm256_loadu_si256(half.as_ptr().cast())) };
     pairs_256(token, first, others, bits, to);
+    // Few pairs, which are still in the first-level cache.
     for pair in &mut to[..bits.count_ones() as usize] {
         *pair = [pair[0].min(pair[1]), pair[0].max(pair[1])];
     }
@@ -974,6 +987,8 @@ fn pairs_with_indices_256(
 #[inline(always)]
 fn lanes_of(bits: u32) -> u64 {
     let (low, high) = (LANES_OF[(bits & 0xff) as usize], LANES_OF[(bits >> 8 & 0xff) as usize]);
+    // The lanes of the upper half are eight higher; they follow those of the lower half. The zeros
+    // behind the last lane become eights, which name lanes that do not count.
     low | (high + 0x0808_0808_0808_0808).wrapping_shl(8 * (bits & 0xff).count_ones())
 }
 
@@ -1008,6 +1023,8 @@ fn eight_pairs(_: Avx2, first: u32, others: __m256i, to: &mut [[u32; 2]; LANES],
     // SAFETY: the token proves the instructions; both stores end within the sixteen pairs.
     unsafe {
         let own = _mm256_set1_epi32(first as i32);
+        // These instructions work within halves of the register, so the halves have to be put in
+        // order afterwards.
         let (even, odd) = (_mm256_unpacklo_epi32(own, others), _mm256_unpackhi_epi32(own, others));
         let to = to.as_mut_ptr().add(start);
         _mm256_storeu_si256(to.cast(), _mm256_permute2x128_si256::<0x20>(even, odd));

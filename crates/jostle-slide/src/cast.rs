@@ -22,9 +22,14 @@ pub fn enters<T: Scalar>(
     };
     let (x, y) = (corner(0), corner(1));
     let radius_sum = body.radius + obstacle.radius;
+    // Two boxes: no corners to round, and the slop makes the box smaller on all sides instead of
+    // the radius.
     if radius_sum == T::ZERO {
         return into_box(shrunk(x, slop), shrunk(y, slop), displacement);
     }
+    // A path along a surface is inside by a rounding error as often as outside. Only what goes
+    // deeper than the slop is an impact, so a shape that slides does not get stuck on what it
+    // slides along.
     let radius = (radius_sum - slop).max(T::ZERO);
     let into_corner = |x: T, y: T| into_disc([x, y], radius, displacement);
     if x[0] == x[1] && y[0] == y[1] {
@@ -38,6 +43,8 @@ pub fn enters<T: Scalar>(
         into_corner(x[0], y[1]),
         into_corner(x[1], y[1]),
     ];
+    // The first of the six: the union is convex, so the path enters it where it first enters a
+    // part.
     tests.into_iter().flatten().reduce(|a, b| if b.0 < a.0 { b } else { a })
 }
 
@@ -52,6 +59,8 @@ fn into_box<T: Scalar>(x: [T; 2], y: [T; 2], v: [T; 2]) -> Option<(T, [T; 2])> {
     let mut normal = [T::ZERO; 2];
     for (axis, [low, high]) in [x, y].into_iter().enumerate() {
         if v[axis] == T::ZERO {
+            // Parallel to the axis: inside the slab for the whole path or never. An open interval,
+            // since a box that only touches does not stop the motion along it.
             if !(low < T::ZERO && T::ZERO < high) {
                 return None;
             }
@@ -59,6 +68,8 @@ fn into_box<T: Scalar>(x: [T; 2], y: [T; 2], v: [T; 2]) -> Option<(T, [T; 2])> {
         }
         let (first, last) = if v[axis] > T::ZERO { (low, high) } else { (high, low) };
         let from = first / v[axis];
+        // The last slab entered is the side that is met. At a corner exactly the first axis wins,
+        // always the same one.
         if from > enter {
             enter = from;
             normal = [T::ZERO; 2];
@@ -81,6 +92,7 @@ pub fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, 
     if !(along > T::ZERO && across < radius) {
         return None;
     }
+    // Factored: `radius² - across²` loses the digits of a grazing path to cancellation.
     let distance = along - ((radius - across) * (radius + across)).sqrt();
     let share = distance / length;
     if !(T::ZERO <= distance && share <= T::ONE) {

@@ -65,6 +65,8 @@ impl<T: Scalar> SlideRules<T> {
             return Err(Error::of("floor_angle", floor_angle, rule));
         }
         let largest = up[0].abs().max(up[1].abs());
+        // Divided by the larger component first: the square of a direction such as (0, 1e200) would
+        // be infinite.
         let up = if largest > T::ZERO {
             let [x, y] = up.map(|v| v / largest);
             let length = (x * x + y * y).sqrt();
@@ -72,6 +74,8 @@ impl<T: Scalar> SlideRules<T> {
         } else {
             [T::ZERO; 2]
         };
+        // Angles are compared by their cosines: one product for each hit, and no arc cosine, which
+        // systems round in different ways.
         let floor_cosine = T::from_f64(cosine(floor_angle) - COSINE_TOLERANCE);
         Ok(Self { mask, max_slides, up, floor_cosine, one_way })
     }
@@ -98,6 +102,8 @@ const COSINE_TOLERANCE: f64 = 1e-6;
 fn cosine(angle: f64) -> f64 {
     let square = angle * angle;
     let mut sum = 1.0;
+    // Horner's scheme. The first term that is left out, (π/2)²²/22!, is below 2e-17: less than a
+    // rounding.
     for k in (1..=10).rev() {
         let k = f64::from(k);
         sum = 1.0 - square / ((2.0 * k - 1.0) * (2.0 * k)) * sum;
@@ -146,11 +152,16 @@ fn along_surface<T: Scalar>(rules: &SlideRules<T>, v: [T; 2], normal: [T; 2]) ->
         [v[0] - n[0] * into, v[1] - n[1] * into]
     };
     match rules.kind(normal) {
+        // First the part against `up`, then what points into the slope. In the other order the rest
+        // of the fall would become motion down the slope: a shape that stands would creep.
         Surface::Floor => without(without(v, rules.up), normal),
         Surface::Ceiling => without(v, normal),
         Surface::Wall => {
             let slid = without(v, normal);
             let flat = dot(normal, rules.up);
+            // Only a wall that leans back can lift a shape that walks into it. Then its slope is
+            // ignored, as if it were upright: the component is removed along the horizontal part of
+            // the normal.
             if flat <= T::ZERO || dot(slid, rules.up) <= dot(v, rules.up).max(T::ZERO) {
                 return slid;
             }

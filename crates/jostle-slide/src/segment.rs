@@ -55,6 +55,7 @@ impl<T: Scalar> Side<T> {
 /// The first side along the segment is the second one, the other the fifth.
 fn hexagon<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> Hexagon<T> {
     let [mut a, mut b] = ends.map(|end| [end[0] - body.min[0], end[1] - body.min[1]]);
+    // With the ends ordered by x there are two cases: rising and falling.
     if b[0] < a[0] {
         (a, b) = (b, a);
     }
@@ -75,6 +76,7 @@ fn sides<T: Scalar>(hexagon: &Hexagon<T>) -> impl Iterator<Item = Side<T>> {
         let (start, end) = (hexagon[index], hexagon[(index + 1) % 6]);
         let d = [end[0] - start[0], end[1] - start[1]];
         let length = length(d[0].abs(), d[1].abs());
+        // In both cases of `hexagon` the sides 1 and 4 join the two ends.
         let is_along = index % 3 == 1;
         (length > T::ZERO).then(|| Side { is_along, start, along: d.map(|v| v / length), length })
     })
@@ -87,10 +89,12 @@ fn distance<T: Scalar>(hexagon: &Hexagon<T>) -> (T, [T; 2]) {
     let (outside, normal) = deepest
         .reduce(|a, b| if b.0 > a.0 { b } else { a })
         .unwrap_or((T::ZERO, [T::ONE, T::ZERO]));
+    // Inside: the nearest side is the one of which the point is least deep.
     if outside < T::ZERO {
         return (outside, normal);
     }
     let corner = hexagon[0].map(|v| T::ZERO - v);
+    // The corner is for a segment that is a point and a disc: then no side has a length.
     let offsets = sides(hexagon).map(|side| side.offset()).chain([corner]);
     let measured = offsets.map(|v| (length(v[0].abs(), v[1].abs()), v));
     let nearest = measured.reduce(|a, b| if b.0 < a.0 { b } else { a });
@@ -105,6 +109,8 @@ pub fn overlaps<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> bool {
     let [x, y] = gaps(body, ends);
     let radius = body.radius;
     // Quick, and right for segments along an axis whatever the rounding below.
+    // The gaps come from coordinates by one subtraction, so a box that stands exactly on a
+    // horizontal segment is not called an overlap. The normals of the hexagon below are rounded.
     if x > radius || y > radius || (radius == T::ZERO && (x >= T::ZERO || y >= T::ZERO)) {
         return false;
     }
@@ -132,6 +138,8 @@ pub fn enters<T: Scalar>(
 ) -> Option<(T, [T; 2])> {
     let hexagon = hexagon(body, ends);
     // A disc that is smaller than the slop stops before its centre is on the other side.
+    // Never 0 for a disc: the sum would be the segment itself, and a disc whose centre has crossed
+    // it would be on the other side. Half of its radius keeps the centre on its own side.
     let radius = (body.radius - slop).max(body.radius * T::from_f64(0.5));
     if body.radius == T::ZERO {
         return into_convex(&hexagon, displacement, slop);
@@ -143,6 +151,8 @@ pub fn enters<T: Scalar>(
         }
         let share = clearance / approach;
         let position = side.position(displacement.map(|v| v * share));
+        // A little beyond its ends, so that rounding leaves no gap between a side and the disc at
+        // its corner.
         (-slop <= position && position <= side.length + slop).then(|| (share, side.normal()))
     };
     let through_corner =
@@ -160,6 +170,7 @@ fn into_convex<T: Scalar>(hexagon: &Hexagon<T>, v: [T; 2], slop: T) -> Option<(T
     let (mut enter, mut leave) = (-T::INFINITY, T::INFINITY);
     let mut normal = [T::ZERO; 2];
     for side in sides(hexagon) {
+        // Not too much: three slops are still far below any size that a user sees.
         let inwards = if side.is_along { slop + slop + slop } else { slop };
         let (clearance, approach) = side.approach(-inwards, v);
         if approach == T::ZERO {

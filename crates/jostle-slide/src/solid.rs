@@ -43,6 +43,8 @@ impl<T: Scalar> Obstacle<T> {
     ) -> R {
         if left != T::ZERO && self.motion != [T::ZERO; 2] {
             let solid = self.solid.moved(self.motion.map(|v| v * left));
+            // Obstacles are stored where they end. Their places at any time follow from the share
+            // of their motion that is left, so that no second list is needed.
             let before = Self { solid, motion: [T::ZERO; 2], ..*self };
             return before.facing_now(period, body, act);
         }
@@ -59,6 +61,9 @@ impl<T: Scalar> Obstacle<T> {
         if period.is_none() {
             return act(body, &self.solid);
         }
+        // Both are brought to where `Period::overlap` compares them. Anywhere else the same two
+        // shapes would round differently, and the walker would end in places that a query calls an
+        // overlap.
         let (center, own) = (period.wrap(body.min), period.turns_of(body.min));
         let (mut of_body, mut of_solid) = ([T::ZERO; 2], [T::ZERO; 2]);
         for axis in 0..2 {
@@ -78,6 +83,8 @@ impl<T: Scalar> Obstacle<T> {
     pub fn order(&self, other: &Self) -> Ordering {
         let (own, others) = (self.solid.numbers(), other.solid.numbers());
         let by_value = own.iter().zip(&others).map(|(a, b)| a.total_order(b));
+        // By value first: the index of an obstacle depends on the order in which it was added, its
+        // geometry does not.
         let by_value = by_value.fold(Ordering::Equal, Ordering::then);
         by_value.then((self.turns, self.index).cmp(&(other.turns, other.index)))
     }

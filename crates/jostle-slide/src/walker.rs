@@ -68,7 +68,12 @@ impl<'a, T: Scalar> Walker<'a, T> {
     pub fn carry(&mut self, displacement: [T; 2]) {
         let start = self.body;
         let was_inside = self.overlap(T::ONE).is_some_and(|(_, depth, close)| depth > close);
+        // The obstacles are at the end of their motion already. They are taken back to its start,
+        // and then all move at the same time: if they moved first, a fast platform would jump
+        // through the shape.
         self.follow(displacement);
+        // Squeezed between two that move towards each other, or out of `ATTEMPTS`. The place at the
+        // start may be free now, and is the only other one that is known.
         if !was_inside && self.overlap(T::ZERO).is_some() {
             let end = std::mem::replace(&mut self.body, start);
             if self.overlap(T::ZERO).is_some() {
@@ -81,6 +86,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let (mut velocity, mut left) = (displacement, T::ONE);
         for _ in 0..ATTEMPTS {
             let rest = velocity.map(|v| v * left);
+            // An image of an obstacle is searched at one place. A path longer than the period would
+            // pass it twice.
             if self.period.is_exceeded_by(rest) {
                 return;
             }
@@ -91,7 +98,11 @@ impl<'a, T: Scalar> Walker<'a, T> {
             }
             let Some((share, hit, motion)) = self.advance(rest, left) else { return };
             self.record(hit);
+            // The shares of time multiply: after half of the way a third of the rest leaves a
+            // third.
             left = left * (T::ONE - share);
+            // In the frame of the obstacle it stands still, so the rule for standing obstacles
+            // applies. Then its velocity is added again, which pushes the shape along.
             let relative = [velocity[0] - motion[0], velocity[1] - motion[1]];
             let [x, y] = along_surface(self.rules, relative, hit.normal);
             velocity = [motion[0] + x, motion[1] + y];
@@ -103,9 +114,14 @@ impl<'a, T: Scalar> Walker<'a, T> {
     pub fn leave_obstacles(&mut self) {
         for _ in 0..ATTEMPTS {
             let Some((normal, depth, _)) = self.overlap(T::ZERO) else { return };
+            // Out by a rounding error more than the depth, or the shape would still overlap in half
+            // of all cases.
             let out = -(depth + self.slop(depth));
             let out = [normal[0] * out, normal[1] * out];
             if let Some((share, hit)) = self.shift(out)
+                // Another obstacle is in the way: along its surface, as far as brings the whole
+                // displacement in the direction out. At a sharp angle that would be a long way,
+                // which is not taken.
                 && let Some(around) = around(out.map(|v| v * (T::ONE - share)), hit.normal)
             {
                 self.shift(around);
@@ -151,6 +167,10 @@ impl<'a, T: Scalar> Walker<'a, T> {
     pub fn slide(&mut self, displacement: [T; 2]) {
         self.remaining = displacement;
         let mut rest = displacement;
+        // A motion is a sequence of casts: look for what is near, go to the first impact, take the
+        // component into the surface from the rest, repeat. Each step ends at a place without
+        // overlap (`advance`), so the loop may stop after any number of them. Between two surfaces
+        // at a sharp angle it would never end by itself.
         for _ in 0..self.rules.max_slides {
             if rest == [T::ZERO; 2] {
                 return;
@@ -160,6 +180,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
             self.hits.push(hit);
             let left = [rest[0] * (T::ONE - share), rest[1] * (T::ONE - share)];
             rest = along_surface(self.rules, left, hit.normal);
+            // The whole displacement, not the rest: callers take it as the velocity that is left
+            // after the step.
             self.remaining = along_surface(self.rules, self.remaining, hit.normal);
         }
     }
@@ -172,6 +194,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
     /// Finds the obstacles along the path, unless they are known.
     fn look(&mut self, displacement: [T; 2]) {
         let center = self.body.min;
+        // Room for rounding on either side, so that what a test with slop could find has been
+        // listed.
         let slop = self.slop(length(displacement));
         let margin = [0, 1].map(|axis| extent(&self.body, axis) + (slop + slop) + (slop + slop));
         let low = |axis: usize| center[axis] + displacement[axis].min(T::ZERO) - margin[axis];
@@ -181,6 +205,9 @@ impl<'a, T: Scalar> Walker<'a, T> {
             self.seen[0][axis] = self.seen[0][axis].min(min[axis]);
             self.seen[1][axis] = self.seen[1][axis].max(max[axis]);
         }
+        // A short slide needs one search: the first region is large enough for all later parts of
+        // the path. Long ones would list too many obstacles that way, so each part is searched by
+        // itself.
         if self.known.is_some_and(|known| contains(known, [min, max])) {
             return;
         }
@@ -216,11 +243,15 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let start = self.body;
         let (rules, period) = (self.rules, self.period);
         // An obstacle is moved back to its start with rounding errors.
+        // Moved back and forth it may be off by a rounding of the way, not of its coordinates
+        // alone.
         let back = |obstacle: &Obstacle<T>| length(obstacle.motion) * left;
         let is_solid = |obstacle: &Obstacle<T>| {
             let close = slop(&start, &period, back(obstacle));
             obstacle.facing((&period, left), &start, |body, solid| {
                 let ledge = solid.shape_of(rules.one_way);
+                // What the shape is inside of does not stop it. Otherwise a shape that spawned in a
+                // wall could never move; so it can leave, and not enter any other.
                 let is_outside =
                     !solid.overlaps(body) || (left != T::ZERO && solid.contact(body).1 <= close);
                 is_outside && ledge.is_none_or(|shape| is_above(rules, body, shape, close))
@@ -241,6 +272,9 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let solid = self.near.iter().filter(|obstacle| is_solid(obstacle));
         let impacts = solid.filter_map(|obstacle| Some((impact(obstacle)?, obstacle)));
         // A floor before a wall, so that the joints of tiles do not stop a shape.
+        // Between equal shares the surface that faces up most. At a joint of two tiles the corner
+        // of the next tile is met at the same time as the floor: taken first, it would stop a walk
+        // on flat ground.
         let height = |normal: [T; 2]| dot(normal, rules.up) + T::ZERO;
         let first = impacts.min_by(|((a, a_normal), a_of), ((b, b_normal), b_of)| {
             a.total_order(b)
@@ -252,12 +286,17 @@ impl<'a, T: Scalar> Walker<'a, T> {
         });
         let share = first.map_or(T::ONE, |(share, ..)| share);
         let motion = first.map_or([T::ZERO; 2], |(.., motion)| motion);
+        // The slop of the path up to the impact, not of the whole displacement: what lies beyond
+        // rounds nothing here.
         let path = (length(displacement) + length(motion) * left) * share;
         let slop = self.slop(path);
         let (end, reached) = self.free_end(displacement, (share, left), slop, &is_solid);
         self.body.min = end;
         self.body.max = end;
         first.map(|(share, hit, motion)| {
+            // For standing obstacles the share of the impact itself, so that the rest of a motion
+            // does not depend on the last bits of the place. For moving ones time and place have to
+            // match, so the share that was reached.
             (if left == T::ZERO { share } else { reached }, hit, motion)
         })
     }
@@ -275,6 +314,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let inside = self.near.iter().filter(|near| overlaps(near) && is_solid(near));
         let contact = |near: &Obstacle<T>| near.facing(at, body, |body, solid| solid.contact(body));
         let deepest = inside.map(|near| (contact(near), near)).reduce(|a, b| {
+            // The deepest first: moving out of it most likely ends the others. Ties by geometry, as
+            // in `Obstacle::order`.
             let order = b.0.1.total_order(&a.0.1).then_with(|| a.1.order(b.1));
             if order == Ordering::Greater { b } else { a }
         });
@@ -300,6 +341,15 @@ impl<'a, T: Scalar> Walker<'a, T> {
             let body = Shape { min: center, max: center, ..self.body };
             self.deepest(&body, left * (T::ONE - share), is_solid)
         };
+        // The promise of this module: the place that is returned overlaps nothing solid, by the
+        // formula of the queries. The impact is rounded, so the place may be inside by a few slops.
+        //
+        // First it is moved out along the path or the normal, by 1/64 of a slop at the beginning
+        // and twice as much after each attempt: most places need the least, and a walk along a
+        // floor stays at the same height.
+        //
+        // If that does not help, the path is taken back, four times further each time, down to the
+        // start, which is free by assumption. So the loop ends.
         let mut center = at(share);
         let mut factor = T::from_f64(1.0 / 64.0);
         for _ in 0..ATTEMPTS {
@@ -307,6 +357,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
                 return (center, share);
             };
             let slop = slop.max(close);
+            // Not a rounding error: the place is inside something else. Moving out of it would be a
+            // motion that nobody asked for.
             if depth > slop + slop + slop + slop {
                 break;
             }
@@ -314,6 +366,7 @@ impl<'a, T: Scalar> Walker<'a, T> {
             center = self.moved_out(center, displacement, normal, out);
             factor = factor + factor;
         }
+        // From one epsilon by factors of four to 1: about 26 steps in float64, 12 in float32.
         let (mut share, mut back) = (share, T::EPSILON);
         loop {
             share = share - back;
@@ -336,6 +389,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
         let back = path.map(|v| v * (out / approach));
         let new = [center[0] - back[0], center[1] - back[1]];
         let displacement = [new[0] - self.body.min[0], new[1] - self.body.min[1]];
+        // At a flat angle a small distance along the normal is a long way back along the path. The
+        // length is that of the sum of both components, at most 1.42 times the real one.
         if approach > length(path) * T::from_f64(MIN_APPROACH) && dot(displacement, path) >= T::ZERO
         {
             return new;
@@ -352,6 +407,8 @@ impl<'a, T: Scalar> Walker<'a, T> {
 /// Upper bound of the rounding errors of a position at a distance from a shape given by its centre.
 pub fn slop<T: Scalar>(body: &Shape<T>, period: &Period<T>, distance: T) -> T {
     let size = |axis: usize| body.min[axis].abs() + extent(body, axis) + period.sides()[axis];
+    // Rounding errors are in proportion to the numbers that are added: coordinates, sizes, the
+    // period, the way.
     (size(0).max(size(1)) + distance) * T::EPSILON * T::from_f64(ROUNDINGS)
 }
 
@@ -373,6 +430,8 @@ fn around<T: Scalar>(out: [T; 2], surface: [T; 2]) -> Option<[T; 2]> {
     let along = dot(out, tangent);
     let square = dot(out, out);
     let longest = T::from_f64(LONGEST_AROUND);
+    // Squares, so that no root is needed. The part of `out` along the surface decides how much
+    // longer the way is.
     (along * along * longest * longest >= square && square > T::ZERO)
         .then(|| tangent.map(|v| v * (square / along)))
 }

@@ -58,6 +58,8 @@ impl<T: Scalar> Call<'_, T> {
     /// The floor on which a row stood after its last motion, and its centre then.
     pub fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
         let slot = self.walkers[row];
+        // By id, not by slot: the shape, or its floor, may have been removed and the slot used
+        // again.
         let ride = self.rides.all[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
         Some((self.slots.slot(ride.floor)?, ride.center))
     }
@@ -75,6 +77,9 @@ impl<T: Scalar> Call<'_, T> {
     /// The motion of an obstacle since the last motion of a shape; if the obstacle has not moved
     /// since, its motion in this call.
     pub fn motion(&self, viewer: &Viewer<T>, slot: u32, now: [T; 2]) -> [T; 2] {
+        // The floor's place is that of the moment in which the shape stood on it, also if the floor
+        // moved earlier in the same call. For other obstacles the place before their first motion
+        // since is what counts.
         let floor = viewer.floor.filter(|&(floor, _)| floor == slot).map(|(_, before)| before);
         let before = floor.or_else(|| self.traces.before(slot, viewer.since));
         motion(&self.period, before.unwrap_or_else(|| self.slots.center(slot)), now)
@@ -113,6 +118,8 @@ impl<T: Scalar> Call<'_, T> {
             let (tree, slot) = self.layers.layer(number);
             each_overlap(tree, bounds, -T::INFINITY, stack, |index| {
                 if let Some(slot) = slot(tree.rows()[index])
+                    // Shapes that move in this call are found in the spatial hash of their island,
+                    // where they are now.
                     && self.rides.rows[slot as usize] == NONE
                     && !is_moved(slot)
                 {
@@ -127,6 +134,8 @@ impl<T: Scalar> Call<'_, T> {
             }
         }
         self.moved.each_near(bounds, stack, |slot| {
+            // An obstacle that has moved is found by the box around its path, since it may have
+            // been anywhere on it. So it is left out above, or it would be listed twice.
             if is_moved(slot) {
                 near.push(self.obstacle(viewer, slot, self.slots.shape(slot), turns));
             }
@@ -188,6 +197,8 @@ impl<T: Scalar> Moved<T> {
             memory::push(&mut all.slots, slot)?;
             memory::push(&mut all.paths, path)?;
         }
+        // A tree is built once and searched by each walker. With few of either a test of each path
+        // by each walker is faster than its construction.
         if all.paths.len() > FEW_MOVED && walkers > FEW_WALKERS {
             let each = || all.paths.iter();
             let bounded =

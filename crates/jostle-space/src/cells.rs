@@ -17,6 +17,8 @@ pub type Cell = [i64; 2];
 /// The level of boxes whose longer side is `side`, which is above 0.
 pub fn level_of(side: f64) -> Level {
     let exponent = (side.to_bits() >> 52) as i32 - 1023;
+    // The smallest power of two that is at least the side, from the bits of the number: a logarithm
+    // is rounded differently on different systems.
     if side == size_of_cells(exponent) { exponent } else { exponent + 1 }
 }
 
@@ -38,6 +40,8 @@ pub fn range<T: Scalar>(level: Level, min: [T; 2], max: [T; 2]) -> [Cell; 2] {
 
 /// The cell of a coarser level that contains a cell.
 pub fn ancestor(cell: Cell, levels: i32) -> Cell {
+    // An arithmetic shift rounds down, also for negative indices, as the division of a cell into
+    // four does.
     cell.map(|index| index >> levels.min(63))
 }
 

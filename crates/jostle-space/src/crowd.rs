@@ -46,6 +46,7 @@ impl<T: Scalar> Crowd<T> {
         memory::reserve(&mut self.bodies, bodies.len())?;
         self.bodies.extend(bodies);
         let len = self.bodies.len();
+        // Building and updating the table costs more than testing up to 64 boxes for each region.
         if len <= FEW {
             return Ok(());
         }
@@ -55,6 +56,8 @@ impl<T: Scalar> Crowd<T> {
             let position = body.min[0].abs().max(body.min[1].abs()).to_f64();
             2.0 * x.max(y) + position * 8.0 * T::EPSILON.to_f64()
         };
+        // Small bodies share the level of the mean, so that a region is looked up in few levels.
+        // The price is some more candidates in their cells.
         let mean = self.bodies.iter().map(side).sum::<f64>() / len as f64;
         memory::reserve(&mut self.levels, len)?;
         let least = mean.max(f64::MIN_POSITIVE);
@@ -105,6 +108,7 @@ impl<T: Scalar> Crowd<T> {
             side(0) * side(1)
         };
         let cells: f64 = self.all_levels.iter().map(|&level| count(level)).sum();
+        // A region of more cells than there are bodies: a test of each body is shorter.
         if !self.is_sorted() || cells > self.bodies.len() as f64 {
             (0..self.bodies.len()).for_each(test);
             return;
@@ -143,6 +147,9 @@ impl<T: Scalar> Crowd<T> {
     }
 
     fn bucket(&self, level: Level, [x, y]: Cell) -> usize {
+        // Odd factors from the golden ratio and from hash functions: neighbouring cells get buckets
+        // far from each other. The order in a bucket has no effect, because the walker takes the
+        // first impact with ties by geometry.
         let mixed = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             ^ (y as u64).wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
             ^ (level as u64).wrapping_mul(0x1656_67b1_9e37_79f9);
@@ -152,6 +159,8 @@ impl<T: Scalar> Crowd<T> {
     fn link(&mut self, index: usize) {
         for (k, cell) in cells::each(self.cells_of(index)).take(CELLS).enumerate() {
             let (bucket, entry) = (self.bucket(self.levels[index], cell), CELLS * index + k);
+            // The entry of a body in its k-th cell has a fixed number, so linking and unlinking
+            // allocate nothing.
             self.next[entry] = std::mem::replace(&mut self.heads[bucket], entry as u32);
         }
     }

@@ -51,12 +51,18 @@ impl<T: Scalar> Space<T> {
         let max_pairs = max_pairs.min(MAX_PAIRS);
         let any_removed = self.slots.len() < self.slots.count();
         let present = self.changes.present(&self.layers, any_removed)?;
+        // Why only the changed shapes are joined: a pair can enter or leave only if one of its
+        // shapes has changed. With all of these in one layer (`front`) the joins of that layer with
+        // every layer, itself included, find all their current pairs, each once. `touching` knows
+        // those of the last update; the difference are the events.
         let front = match self.layers.common_layer(&present) {
             Some(layer) => Some(layer),
             None => {
                 // Fresh shapes have changed; usually no other shapes have changed.
                 if self.layers.fresh_len() < present.len() {
                     self.layers.reserve_fresh(present.len())?;
+                    // A query has built some of them into a layer, together with others or in
+                    // several layers. The next fold brings them together again.
                     present.iter().for_each(|&slot| self.layers.freshen(slot));
                 }
                 self.layers.fold(&self.slots, self.settings)?
@@ -91,6 +97,8 @@ impl<T: Scalar> Space<T> {
         let mut scratch = JoinScratch::default();
         scratch.keep(std::mem::take(&mut self.changes.found));
         let all_changed = self.layers.len_of(front) == present.len();
+        // If the layer has no other shapes, all pairs of the join have a changed shape, and none
+        // has to be tested for it.
         let changed = (!all_changed).then_some(&self.changes.changed[..]);
         for other in self.layers.indices() {
             self.layers.join_changed([front, other], changed, most, &mut scratch, &mut found)?;
@@ -104,6 +112,8 @@ impl<T: Scalar> Space<T> {
         let Changes { slots, changed, leaving, updates, .. } = &self.changes;
         let update = updates + 1;
         let difference = self.touching.compare(slots, changed, found)?;
+        // The lists of ids are made before anything is stored: an error that comes later than this
+        // would lose events.
         let (left, entered) =
             (self.sorted_ids(&difference.left)?, self.sorted_ids(&difference.entered)?);
         self.slots.reserve_free(leaving.len())?;

@@ -28,6 +28,8 @@ impl Islands {
     pub fn of(sets: &mut DisjointSets, len: usize) -> Result<Self> {
         let roots: Vec<u32> = memory::collect((0..len as u32).map(|row| sets.root(row)))?;
         let mut rows: Vec<u32> = memory::collect(0..len as u32)?;
+        // The root of a set is its smallest row, so islands are in the order of their first rows,
+        // whatever the order in which sets were joined.
         rows.sort_unstable_by_key(|&row| (roots[row as usize], row));
         let mut ends: Vec<u32> = memory::with_capacity(len)?;
         let root = |index: usize| roots[rows[index] as usize];
@@ -60,6 +62,8 @@ pub fn join_overlapping<T: Scalar>(sets: &mut DisjointSets, boxes: &[[[T; 2]; 2]
         pulse.check(FEW_PAIRS.min(group.len() * group.len()) + group.len())?;
         let rows = &touched.0[group.clone()];
         join_groups(sets, boxes, rows, rows);
+        // A small box meets a large one in the cell of the large one's level that contains its own
+        // cell. Upwards only, so each pair of groups is visited once.
         for coarser in touched.levels_above(level) {
             let above = touched.group(coarser, cells::ancestor(cell, coarser - level));
             join_groups(sets, boxes, rows, &touched.0[above]);
@@ -112,6 +116,8 @@ fn join_groups<T: Scalar>(
     a: &[Entry],
     b: &[Entry],
 ) {
+    // In a cell with very many shapes nearly all of them are connected in any case. Too large an
+    // island costs parallel work, never a wrong result.
     if a.len() * b.len() > FEW_PAIRS {
         a.iter().chain(b).for_each(|entry| sets.join(a[0].2, entry.2));
         return;

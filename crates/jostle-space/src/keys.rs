@@ -40,6 +40,7 @@ pub(super) fn sorted(
     mut keys: Vec<Key>,
 ) -> Result<Vec<Key>> {
     let mut pulse = Pulse::current();
+    // Few pairs in a large space: counters for all slots would take longer than the pairs.
     if pairs.len() < slots / SLOTS_PER_PAIR {
         keys.clear();
         memory::reserve(&mut keys, pairs.len())?;
@@ -53,6 +54,8 @@ pub(super) fn sorted(
         pulse.check(some.len())?;
         some.iter().for_each(|&[a, b]| starts[a.min(b) as usize] += 1);
     }
+    // The end of each slot's keys, not the start: filled downwards, the counter becomes the start,
+    // which is needed for the repair below.
     let mut sum = 0;
     for some in starts.chunks_mut(CHUNK) {
         pulse.check(some.len())?;
@@ -83,6 +86,8 @@ pub(super) fn sorted(
     for start in (1..keys.len()).step_by(CHUNK) {
         pulse.check(CHUNK)?;
         for at in start..keys.len().min(start + CHUNK) {
+            // Only neighbours of one slot can be in the wrong order, since counting has sorted by
+            // the first slot. All keys of that slot are sorted, so what follows is in order again.
             if keys[at] < keys[at - 1] {
                 let slot = (keys[at] >> 32) as usize;
                 let behind = starts.get(slot + 1).map_or(keys.len(), |&start| start as usize);
@@ -99,6 +104,7 @@ fn move_larger_ahead(keys: &mut [Key]) {
     let mut larger = first;
     for at in 1..keys.len() {
         let next = keys[at];
+        // One pass of bubble sort, with a minimum and a maximum instead of a branch on random data.
         keys[at - 1] = larger.min(next);
         larger = larger.max(next);
     }
@@ -126,6 +132,9 @@ pub(super) fn difference<V: Copy + Default>(
         // Without branches, because the processor cannot predict which pairs stay.
         let [mut left_len, mut entered_len] = [0; 2];
         for _ in 0..steps {
+            // Both are written to their lists in each step and counted only if they are there
+            // alone. In an update of moving shapes which pairs stay is random, and a branch would
+            // be predicted wrongly in a large part of the steps.
             let (value, next) = (old[at_old], new[at_new]);
             let first = key(&value);
             some_left[left_len] = value;
@@ -160,6 +169,8 @@ pub(super) fn merged(a: &[Key], b: &[Key]) -> Result<Vec<Key>> {
             break;
         }
         pulse.check(steps)?;
+        // As many steps as both lists have left at least, so that the loop needs no test of their
+        // ends.
         for _ in 0..steps {
             let (first, second) = (a[at_a], b[at_b]);
             all.push(first.min(second));

@@ -124,6 +124,8 @@ impl<T: Scalar> Layers<T> {
 
     /// Removes a new or a changed shape from its layer.
     pub(super) fn freshen(&mut self, slot: u32) {
+        // Its copy in the tree stays, since a tree cannot lose a shape. `layer_of` no longer names
+        // that layer, so whoever finds the copy ignores it (`is_in`).
         self.leave(slot);
         self.layer_of[slot as usize] = FRESH;
         self.fresh_len += 1;
@@ -204,6 +206,8 @@ impl<T: Scalar> Layers<T> {
     /// The layer that contains all shapes in these slots; None if there is none, or it has many
     /// others.
     pub(super) fn common_layer(&self, slots: &[u32]) -> Option<usize> {
+        // A query before the update may have built a layer of just the shapes that changed. Then no
+        // other is needed.
         let index = usize::from(self.layer_of[*slots.first()? as usize]);
         let layer = self.layers.get(index)?;
         let together = slots.iter().all(|&slot| self.is_in(slot, index));
@@ -213,6 +217,16 @@ impl<T: Scalar> Layers<T> {
     /// Builds a layer of all fresh shapes and returns its index; None if no shape is fresh. After
     /// an error the shapes of all layers that were to be merged are fresh.
     pub(super) fn fold(&mut self, slots: &Slots<T>, settings: Settings) -> Result<Option<usize>> {
+        // How layers stay few and cheap:
+        //
+        // Each update makes one new layer, of the shapes that changed. It is merged with older ones
+        // only if there are already four of at most four times its size. So a shape that stays
+        // where it is takes part in a merge a number of times that grows with the logarithm of the
+        // number of shapes, as in Bentley and Saxe's method. A shape that changes in each update is
+        // in a small layer, and costs nothing to the others.
+        //
+        // A layer that most of its shapes have left is merged, too: its tree is searched for copies
+        // that are ignored.
         let mut rows = self.take_fresh();
         let any = !rows.is_empty();
         let old = match self.absorb(&mut rows) {
@@ -227,6 +241,8 @@ impl<T: Scalar> Layers<T> {
     /// largest of these layers, whose memory is reused.
     fn absorb(&mut self, rows: &mut Vec<u32>) -> Result<Layer<T>> {
         let mut old = Layer::default();
+        // With more rows further layers are small compared to the new one, so the choice is
+        // repeated until it adds none.
         loop {
             let absorbed = self.to_absorb(rows.len());
             if absorbed.is_empty() {
@@ -239,6 +255,8 @@ impl<T: Scalar> Layers<T> {
                     let current = layer.slots.iter().filter(|&&slot| self.is_in(slot, index));
                     rows.extend(current);
                 }
+                // The memory of the largest one serves for the new tree. In a steady state no
+                // update allocates.
                 if layer.slots.len() > old.slots.len() {
                     old = layer;
                 }
@@ -248,6 +266,8 @@ impl<T: Scalar> Layers<T> {
 
     /// Marks all `rows`, which have left their layers, as fresh.
     fn undo(&mut self, rows: Vec<u32>, error: Error) -> Error {
+        // Nothing is lost: these shapes are in no layer any more, but fresh, and the next fold
+        // takes them. Queries test fresh shapes one by one, so all answers stay right meanwhile.
         for &slot in &rows {
             self.layer_of[slot as usize] = FRESH;
             self.listed[slot as usize] = true;
@@ -264,6 +284,10 @@ impl<T: Scalar> Layers<T> {
         slots: &Slots<T>,
         settings: Settings,
     ) -> Result<Option<usize>> {
+        // The limit on pairs counts what a join of trees finds, with copies that are ignored and
+        // pairs of unchanged shapes. With the changed shapes in one layer and all others in another
+        // it counts exactly the pairs that are reported. It costs two new trees, so it is done only
+        // if the limit was exceeded.
         let mut is_rest: Vec<bool> =
             memory::collect(self.layer_of.iter().map(|&layer| layer != NO_SHAPE))?;
         let mut all: Vec<u32> = memory::with_capacity(slots.len())?;
@@ -274,6 +298,7 @@ impl<T: Scalar> Layers<T> {
         rest.extend(all.iter().filter(|slot| is_rest[**slot as usize]));
         let chosen = memory::collect(chosen.iter().copied())?;
         // A failure from here on leaves all of them fresh.
+        // The list is emptied; every shape is in one of the two lists made above.
         self.take_fresh();
         self.layers.clear();
         if let Err(error) = self.build(Layer::default(), rest, slots, settings) {
@@ -289,6 +314,7 @@ impl<T: Scalar> Layers<T> {
     fn take_fresh(&mut self) -> Vec<u32> {
         let mut rows = mem::take(&mut self.fresh);
         rows.iter().for_each(|&slot| self.listed[slot as usize] = false);
+        // Some have been removed since. The list is not searched at each removal.
         if self.fresh_len < rows.len() {
             rows.retain(|&slot| self.is_fresh(slot));
         }
@@ -322,11 +348,17 @@ impl<T: Scalar> Layers<T> {
             old = Layer::default();
         }
         // Shapes probably leave this layer as soon as the one that it replaces.
+        // The past predicts the future: if nearly all shapes had left the layer that this one
+        // replaces, the new one will be left as soon. Then its construction counts more than
+        // queries of it: with larger leaves an update of 100,000 moving discs takes 4.0 instead of
+        // 4.9 ms, and queries take 6 to 20 % longer (docs/benchmarks-notes.md).
         let is_like = old.slots.len() >= rows.len() / 2;
         let larger = if is_like && old.len <= old.slots.len() / SHORT_LIVED { LARGER } else { 1 };
         self.fresh = mem::take(&mut old.slots);
         self.fresh.clear();
         let capacity = settings.leaf_capacity.saturating_mul(larger);
+        // Leaves of all layers cover about equal areas. With the same number of shapes in each leaf
+        // those of a small layer would be so wide that each overlaps most leaves of the large ones.
         let fitting = capacity.saturating_mul(rows.len()) / slots.len();
         let settings = Settings { leaf_capacity: fitting.max(MIN_LEAF_CAPACITY), ..settings };
         let gathered = slots.gather(&rows, &mut self.shapes);
@@ -342,6 +374,8 @@ impl<T: Scalar> Layers<T> {
             self.layers.push(Layer::default());
             self.layers.len() - 1
         });
+        // Four layers for each factor of four in size are at most 64 for 2³¹ shapes, so one byte is
+        // enough.
         assert!(index < usize::from(FRESH), "there are {index} layers");
         rows.iter().for_each(|&slot| self.layer_of[slot as usize] = index as u8);
         self.fresh_len = 0;
@@ -379,6 +413,8 @@ impl<T: Scalar> Layers<T> {
             memory::reserve(found, rows.len())?;
             let slots =
                 rows.iter().map(|&[i, j]| [first.slots[i as usize], second.slots[j as usize]]);
+            // Each shape has one valid copy, in the layer that `layer_of` names. So each pair of
+            // shapes is found in one join of two layers, however many copies of it there are.
             found.extend(slots.filter(|&[i, j]| self.is_in(i, a) && self.is_in(j, b)));
         }
         Ok(())
@@ -403,6 +439,7 @@ impl<T: Scalar> Layers<T> {
             pairs::indices_between(&first.tree, &second.tree, shift, filters, left, scratch)
         };
         let mut pairs = indices.map_err(|error| of_all(error, max_pairs))?.pairs;
+        // Then no copy is out of date, and two random reads for each pair are saved.
         let are_complete = first.is_complete() && second.is_complete();
         let mut pulse = Pulse::current();
         let mut kept = 0;
@@ -411,6 +448,7 @@ impl<T: Scalar> Layers<T> {
             for index in start..pairs.len().min(start + CHUNK) {
                 let [i, j] = pairs[index];
                 let (i, j) = (first.slot_at(i), second.slot_at(j));
+                // Written in any case and counted if it is wanted: no branch depends on the pair.
                 pairs[kept] = [i, j];
                 let both = are_complete || self.is_in(i, a) && self.is_in(j, b);
                 let wanted = changed.is_none_or(|of| of[i as usize] || of[j as usize]);
@@ -418,6 +456,7 @@ impl<T: Scalar> Layers<T> {
             }
         }
         pairs.truncate(kept);
+        // The first join hands over its list without a copy; mostly it is the longest.
         if found.is_empty() {
             *found = pairs;
             return Ok(());

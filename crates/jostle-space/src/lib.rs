@@ -137,12 +137,16 @@ impl<T: Scalar> Space<T> {
         self.slots.reserve(shapes)?;
         self.reserve_changes(shapes.len())?;
         let count = self.slots.count() + shapes.len();
+        // Everything that has an entry for each slot grows together, before the first shape is
+        // stored. A failure leaves longer columns, which nobody notices.
         self.layers.widen(count)?;
         self.touching.widen(count)?;
         self.changes.widen(count)?;
         let mut ids = memory::with_capacity(shapes.len())?;
         for row in 0..shapes.len() {
             let slot = self.slots.put(&self.period.wrap_shape(shapes.shape(row)));
+            // The slot may have belonged to a removed shape, whose motions are not those of the new
+            // one.
             self.traces.start(slot);
             self.note(slot);
             ids.push(self.slots.id(slot));
@@ -238,6 +242,9 @@ impl<T: Scalar> Space<T> {
             self.slots.remove(slot);
             self.layers.remove(slot);
             self.changes.note(slot);
+            // The slot is not used again yet: the next update has to report that the pair has
+            // ended, by the id of the removed shape, and the id comes from the generation of its
+            // slot.
             if self.touching.has(slot) {
                 // The next update reports its pairs by its id.
                 self.changes.leaving.push(slot);
@@ -263,6 +270,8 @@ impl<T: Scalar> Space<T> {
             slots.iter().for_each(|&slot| self.traces.note(slot, || self.slots.center(slot)));
         }
         for (row, slot) in slots.into_iter().enumerate() {
+            // A value that is set to what it was costs nothing later: the shape stays in its layer,
+            // and the next update does not visit it.
             if set(&mut self.slots, slot, row) {
                 self.note(slot);
             }

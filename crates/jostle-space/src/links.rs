@@ -79,6 +79,7 @@ impl Links {
             pulse.check(RECORD_WORK)?;
             for (record, other) in self.of_slot(slot) {
                 pulse.check(RECORD_WORK)?;
+                // A pair of two changed slots is met from both; it is listed from the smaller one.
                 if slot < other || !is_changed[other as usize] {
                     if found.len() == most {
                         return Ok(None);
@@ -93,6 +94,8 @@ impl Links {
 
     /// Reserves memory for numbers of added and of removed pairs.
     pub(super) fn reserve(&mut self, come: usize, go: usize) -> Result<()> {
+        // `change` removes before it adds, so even more records may be free by then: this is an
+        // upper bound.
         memory::reserve(&mut self.records, come.saturating_sub(self.free.len()))?;
         memory::reserve(&mut self.free, go)
     }
@@ -132,6 +135,7 @@ impl Links {
 
     /// Adds a pair that is not linked yet.
     fn link(&mut self, slots: [u32; 2]) {
+        // At the head of both lists: no list has an order, so nothing has to be searched.
         let next = slots.map(|slot| self.heads[slot as usize]);
         let record = Record { slots, next, back: [NONE; 2] };
         let index = if let Some(index) = self.free.pop() {
@@ -154,6 +158,8 @@ impl Links {
         let Record { slots, next, back } = self.records[index as usize];
         for side in 0..2 {
             let slot = slots[side];
+            // `NONE` is an index beyond all records, so "no record before" is a failed lookup,
+            // without a test of its own.
             match self.records.get_mut(back[side] as usize) {
                 None => self.heads[slot as usize] = next[side],
                 Some(before) => before.next[before.side(slot)] = next[side],
@@ -168,6 +174,8 @@ impl Links {
 
     /// Whether most of the records are unused.
     pub(super) fn is_wasteful(&self) -> bool {
+        // Records are never moved, because others refer to them by index. If most are unused, the
+        // caller makes a list of the rest and begins anew.
         self.records.len() >= FEW && self.len() <= self.records.len() / 4
     }
 

@@ -115,13 +115,17 @@ impl<T: Scalar> Island<'_, T> {
             memory::resize(pushed, rows.len(), Pushed::default())?;
             memory::resize(skipped, rows.len(), false)?;
         }
+        // One after the other, each against the current places of all others. So two shapes never
+        // end up in each other, as they could if both moved at the same time against old places.
         for nth in 0..rows.len() {
             let index = self.scratch.riders.order[nth] as usize;
             self.push_riders(index, pulse)?;
             let mut walk = self.walk(index);
             pulse.check(WORK + self.scratch.near.len())?;
             let Scratch { above, skipped, crowd, pushed, .. } = &mut *self.scratch;
+            // `push_riders` has set these marks for this motion only.
             above.iter().for_each(|rider| skipped[rider.index as usize] = false);
+            // At once, so the next shape meets this one where it is now.
             crowd.move_to(index, call.period.wrap(walk.center));
             if let Some(pushed) = pushed.get(index) {
                 walk.moved = sum(pushed.by, walk.moved);
@@ -148,6 +152,8 @@ impl<T: Scalar> Island<'_, T> {
         }
         let mut are_any_twins = false;
         let mut sorted: Vec<u32> = memory::collect(0..len as u32)?;
+        // Sorted by displacement, equal ones are neighbours: a comparison of all pairs would be
+        // quadratic.
         sorted.sort_unstable_by(|&a, &b| {
             let [a, b] = [a, b].map(|index| displacement(index as usize));
             a[0].total_order(&b[0]).then_with(|| a[1].total_order(&b[1]))
@@ -161,12 +167,16 @@ impl<T: Scalar> Island<'_, T> {
         let (crowd, twins) = (&*crowd, &*twins);
         let is_obstacle = |index: &usize| call.is_obstacle(rows[*index] as usize);
         let obstacles = (0..len).filter(is_obstacle);
+        // What is no obstacle stops nobody. Moved last, it meets everything else where that will
+        // stay.
         let starts = obstacles.chain((0..len).filter(|index| !is_obstacle(index)));
         let floor =
             |index: usize| rows.binary_search(&call.moving_floor(rows[index] as usize)?).ok();
         riders.fill(len, starts, floor, are_any_twins, |index, ahead| {
             if twins[index] {
                 each_ahead(call, crowd, index, displacement(index), |other| {
+                    // The foremost first: in a row of shapes that march together each would
+                    // otherwise be stopped by the one before it, which is about to move away.
                     if displacement(other) == displacement(index) {
                         ahead.push(other as u32);
                     }
@@ -233,6 +243,8 @@ impl<T: Scalar> Island<'_, T> {
         pushes.clear();
         memory::reserve(pushes, above.len())?;
         above.iter().for_each(|rider| skipped[rider.index as usize] = true);
+        // How far the floor would get if those above were not there. They are pushed by that
+        // motion, and then the floor moves in earnest, with what they leave free.
         let plan = self.walk(index);
         pulse.check(WORK + self.scratch.near.len())?;
         let Scratch { above, pushes, crowd, pushed, skipped, .. } = &mut *self.scratch;
@@ -247,18 +259,23 @@ impl<T: Scalar> Island<'_, T> {
             let [a, b] = period.nearest_images(crowd.get(floor), body);
             let (normal, _) = contact(&a, &b);
             // One that is no obstacle meets the motion of its floor when it moves itself.
+            // Only towards the rider: a floor that sinks or moves sideways does not push, it
+            // carries later.
             let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO)
                 && self.call.is_obstacle(self.rows[rider.index as usize] as usize);
             let is_inside = period.overlap(crowd.get(index), body);
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
             skipped[rider.index as usize] = false;
         }
+        // The uppermost first, so that each finds the place above it free.
         for nth in (0..self.scratch.above.len()).rev() {
             let (by, _) = self.scratch.pushes[nth];
             if by != [T::ZERO; 2] {
                 let Rider { index, floor, .. } = self.scratch.above[nth];
                 let by = self.push(index as usize, by);
                 pulse.check(WORK + self.scratch.near.len())?;
+                // Its own floor moves later by the whole displacement. What other parts of it have
+                // pushed already must not be added again.
                 if floor == 0 {
                     let ahead = &mut self.scratch.pushed[index as usize].ahead;
                     *ahead = sum(*ahead, by);
@@ -302,6 +319,8 @@ impl<T: Scalar> Island<'_, T> {
         let is_passed = !call.is_obstacle(row);
         let [before, now] = self.scratch.reach;
         let reach = if is_passed { [0, 1].map(|axis| before[axis].max(now[axis])) } else { before };
+        // Nothing has moved since the last motion of this shape, so there is no motion to repeat.
+        // This is the usual case of a crowd on a floor that stands still.
         let is_calm = carried == [T::ZERO; 2] && reach == [T::ZERO; 2] && call.moved.is_empty();
         let around = Around { reach, is_passed, carried };
         let (center, remaining, hits, floor, kinds, seen) =
@@ -317,6 +336,7 @@ impl<T: Scalar> Island<'_, T> {
                 let hits = std::mem::take(&mut walker.hits);
                 (walker.center(), walker.remaining, hits, floor, kinds, walker.seen)
             });
+        // A wall does not move, so any centre will do: it carries nobody.
         let still = |slot: u32| if slot & WALL == 0 { self.center_of(slot) } else { center };
         let floor = floor.map(|slot| (slot, still(slot)));
         let moved = difference(center, start);
@@ -339,6 +359,8 @@ impl<T: Scalar> Island<'_, T> {
             for turns in call.period.images_near(bounds.min, bounds.max) {
                 let bounds = &bounds.moved(call.period.span(turns));
                 call.find(&viewer, bounds, turns, stack, near);
+                // Shapes of the island may have been up to `reach` away when their motions began,
+                // which are met as well.
                 let wide = Bounds {
                     min: difference(bounds.min, around.reach),
                     max: sum(bounds.max, around.reach),
@@ -350,6 +372,8 @@ impl<T: Scalar> Island<'_, T> {
                     }
                     let index = call.walkers[rows[other] as usize];
                     let mut motion = call.motion(&viewer, index, body.min);
+                    // A motion from before this call is met in any case. One of this call has been
+                    // stopped by this shape already, unless the shape is no obstacle.
                     let is_recorded = call.traces.before(index, viewer.since).is_some();
                     if !around.is_passed && !is_recorded {
                         motion =
@@ -371,6 +395,8 @@ impl<T: Scalar> Island<'_, T> {
     fn center_of(&self, slot: u32) -> [T; 2] {
         match self.call.rides.rows[slot as usize] {
             NONE => self.call.slots.shape(slot).center(),
+            // A floor in another island has moved or will move; its place before the call is what
+            // both orders agree on.
             row => match self.rows.binary_search(&row) {
                 Ok(index) => self.scratch.crowd.get(index).min,
                 Err(_) => self.call.slots.shape(slot).center(),

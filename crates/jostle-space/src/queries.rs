@@ -41,6 +41,8 @@ impl<T: Scalar> Space<T> {
         match self.search_all(regions, mask) {
             Err(Error::TooManyIds { .. }) => {
                 // Shapes that have left their layers may have been counted; here there are none.
+                // One new tree of all shapes. Its hits are all valid, so a second failure is a real
+                // one.
                 self.layers.part(&[], &self.slots, self.settings)?;
                 self.search_all(regions, mask)
             }
@@ -64,6 +66,8 @@ impl<T: Scalar> Space<T> {
                 memory::reserve(&mut all.ids, hits.of(question).len())?;
                 for rows in hits.of(question).chunks(CHUNK) {
                     pulse.check(rows.len())?;
+                    // `slot` is None for a copy of a shape that has left the layer. The valid copy
+                    // is in another one, or fresh.
                     let slots = rows.iter().filter_map(|&row| slot(row));
                     all.ids.extend(slots.map(|slot| self.slots.id(slot)));
                 }
@@ -78,6 +82,7 @@ impl<T: Scalar> Space<T> {
             if all.ids.len() > MAX_IDS {
                 return Err(Error::TooManyIds { limit: MAX_IDS });
             }
+            // Rows of each layer are sorted, but the ids of all layers together are not.
             sorting::sort(&mut all.ids[start..], &mut pulse)?;
             all.offsets.push(all.ids.len());
         }
@@ -105,6 +110,7 @@ impl<T: Scalar> Space<T> {
     }
 
     fn look_around(&self, point: [T; 2], mask: Option<u32>, best: &mut Nearest<T>) {
+        // Fresh shapes first: each hit lowers the limit with which the trees are searched.
         for slot in self.layers.fresh() {
             if best.is_over(1) {
                 return;
@@ -169,6 +175,9 @@ impl<T: Scalar> Space<T> {
     /// Builds a tree of the fresh shapes if that is faster for this number of queries.
     fn prepare(&mut self, questions: usize) -> Result<()> {
         let fresh = self.layers.fresh_listed();
+        // A tree of 256 shapes takes about as long as 64 tests of each. Below that a call tests
+        // them one by one, so that a program which moves a shape and asks one question does not
+        // build a tree each time.
         if fresh > FEW || fresh.saturating_mul(questions) > FEW_LOOKS {
             self.layers.fold(&self.slots, self.settings)?;
         }

@@ -64,10 +64,15 @@ impl Riders {
         }
         memory::resize(&mut self.listed, len, false)?;
         let (mut is_found, mut found) = (memory::filled(len, false)?, Vec::new());
+        // A depth-first search (topological order): what a walker stands on, and what is ahead of
+        // it, is listed before it. The stack is a list, because a tower of a thousand crates is a
+        // chain of a thousand floors.
         for start in starts {
             memory::push(&mut self.waiting, start as u32)?;
             while let Some(&index) = self.waiting.last() {
                 let at = index as usize;
+                // Met for the second time: everything that had to come before it is in the list
+                // now.
                 if std::mem::replace(&mut is_found[at], true) {
                     self.waiting.pop();
                     if !std::mem::replace(&mut self.listed[at], true) {
@@ -80,6 +85,8 @@ impl Riders {
                 found.extend(floor(at).map(|floor| floor as u32));
                 // One that is found already is in the list, or waits for this one in a ring.
                 found.retain(|&other| !is_found[other as usize]);
+                // The spatial hash finds neighbours in any order. Descending, since the last one
+                // pushed is taken first.
                 found.sort_unstable_by(|a, b| b.cmp(a));
                 memory::reserve(&mut self.waiting, found.len())?;
                 self.waiting.append(&mut found);
@@ -115,6 +122,8 @@ impl Riders {
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);
         loop {
             let mut rider = self.first.get(lowest).copied().unwrap_or(NONE);
+            // Above 64 levels a tower is carried but not pushed: each floor of it would push all
+            // above, so the cost grows with the square of its height.
             while rider != NONE && depth < MAX_STACKED {
                 memory::push(above, Rider { index: rider, floor, depth })?;
                 rider = self.next[rider as usize];

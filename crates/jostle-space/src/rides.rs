@@ -49,6 +49,8 @@ impl<T: Scalar> Rides<T> {
         memory::lengthen(&mut rides.all, count, None)?;
         for (&[id, floor], &center) in saved.rides.iter().zip(&saved.ride_centers) {
             // The slot is in the low bits of an id.
+            // An id that is out of range, or of a removed shape, is harmless: `SlideCall::ride`
+            // compares ids before it uses one.
             if let Some(ride) = rides.all.get_mut(id as u32 as usize) {
                 *ride = Some(Ride { id, floor, center });
             }

@@ -76,6 +76,8 @@ impl<T: Scalar> Space<T> {
     /// The space with these contents. Refuses contents that no space can have.
     pub fn restore(settings: Settings, period: Period<T>, mut saved: Saved<T>) -> Result<Self> {
         settings.validate()?;
+        // A pickle may come from anywhere. Everything is checked before a column is used as an
+        // index, so a damaged one is an error and never a panic later.
         if !is_consistent(&saved) {
             let rule = "it must be the state of a space, as pickle stores it";
             return Err(Error::of("state", "inconsistent", rule));
@@ -85,6 +87,8 @@ impl<T: Scalar> Space<T> {
         check_each_half_size("state", &Each::Rows(saved.half_sizes.clone()))?;
         let count = saved.generations.len();
         let mut keys: Vec<Key> = memory::collect(saved.pairs.iter().map(|&pair| key_of(pair)))?;
+        // `touching` requires ascending keys; the order in which they were saved is not relied
+        // upon.
         keys.sort_unstable();
         let mut changes = Changes::default();
         changes.widen(count)?;
@@ -100,6 +104,8 @@ impl<T: Scalar> Space<T> {
         let mut layers = Layers::of(period);
         layers.widen(count)?;
         layers.reserve_fresh(slots.len())?;
+        // Layers are not saved: which shapes are in which tree changes no answer. The first fold
+        // builds one tree of all.
         slots.present().for_each(|slot| layers.freshen(slot));
         let touching = Touching::of(keys);
         Ok(Self { settings, period, slots, layers, touching, changes, rides, traces, walls })
@@ -122,6 +128,7 @@ fn is_consistent<T>(saved: &Saved<T>) -> bool {
         return false;
     }
     let is_vacant = |slot: u32| saved.generations[slot as usize] & VACANT != 0;
+    // A slot that is free twice would be given to two shapes.
     let once = |list: &[&Vec<u32>]| {
         let mut all: Vec<u32> = list.iter().flat_map(|list| list.iter().copied()).collect();
         let len = all.len();

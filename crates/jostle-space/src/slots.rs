@@ -86,6 +86,8 @@ impl<T: Scalar> Slots<T> {
     pub(super) fn slot(&self, id: Id) -> Option<u32> {
         let (slot, generation) = parts(id)?;
         let found = *self.generations.get(slot as usize)?;
+        // One comparison tests all: that the slot exists, has a shape, and that it is still the
+        // same one. A vacant slot has a bit that no id has.
         (found == generation).then_some(slot)
     }
 
@@ -184,6 +186,8 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of `ids`. Refuses ids that do not exist, and ids given twice.
     pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
+        // Each call has a number, and a slot remembers the last one that named it. So a set of seen
+        // ids needs no clearing, except once in four billion calls.
         if self.call == u32::MAX {
             self.named.fill(0);
             self.call = 0;
@@ -194,6 +198,7 @@ impl<T: Scalar> Slots<T> {
             let Some(slot) = self.slot(id) else {
                 return Err(Error::at("ids", index, id, self.why_unknown(id)));
             };
+            // Of two values for one shape in a call none is the right one.
             if std::mem::replace(&mut self.named[slot as usize], self.call) == self.call {
                 return Err(Error::at("ids", index, id, "it is given twice"));
             }
@@ -216,6 +221,8 @@ impl<T: Scalar> Slots<T> {
         let past = parts(id).is_some_and(|(slot, generation)| {
             let found = self.generations.get(slot as usize);
             found.is_some_and(|found| {
+                // Past generations, or the present one of a slot whose shape is removed and not yet
+                // freed.
                 generation < found & !VACANT || generation | VACANT == *found && self.was_used(slot)
             })
         });
@@ -224,6 +231,7 @@ impl<T: Scalar> Slots<T> {
 
     /// Whether a vacant slot still has the generation of its last shape: it is freed later.
     fn was_used(&self, slot: u32) -> bool {
+        // A search through the list, for the text of an error only.
         !self.free.contains(&slot)
     }
 
@@ -238,6 +246,7 @@ impl<T: Scalar> Slots<T> {
     /// A slot for one more shape.
     pub(super) fn put(&mut self, shape: &Shape<T>) -> u32 {
         self.len += 1;
+        // The last slot freed first: its columns are most likely in the cache.
         if let Some(slot) = self.free.pop() {
             self.generations[slot as usize] &= !VACANT;
             self.set_corners(slot, [shape.min, shape.max]);
@@ -276,6 +285,8 @@ impl<T: Scalar> Slots<T> {
     /// generation a slot is not used again.
     pub(super) fn free(&mut self, slot: u32) {
         let generation = (self.generations[slot as usize] & !VACANT) + 1;
+        // 2³¹ shapes have had this slot. With one more an old id would name a new shape, so the
+        // slot is given up.
         if generation == VACANT {
             return;
         }
@@ -291,6 +302,7 @@ impl<T: Scalar> Slots<T> {
             return self.set_corners(slot, [center; 2]);
         }
         let shape = self.shape(slot);
+        // Setting the present centre is no change, so a box keeps its exact sides.
         if shape.center() == center {
             return false;
         }
@@ -327,6 +339,8 @@ impl<T: Scalar> Slots<T> {
 
     fn set_corners(&mut self, slot: u32, [min, max]: [[T; 2]; 2]) -> bool {
         if self.maxes.is_empty() && max != min {
+            // The first box of the space. Until then upper corners are the centres, and their
+            // column does not exist.
             self.maxes.clone_from(&self.mins);
         }
         let index = slot as usize;
@@ -412,6 +426,7 @@ impl<T: Scalar> Slots<T> {
         let mut halves = half_sizes.take().unwrap_or_default();
         if !self.half_sizes.is_empty() {
             put(&mut halves, each().map(|slot| self.half_sizes[slot]))?;
+            // A column of zeros would choose the slower kernel for boxes.
             *half_sizes = (halves != Each::One([T::ZERO; 2])).then_some(halves);
         }
         let [mut categories, mut masks] = filters.take().unwrap_or_default();

@@ -75,6 +75,11 @@ impl Touching {
         let memory = std::mem::take(&mut self.spare);
         let found = keys::sorted(found, is_changed.len(), &mut self.starts, memory)?;
         if let Some(links) = &self.links {
+            // Links cost random reads for each pair that changes, a list a sequential read of all
+            // pairs. With one in eight changing the list is taken, with one in sixteen the links.
+            // Between the two the form stays, or it would be converted back and forth. Of 200,000
+            // discs every eighth moves: 5.5 ms by lists, 9.5 by links; every fiftieth: 2.1 and 2.0
+            // (docs/benchmarks-notes.md).
             let most = MAX_LINKED.min(links.len() / LISTED_ABOVE).checked_sub(found.len());
             let is_fit = !links.is_wasteful() && links.len() <= MAX_PAIRS;
             if let Some(most) = most.filter(|_| is_fit)
@@ -85,6 +90,8 @@ impl Touching {
             self.list = links.list()?;
             self.links = None;
         }
+        // All slots have changed, so all old pairs are compared, and none has to be taken out of
+        // the list first.
         if slots.len() == is_changed.len() {
             return self.compare_list(&self.list, &[], found);
         }
@@ -95,6 +102,7 @@ impl Touching {
             return self.compare_list(&old, &rest, found);
         }
         self.links = Some(Links::of(&self.list, is_changed.len())?);
+        // Two forms of the pairs are never kept at the same time.
         self.free_list();
         let links = self.links.as_ref().expect("they were made");
         let old = links.of_changed(slots, is_changed, MAX_LINKED)?.expect("they are few");
@@ -113,6 +121,8 @@ impl Touching {
         let (records, entered) = keys::difference(&old, |found| found[0], &found)?;
         let left = memory::collect(records.iter().map(|record| record[0]))?;
         let links = self.links.as_mut().expect("they are linked");
+        // What comes after this cannot fail, so the events that the caller gets and the pairs that
+        // are stored agree.
         links.reserve(entered.len(), left.len())?;
         self.spare = found;
         Ok(Difference { entered, left, next: Next::Records(records) })
@@ -123,6 +133,7 @@ impl Touching {
         match difference.next {
             Next::List(list) => {
                 let old = std::mem::replace(&mut self.list, list);
+                // What `prepare_has` has computed belongs to the old list.
                 self.paired.clear();
                 // Memory is freed if much more is allocated than needed.
                 let is_wasteful = old.capacity() > 4 * self.list.len();

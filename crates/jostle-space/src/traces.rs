@@ -47,6 +47,9 @@ impl<T: Scalar> Traces<T> {
     pub fn reserve(&mut self, more: usize, count: usize) -> Result<()> {
         memory::lengthen(&mut self.moved, count, 0)?;
         memory::lengthen(&mut self.before, count, [T::ZERO; 2])?;
+        // At most one entry of each slot is current, so without the others at most half of the
+        // limit is left. So a removal comes once in as many motions as it has entries to visit, up
+        // to a constant.
         if self.log.len() + more > 2 * count {
             let moved = &self.moved;
             self.log.retain(|&(call, slot)| moved[slot as usize] == call);
@@ -58,6 +61,8 @@ impl<T: Scalar> Traces<T> {
     #[inline(always)]
     pub fn note(&mut self, slot: u32, before: impl FnOnce() -> [T; 2]) {
         let moved = &mut self.moved[slot as usize];
+        // Only the first motion after a call is recorded: all motions until the next call count as
+        // one, from the first place to the last.
         if *moved != self.next {
             *moved = self.next;
             self.before[slot as usize] = before();
@@ -101,6 +106,9 @@ impl<T: Scalar> Traces<T> {
 
     /// The slots that have moved since the beginning of a call.
     pub fn moved_since(&self, since: CallNumber) -> impl Iterator<Item = u32> {
+        // Calls are logged in ascending order, so those since any call are the end of the log.
+        // Walkers that move in each call never look further back than one call, however long the
+        // log is.
         let first = self.log.partition_point(|&(call, _)| call < since);
         let current = |&&(call, slot): &&(CallNumber, u32)| self.moved[slot as usize] == call;
         self.log[first..].iter().filter(current).map(|&(_, slot)| slot)
@@ -159,6 +167,7 @@ pub fn swept<T: Scalar>(slots: &Slots<T>, slot: u32, motion: [T; 2]) -> Shape<T>
 /// difference; 0 if that is longer than any displacement of a call may be.
 pub fn motion<T: Scalar>(period: &Period<T>, before: [T; 2], now: [T; 2]) -> [T; 2] {
     let [x, y] = period.minimum_image([now[0] - before[0], now[1] - before[1]]);
+    // A shape that has been put somewhere else across the world has not swept what is between.
     let most = T::RADII[1];
     if x.abs() <= most && y.abs() <= most { [x, y] } else { [T::ZERO; 2] }
 }

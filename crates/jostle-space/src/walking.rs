@@ -58,6 +58,8 @@ impl<T: Scalar> Space<T> {
         let walkers = self.slots.find(ids)?;
         self.check_widths(ids, &walkers)?;
         self.reserve_changes(walkers.len())?;
+        // All memory that the call needs to store its results is reserved first. After the motions
+        // are computed nothing can fail any more.
         memory::lengthen(&mut self.rides.all, self.slots.count(), None)?;
         memory::lengthen(&mut self.rides.rows, self.slots.count(), NONE)?;
         self.traces.begin_call(walkers.len(), self.slots.count())?;
@@ -65,6 +67,8 @@ impl<T: Scalar> Space<T> {
             self.rides.rows[slot as usize] = row as u32;
         }
         let walks = self.walk(&walkers, displacements, rules);
+        // Before the `?` below: the column has to be empty between calls, after a failed one as
+        // well.
         walkers.iter().for_each(|&slot| self.rides.rows[slot as usize] = NONE);
         self.finish(&walkers, walks?)
     }
@@ -101,10 +105,14 @@ impl<T: Scalar> Space<T> {
         let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
         let is_walker = |slot: u32| self.rides.rows[slot as usize] != NONE;
         fresh.extend(self.layers.fresh().filter(|&slot| !is_walker(slot)));
+        // Each walker tests each fresh obstacle. With more of them a tree pays off already within
+        // this call.
         if fresh.len() > FEW {
             self.layers.fold(&self.slots, self.settings)?;
             fresh.clear();
         }
+        // The longest memory of any of them: an obstacle that moved before that has been met by
+        // all.
         let since = walkers.iter().map(|&slot| self.traces.since(slot)).min().unwrap_or_default();
         let moved = self.moved_before(walkers, since, rules.mask)?;
         let call = Call {
@@ -144,6 +152,7 @@ impl<T: Scalar> Space<T> {
 
     /// Stores the new positions; nothing fails after the first change.
     fn finish(&mut self, walkers: &[u32], mut walks: Vec<Walk<T>>) -> Result<Slides<T>> {
+        // Islands finish in any order; results are in the order of the call.
         walks.sort_unstable_by_key(|walk| walk.row);
         let hits = walks.iter().map(|walk| walk.hits.len()).sum();
         let mut all = Slides {

@@ -31,6 +31,8 @@ impl<T: Scalar> Call<'_, T> {
     /// are computed again.
     pub fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
         let len = self.walkers.len();
+        // Walkers that are no obstacles cannot meet, however near they are: each is an island, and
+        // no region is needed.
         let may_meet = len > 1 && (0..len).any(|row| self.is_obstacle(row));
         let rows = if may_meet { len } else { 0 };
         let mut regions = memory::collect((0..rows).map(|row| self.region(row)))?;
@@ -39,6 +41,11 @@ impl<T: Scalar> Call<'_, T> {
             self.join_meeting(&mut sets, &regions)?;
             let islands = Islands::of(&mut sets, self.walkers.len())?;
             let walks = self.walk_islands(&islands, threads)?;
+            // Regions are estimates made before the motions are known. A motion that leaves its
+            // region may have met shapes of another island, which are not where they are taken to
+            // be. So the region grows to what was looked at, islands are merged, and all motions
+            // are computed again from the same start. It ends: with the same islands the motions
+            // are the same and stay in the regions, and the number of islands can only fall.
             let mut is_done = true;
             for walk in walks.iter().filter(|_| may_meet) {
                 if !contains(regions[walk.row], walk.seen) {
@@ -64,6 +71,8 @@ impl<T: Scalar> Call<'_, T> {
             for turns in self.period.images_near(min, max) {
                 let shift = self.period.span(turns);
                 let image = [min, max].map(|end| [end[0] - shift[0], end[1] - shift[1]]);
+                // Only images that touch the first period: of two regions that overlap in the
+                // periodic plane, some images overlap there.
                 let is_in_first = |axis: usize| {
                     let [low, high] = image.map(|end| end[axis]);
                     !self.period.is_along(axis) || (low <= sides[axis] && high >= T::ZERO)
@@ -79,6 +88,7 @@ impl<T: Scalar> Call<'_, T> {
         join_overlapping(&mut images, &boxes)?;
         (0..boxes.len()).for_each(|image| {
             let root = images.root(image as u32);
+            // Sets of images become sets of rows: all images of a row are one.
             sets.join(rows[image], rows[root as usize]);
         });
         Ok(())
@@ -129,6 +139,8 @@ impl<T: Scalar> Call<'_, T> {
             let own = self.moving_floor(row).map(|row| sum(self.displacements[row as usize]));
             sum(motion(&self.period, before, self.slots.center(floor))) + own.unwrap_or(T::ZERO)
         });
+        // Sums of absolute components are upper bounds of lengths without a square root. Sliding
+        // never makes a displacement longer, and a floor carries at most by its own motion.
         let length = sum(displacement) + carried + sum(self.moved_before(row));
         let extent = [0, 1].map(|axis| shape.half_size[axis] + shape.radius);
         let size = sum(shape.min) + sum(self.period.sides()) + length + sum(extent);

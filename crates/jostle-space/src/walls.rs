@@ -51,6 +51,7 @@ impl<T: Scalar> Walls<T> {
         let ends = memory::collect(given.iter().map(|&ends| in_first_period(ends, period)))?;
         let corners =
             |[a, b]: &[[T; 2]; 2]| [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])];
+        // The tree has bounding boxes only; the exact test of a segment follows in `jostle_slide`.
         let boxes = memory::collect(ends.iter().map(corners))?;
         let shapes = Shapes::from_boxes(boxes, Each::One(T::ZERO), None)?;
         let mut tree = Quadtree::default();
@@ -74,6 +75,7 @@ impl<T: Scalar> Walls<T> {
         if self.ends.is_empty() {
             return;
         }
+        // Walls have no categories and stop every shape.
         let region = Bounds { category: u32::MAX, mask: u32::MAX, ..*region };
         each_overlap(&self.tree, &region, -T::INFINITY, stack, |index| {
             let row = self.tree.rows()[index];
