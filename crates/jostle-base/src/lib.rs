@@ -1,5 +1,6 @@
 //! Errors, threads, interruption, sorting, memory and tables of columns, for the other crates of jostle.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod error;

@@ -1,5 +1,6 @@
 //! A quadtree over discs, boxes and rounded boxes: exact pairs, contacts and queries.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod geometry;

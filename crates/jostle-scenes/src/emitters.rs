@@ -85,13 +85,13 @@ fn all(n: usize) -> [Emitter; 3] {
     ]
 }
 
-pub fn view(n: usize) -> Area {
+pub(crate) fn view(n: usize) -> Area {
     let scale = scale(n);
     [-HALF_WIDTH * scale, -HEIGHT * scale, HALF_WIDTH * scale, 0.0]
 }
 
 /// Static discs of the fountain, then the first drops, oldest first.
-pub fn fountain(n: usize, random: &mut Random) -> Start {
+pub(crate) fn fountain(n: usize, random: &mut Random) -> Start {
     let scale = scale(n);
     let mut particles = immovable(beads(scale), BEAD);
     particles.extend(&first_drops(n, random));

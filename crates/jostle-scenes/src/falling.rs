@@ -15,13 +15,13 @@ const DISPLAY_COUNT: f32 = 500.0;
 /// The article's frames per second; its units are pixels and frames.
 const FRAMES: f32 = 30.0;
 
-pub fn article_view(n: usize) -> Area {
+pub(crate) fn article_view(n: usize) -> Area {
     let scale = (n as f32 / DISPLAY_COUNT).sqrt().max(1.0);
     [0.0, 0.0, DISPLAY[0] * scale, DISPLAY[1] * scale]
 }
 
 /// The article's particles, converted to pixels and seconds.
-pub fn article(n: usize, random: &mut Random) -> Start {
+pub(crate) fn article(n: usize, random: &mut Random) -> Start {
     let area = article_view(n);
     let radii: Vec<f32> = (0..n).map(|_| random.whole(5, 10)).collect();
     let places = scatter(&radii, area, random);
@@ -44,11 +44,11 @@ fn pile_width(n: usize) -> f32 {
     800.0 * (n as f32 / 1000.0).sqrt().max(0.2)
 }
 
-pub fn pile_view(n: usize) -> Area {
+pub(crate) fn pile_view(n: usize) -> Area {
     [0.0, 0.0, pile_width(n), pile_width(n) * 0.75]
 }
 
-pub fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Start {
+pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Start {
     let [_, _, width, height] = pile_view(n);
     let spacing = 2.2 * PILE_RADII[1];
     let columns = (width / spacing).floor().max(1.0);
@@ -68,12 +68,12 @@ const RAIN_RADII: [f32; 2] = [3.0, 6.0];
 /// Fraction of the area that the drops cover at the start.
 const RAIN_COVERAGE: f32 = 0.08;
 
-pub fn rain_view(n: usize) -> Area {
+pub(crate) fn rain_view(n: usize) -> Area {
     let width = 800.0 * (n as f32 / 2000.0).sqrt().max(0.2);
     [0.0, 0.0, width, width * 0.625]
 }
 
-pub fn rain(n: usize, random: &mut Random) -> Start {
+pub(crate) fn rain(n: usize, random: &mut Random) -> Start {
     let [_, _, width, height] = rain_view(n);
     let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
     let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];

@@ -39,12 +39,12 @@ fn droplet(n: usize) -> f32 {
     (0.5 * n as f32 * cell / std::f32::consts::PI).sqrt().max(SIGMA)
 }
 
-pub fn fluid_view(n: usize) -> Area {
+pub(crate) fn fluid_view(n: usize) -> Area {
     let side = ROOM * droplet(n);
     [0.0, 0.0, side, side]
 }
 
-pub fn fluid(n: usize, random: &mut Random) -> Start {
+pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
     let (radius, side) = (droplet(n), ROOM * droplet(n));
     let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for (count, direction) in [(n / 2, 1.0), (n - n / 2, -1.0)] {

@@ -73,14 +73,14 @@ fn board(n: usize) -> GaltonBoard {
     GaltonBoard { rows, bin_edges, bin_top, floor, ball_radius }
 }
 
-pub fn galton_view(n: usize) -> Area {
+pub(crate) fn galton_view(n: usize) -> Area {
     let board = board(n);
     let half_width = (board.rows as f32 + 1.0) / 2.0 * PITCH;
     [-half_width, FUNNEL_TOP, half_width, board.floor]
 }
 
 /// The pegs, then `n` balls.
-pub fn galton(n: usize, random: &mut Random) -> Start {
+pub(crate) fn galton(n: usize, random: &mut Random) -> Start {
     let board = board(n);
     let [min_x, min_y, max_x, floor] = galton_view(n);
     let mut particles = immovable(pegs(board.rows), (PITCH - GAP * board.ball_radius) / 2.0);

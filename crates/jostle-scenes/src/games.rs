@@ -13,14 +13,14 @@ const PEG_RADIUS: f32 = 10.0;
 /// Movable shots for each peg.
 const SHOTS_PER_PEG: usize = 4;
 
-pub fn shots_view(n: usize) -> Area {
+pub(crate) fn shots_view(n: usize) -> Area {
     let pegs = n.div_ceil(SHOTS_PER_PEG) as f32 * area_of(PEG_RADIUS);
     let side = side_for(pegs, 0.1, 200.0);
     [0.0, 0.0, side, side]
 }
 
 /// `n` particles in all; every fifth is an immovable peg.
-pub fn shots(n: usize, random: &mut Random) -> Start {
+pub(crate) fn shots(n: usize, random: &mut Random) -> Start {
     let area = shots_view(n);
     let pegs = n / (SHOTS_PER_PEG + 1);
     let peg_places = lattice(pegs, area, 0.0, random);
@@ -55,12 +55,12 @@ fn rack_rows(n: usize) -> usize {
     (0..).find(|rows| rows * (rows + 1) / 2 >= balls).unwrap_or(0)
 }
 
-pub fn billiards_view(n: usize) -> Area {
+pub(crate) fn billiards_view(n: usize) -> Area {
     let height = (rack_rows(n) as f32 * 4.0 * BALL_RADIUS).max(400.0);
     [0.0, 0.0, 2.0 * height, height]
 }
 
-pub fn billiards(n: usize, random: &mut Random) -> Start {
+pub(crate) fn billiards(n: usize, random: &mut Random) -> Start {
     let area = billiards_view(n);
     let [width, height] = [area[2], area[3]];
     // Small gaps, so that the balls do not overlap at the beginning.
@@ -96,12 +96,12 @@ fn orbit_radius(n: usize) -> f32 {
     side_for(n as f32 * area_of(ORBIT_RADIUS), ORBIT_COVERAGE, 100.0) / std::f32::consts::PI.sqrt()
 }
 
-pub fn orbit_view(n: usize) -> Area {
+pub(crate) fn orbit_view(n: usize) -> Area {
     let radius = orbit_radius(n);
     [-radius, -radius, radius, radius]
 }
 
-pub fn orbit(n: usize, random: &mut Random) -> Start {
+pub(crate) fn orbit(n: usize, random: &mut Random) -> Start {
     let radius = orbit_radius(n);
     let square = orbit_view(n);
     // A lattice over the square, with enough cells for n of them to lie inside.

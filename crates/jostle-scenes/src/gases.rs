@@ -28,12 +28,12 @@ fn velocities_of(count: usize, random: &mut Random) -> impl Iterator<Item = [f32
     (0..count).map(|_| random.in_disc().map(|v| v * SPEED))
 }
 
-pub fn gas_view(n: usize) -> Area {
+pub(crate) fn gas_view(n: usize) -> Area {
     let side = side_for(n as f32 * area_of(RADIUS), COVERAGE, 4.0 * RADIUS);
     [0.0, 0.0, side, side]
 }
 
-pub fn gas(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
+pub(crate) fn gas(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
     let area = gas_view(n);
     let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
     let places = kept(&rows, lattice_places(n, area, 0.9 * gap.max(0.0), random));
@@ -56,13 +56,13 @@ fn mixed_radii(n: usize) -> Vec<f32> {
     (0..n).map(|i| mixed_radius(i as f32 / last)).collect()
 }
 
-pub fn mixed_view(n: usize) -> Area {
+pub(crate) fn mixed_view(n: usize) -> Area {
     let covered = mixed_radii(n).iter().map(|&r| area_of(r)).sum();
     let side = side_for(covered, COVERAGE, 250.0);
     [0.0, 0.0, side, side]
 }
 
-pub fn mixed(n: usize, random: &mut Random) -> Start {
+pub(crate) fn mixed(n: usize, random: &mut Random) -> Start {
     let area = mixed_view(n);
     let radii = mixed_radii(n);
     let places = scatter(&radii, area, random);
@@ -71,13 +71,13 @@ pub fn mixed(n: usize, random: &mut Random) -> Start {
     Start::new(particles, boxed(area))
 }
 
-pub fn clusters_view(n: usize) -> Area {
+pub(crate) fn clusters_view(n: usize) -> Area {
     let clustered = CLUSTERED * n as f32 * area_of(RADIUS);
     let side = side_for(clustered / COVERAGE, CLUSTER_AREA, 40.0 * RADIUS);
     [0.0, 0.0, side, side]
 }
 
-pub fn clusters(n: usize, random: &mut Random) -> Start {
+pub(crate) fn clusters(n: usize, random: &mut Random) -> Start {
     let area = clusters_view(n);
     let side = area[2];
     let gathered = (CLUSTERED * n as f32) as usize;

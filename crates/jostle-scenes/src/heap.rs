@@ -31,14 +31,14 @@ fn half_width(n: usize) -> f32 {
     (REACH * column(n)[1]).max(20.0 * PITCH)
 }
 
-pub fn heap_view(n: usize) -> Area {
+pub(crate) fn heap_view(n: usize) -> Area {
     let half_width = half_width(n);
     // The aspect ratio of a screen; the column is lower.
     [-half_width, -1.1 * half_width, half_width, 2.0 * BEAD]
 }
 
 /// The static discs of the ground, then `n` grains.
-pub fn heap(n: usize, random: &mut Random) -> Start {
+pub(crate) fn heap(n: usize, random: &mut Random) -> Start {
     let half_beads = (half_width(n) / (2.0 * BEAD)) as i32;
     let beads = (-half_beads..=half_beads).map(|at| [2.0 * BEAD * at as f32, 0.0]).collect();
     let mut particles = immovable(beads, BEAD);

@@ -4,6 +4,7 @@
 //! scene depends on its number of particles. Immovable discs are additional and have the first
 //! rows.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod falling;

@@ -52,12 +52,12 @@ fn scattered(n: usize, side: f32, speed: f32, random: &mut Random) -> (Particles
     (particles, settings)
 }
 
-pub fn life_view(n: usize) -> Area {
+pub(crate) fn life_view(n: usize) -> Area {
     let side = side(n, LIFE_AREA, REACH);
     [0.0, 0.0, side, side]
 }
 
-pub fn life(n: usize, random: &mut Random) -> Start {
+pub(crate) fn life(n: usize, random: &mut Random) -> Start {
     let (mut particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
     particles.kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
     let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
@@ -79,12 +79,12 @@ const FLOCK: Flocking = Flocking {
 /// Area for each bird, so that it has about ten others within the cutoff.
 const FLOCK_AREA: f32 = 280.0;
 
-pub fn flock_view(n: usize) -> Area {
+pub(crate) fn flock_view(n: usize) -> Area {
     let side = side(n, FLOCK_AREA, FLOCK.cutoff);
     [0.0, 0.0, side, side]
 }
 
-pub fn flock(n: usize, random: &mut Random) -> Start {
+pub(crate) fn flock(n: usize, random: &mut Random) -> Start {
     let side = side(n, FLOCK_AREA, FLOCK.cutoff);
     let (particles, settings) = scattered(n, side, FLOCK.max_speed, random);
     Start::new(particles, settings).with(Force::Flocking(FLOCK))

@@ -14,7 +14,7 @@ use jostle_world::world::WorldSettings;
 const GRAVITY: f32 = 900.0;
 
 /// A motor without particles, walls or motion.
-pub const MOTOR: Motor = Motor {
+pub(crate) const MOTOR: Motor = Motor {
     ids: Vec::new(),
     walls: Vec::new(),
     center: [0.0; 2],
@@ -40,14 +40,14 @@ fn cylinder(n: usize) -> [f32; 2] {
     [CYLINDER * height, height]
 }
 
-pub fn piston_view(n: usize) -> Area {
+pub(crate) fn piston_view(n: usize) -> Area {
     let [length, height] = cylinder(n);
     // Space for the rod.
     [0.0, 0.0, (1.0 + STROKE) * length, height]
 }
 
 /// `n` discs of a gas in a cylinder with a piston.
-pub fn piston(n: usize, random: &mut Random) -> Start {
+pub(crate) fn piston(n: usize, random: &mut Random) -> Start {
     let [length, height] = cylinder(n);
     let inside = [GAS_RADIUS, GAS_RADIUS, length - GAS_RADIUS, height - GAS_RADIUS];
     let places = lattice(n, inside, 0.0, random);
@@ -80,7 +80,7 @@ fn drum(n: usize) -> f32 {
     side_for(n as f32 * grain, MILL_COVERAGE, 160.0) / std::f32::consts::PI.sqrt()
 }
 
-pub fn mill_view(n: usize) -> Area {
+pub(crate) fn mill_view(n: usize) -> Area {
     let radius = drum(n);
     [-radius, -radius, radius, radius]
 }
@@ -91,7 +91,7 @@ fn arms() -> impl Iterator<Item = [f32; 2]> {
 }
 
 /// The discs of a wheel, then `n` grains in a drum.
-pub fn mill(n: usize, random: &mut Random) -> Start {
+pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     let radius = drum(n);
     // Grains fit between the tips of the arms and the drum.
     let (hub, tip) = (HUB * radius, radius - 3.0 * GRAINS[1] - PADDLE);
@@ -168,13 +168,13 @@ fn conveyor_size(n: usize) -> [f32; 3] {
     [length, DEPTH, -CLIMB * length - 2.0 * GAP]
 }
 
-pub fn conveyor_view(n: usize) -> Area {
+pub(crate) fn conveyor_view(n: usize) -> Area {
     let [length, lowest, highest] = conveyor_size(n);
     [0.0, highest, length, lowest]
 }
 
 /// `n` grains on rollers that carry them up to the right; a chute below leads them back.
-pub fn conveyor(n: usize, random: &mut Random) -> Start {
+pub(crate) fn conveyor(n: usize, random: &mut Random) -> Start {
     let area = conveyor_view(n);
     let [length, lowest, _] = conveyor_size(n);
     let count = ((length - 2.0 * GAP) / ROLLER_PITCH) as usize;

@@ -21,13 +21,13 @@ const SPEEDS: [f32; 2] = [400.0, 60.0];
 /// Target speed of the walls, between both.
 const WALLS: Thermostat = Thermostat { speed: 180.0, rate: 0.2 };
 
-pub fn thermostat_view(n: usize) -> Area {
+pub(crate) fn thermostat_view(n: usize) -> Area {
     let height = side_for(n as f32 * area_of(RADIUS), 1.6 * COVERAGE, 40.0);
     [0.0, 0.0, 1.6 * height, height]
 }
 
 /// Half of the discs are on either side.
-pub fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
+pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
     let area = thermostat_view(n);
     let [min_x, min_y, max_x, max_y] = area;
     let middle = (min_x + max_x) / 2.0;
@@ -57,13 +57,13 @@ const SMALL: f32 = 3.0;
 const THIN: f32 = 0.2;
 const SPEED: f32 = 500.0;
 
-pub fn brownian_view(n: usize) -> Area {
+pub(crate) fn brownian_view(n: usize) -> Area {
     let side = side_for(n as f32 * area_of(SMALL) + area_of(LARGE), THIN, 8.0 * LARGE);
     [0.0, 0.0, side, side]
 }
 
 /// `n` particles in all; the first is the large one.
-pub fn brownian(n: usize, random: &mut Random) -> Start {
+pub(crate) fn brownian(n: usize, random: &mut Random) -> Start {
     let area = brownian_view(n);
     let middle = area[2] / 2.0;
     let gas = n.saturating_sub(1);

@@ -57,12 +57,12 @@ fn width(n: usize) -> f32 {
     scale(n) * TABLE[0]
 }
 
-pub fn pinball_view(n: usize) -> Area {
+pub(crate) fn pinball_view(n: usize) -> Area {
     [0.0, 0.0, width(n), scale(n) * TABLE[1]]
 }
 
 /// Bumpers and flippers, then `n` balls.
-pub fn pinball(n: usize, random: &mut Random) -> Start {
+pub(crate) fn pinball(n: usize, random: &mut Random) -> Start {
     let width = width(n);
     let mut particles = Particles::default();
     for (place, radius) in BUMPERS {

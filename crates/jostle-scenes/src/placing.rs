@@ -9,7 +9,7 @@ use jostle_world::forces::check_pair;
 use jostle_world::particles::{Particles, check_radii};
 
 /// A rectangle: min x, min y, max x, max y.
-pub type Area = [f32; 4];
+pub(crate) type Area = [f32; 4];
 
 /// Attempts to find a free position before an overlap is accepted.
 const TRIES: usize = 200;
@@ -22,12 +22,12 @@ const MAX_BEADS: f64 = 1e6;
 
 /// `count` positions on a square lattice that fills `area`, each displaced by up to `jitter` along
 /// both axes.
-pub fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
+pub(crate) fn lattice(count: usize, area: Area, jitter: f32, random: &mut Random) -> Vec<[f32; 2]> {
     lattice_places(count, area, jitter, random).collect()
 }
 
 /// The same, one position after the other.
-pub fn lattice_places(
+pub(crate) fn lattice_places(
     count: usize,
     area: Area,
     jitter: f32,
@@ -46,7 +46,7 @@ pub fn lattice_places(
 
 /// The values of the particles in `rows`. All values are made, so that random numbers do not depend
 /// on it.
-pub fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
+pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
     values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value).collect()
 }
 
@@ -74,13 +74,13 @@ pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>
 }
 
 /// The discs of walls between consecutive corners.
-pub fn walls(corners: &[[f32; 2]], radius: f32) -> Vec<[f32; 2]> {
+pub(crate) fn walls(corners: &[[f32; 2]], radius: f32) -> Vec<[f32; 2]> {
     let sides = corners.windows(2);
     sides.flat_map(|ends| wall(ends[0], ends[1], radius).unwrap_or_default()).collect()
 }
 
 /// Immovable discs of equal radius.
-pub fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
+pub(crate) fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
     let len = places.len();
     let mut discs = Particles::new(places, vec![[0.0; 2]; len], vec![radius; len], 1.0);
     discs.movable.fill(false);
@@ -90,7 +90,7 @@ pub fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
 /// Random positions in `area`, one for each radius, without overlap unless [`TRIES`] attempts fail.
 /// Larger discs are placed first. Discs of similar size have a grid of their own, and each disc is
 /// tested against the grids of its own size and of larger sizes.
-pub fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
+pub(crate) fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
     let mut by_size: Vec<usize> = (0..radii.len()).collect();
     by_size.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
     let mut places = vec![[0.0; 2]; radii.len()];

@@ -83,13 +83,13 @@ impl Glass {
     }
 }
 
-pub fn sand_view(n: usize) -> Area {
+pub(crate) fn sand_view(n: usize) -> Area {
     let floor = Glass::of(n).end;
     [-1.3 * floor, -1.05 * floor, 1.3 * floor, 1.02 * floor]
 }
 
 /// `n` grains in a glass.
-pub fn sand(n: usize, random: &mut Random) -> Start {
+pub(crate) fn sand(n: usize, random: &mut Random) -> Start {
     let glass = Glass::of(n);
     let mut places = Vec::with_capacity(n);
     for (index, (y, count)) in glass.rows(n).into_iter().enumerate() {

@@ -160,13 +160,13 @@ fn cells(n: usize) -> ([usize; 2], [f32; 2]) {
     ([columns, count.div_ceil(columns)], ROOM.map(|v| v * share.sqrt().max(0.3)))
 }
 
-pub fn springs_view(n: usize) -> Area {
+pub(crate) fn springs_view(n: usize) -> Area {
     let (counts, size) = cells(n);
     [0.0, 0.0, counts[0] as f32 * size[0], counts[1] as f32 * size[1]]
 }
 
 /// `n` particles in all, including the immovable ones of cloths and chains.
-pub fn springs(n: usize, random: &mut Random) -> Start {
+pub(crate) fn springs(n: usize, random: &mut Random) -> Start {
     let (counts, size) = cells(n);
     let count = (n / ROOM_COUNT).max(1);
     let mut tissue = SoftBodies::default();

@@ -29,12 +29,12 @@ fn scale(n: usize) -> f32 {
     (n as f32 / DUST_COUNT).sqrt().max(0.02)
 }
 
-pub fn stars_view(n: usize) -> Area {
+pub(crate) fn stars_view(n: usize) -> Area {
     let half = 1.15 * CLOUD * scale(n);
     [-half, -half, half, half]
 }
 
-pub fn stars(n: usize, random: &mut Random) -> Start {
+pub(crate) fn stars(n: usize, random: &mut Random) -> Start {
     let cloud = CLOUD * scale(n);
     // Gravitation grows with the size of the cloud, so every cloud takes the same time.
     let g = G * scale(n);

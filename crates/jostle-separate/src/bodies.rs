@@ -15,7 +15,7 @@ const LEAF_CAPACITY: usize = 64;
 
 /// The properties of a shape that do not change.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Body<T> {
+pub(crate) struct Body<T> {
     /// Half width and half height of the core.
     pub half: [T; 2],
     /// Radius.
@@ -27,13 +27,13 @@ pub struct Body<T> {
 impl<T: Scalar> Body<T> {
     /// Whether the shape is fixed.
     #[inline(always)]
-    pub fn is_fixed(&self) -> bool {
+    pub(crate) fn is_fixed(&self) -> bool {
         self.weight == T::INFINITY
     }
 
     /// Distance from the centre to the side of the bounding box along an axis.
     #[inline(always)]
-    pub fn extent(&self, axis: usize) -> T {
+    pub(crate) fn extent(&self, axis: usize) -> T {
         self.half[axis] + self.radius
     }
 }
@@ -41,7 +41,7 @@ impl<T: Scalar> Body<T> {
 /// Shapes in Morton order of their first centres, ties by their values. Shapes with equal values
 /// are in the order of their rows: they can be exchanged, and the set of results is the same.
 #[derive(Clone, Debug, Default)]
-pub struct Bodies<T> {
+pub(crate) struct Bodies<T> {
     /// The caller's row of each.
     pub rows: Vec<u32>,
     /// Their sizes and weights.
@@ -55,7 +55,7 @@ pub struct Bodies<T> {
 }
 
 /// Shapes in the order of the caller's rows.
-pub struct Given<T> {
+pub(crate) struct Given<T> {
     all: Vec<Body<T>>,
     centers: Vec<[T; 2]>,
     mean_extents: [T; 2],
@@ -63,7 +63,7 @@ pub struct Given<T> {
 
 impl<T: Scalar> Given<T> {
     /// The shapes of a call.
-    pub fn of(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Self> {
+    pub(crate) fn of(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Self> {
         let body = |row: usize| {
             let shape = shapes.shape(row);
             let weight = if rules.fixed.at(row) { T::INFINITY } else { rules.weights.at(row) };
@@ -75,7 +75,7 @@ impl<T: Scalar> Given<T> {
     }
 
     /// Whether near pairs can be found in float32 without many more than in float64.
-    pub fn fits_single(&self, gap: T) -> bool {
+    pub(crate) fn fits_single(&self, gap: T) -> bool {
         /// Squares of larger numbers, and of smaller ones, lose precision.
         const RANGE: [f64; 2] = [1e-12, 1e12];
         // float32 pays off only if its rounding adds few pairs to the lists. At the limit the
@@ -89,7 +89,7 @@ impl<T: Scalar> Given<T> {
 
 impl<T: Scalar> Bodies<T> {
     /// Sorts shapes, and returns the tree that sorted them: that of [`near::fill_wide`].
-    pub fn sorted<K: Scalar>(
+    pub(crate) fn sorted<K: Scalar>(
         given: &Given<T>,
         rules: &Separation<T>,
     ) -> Result<(Self, Quadtree<K>)> {
@@ -124,12 +124,12 @@ impl<T: Scalar> Bodies<T> {
     }
 
     /// Number of shapes.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.all.len()
     }
 
     /// Whether all are discs.
-    pub fn are_round(&self) -> bool {
+    pub(crate) fn are_round(&self) -> bool {
         self.all.iter().all(|body| body.half == [T::ZERO; 2])
     }
 }

@@ -23,7 +23,7 @@ const LINES_OF_BOX: [f64; 2] = [-1.0, 1.0];
 
 /// Moves the shapes at `indices`, which are movable, to free positions, one after another. One for
 /// which no position is found stays.
-pub fn insert<T: Scalar>(
+pub(crate) fn insert<T: Scalar>(
     bodies: &mut Bodies<T>,
     indices: &[u32],
     pusher: &Pusher<T>,

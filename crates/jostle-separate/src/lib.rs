@@ -10,6 +10,7 @@
 //! task. M. Müller et al., *Position Based Dynamics*, J. Vis. Commun. Image Represent. (2007),
 //! for the rounds.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod bodies;

@@ -17,7 +17,7 @@ use jostle_index::shapes::Shapes;
 const MARGIN: f64 = 0.5;
 
 /// The margin of shapes with these mean extents.
-pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
+pub(crate) fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
     // In proportion to the shorter extent: that is how far a shape moves before its list is out of
     // date. Long labels would otherwise list everything above and below. Not below a tenth of the
     // longer one, because lists that hold for a tiny displacement would be made again in each
@@ -27,7 +27,11 @@ pub fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
 
 /// Upper bound of the errors by which a gap in the arithmetic of `K` between shapes at `centers`
 /// differs from that in `T`; 0 if both are the same.
-pub fn rounding<T: Scalar, K: Scalar>(bodies: &[Body<T>], centers: &[[T; 2]], wider: T) -> f64 {
+pub(crate) fn rounding<T: Scalar, K: Scalar>(
+    bodies: &[Body<T>],
+    centers: &[[T; 2]],
+    wider: T,
+) -> f64 {
     if size_of::<T>() == size_of::<K>() {
         return 0.0;
     }
@@ -40,7 +44,7 @@ pub fn rounding<T: Scalar, K: Scalar>(bodies: &[Body<T>], centers: &[[T; 2]], wi
 }
 
 /// Writes shapes that overlap if the gap between two bodies is below `wider`.
-pub fn fill_wide<T: Scalar, K: Scalar>(
+pub(crate) fn fill_wide<T: Scalar, K: Scalar>(
     shapes: &mut Shapes<K>,
     bodies: &[Body<T>],
     centers: &[[T; 2]],
@@ -68,7 +72,7 @@ pub fn fill_wide<T: Scalar, K: Scalar>(
 /// For each shape the others near it, ascending; not the pairs of two fixed shapes. They are found
 /// in the arithmetic of `K`.
 #[derive(Clone, Debug, Default)]
-pub struct Near<T, K> {
+pub(crate) struct Near<T, K> {
     ends: Vec<u32>,
     others: Vec<u32>,
     /// The centres for which the lists were made.
@@ -82,18 +86,18 @@ pub struct Near<T, K> {
 
 impl<T: Scalar, K: Scalar> Near<T, K> {
     /// Empty lists for `bodies`.
-    pub fn of(bodies: &Bodies<T>, gap: T) -> Self {
+    pub(crate) fn of(bodies: &Bodies<T>, gap: T) -> Self {
         Self { margin: margin(bodies.mean_extents, gap), gap, ..Self::default() }
     }
 
     /// The distance from its origin up to which a shape may move; slightly less than half the
     /// margin, because of rounding.
-    pub fn max_displacement(&self) -> T {
+    pub(crate) fn max_displacement(&self) -> T {
         self.margin * T::from_f64(0.49)
     }
 
     /// Makes the lists for the current centres.
-    pub fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
+    pub(crate) fn find(&mut self, bodies: &Bodies<T>, threads: Option<usize>) -> Result<()> {
         fill_wide(&mut self.shapes, &bodies.all, &bodies.centers, self.margin + self.gap)?;
         let mut tree = std::mem::take(&mut self.tree);
         // The order of the pairs has no effect, because each list is sorted below.
@@ -105,7 +109,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
 
     /// Makes the lists from a tree of the shapes, [`fill_wide`], with the current centres. `rows`
     /// are the bodies in its order, if that is not theirs.
-    pub fn find_in(
+    pub(crate) fn find_in(
         &mut self,
         tree: &Quadtree<K>,
         rows: Option<&[u32]>,
@@ -146,7 +150,7 @@ impl<T: Scalar, K: Scalar> Near<T, K> {
 
     /// The indices of the shapes listed for the one at `index`.
     #[inline(always)]
-    pub fn of_index(&self, index: usize) -> &[u32] {
+    pub(crate) fn of_index(&self, index: usize) -> &[u32] {
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.others[start as usize..self.ends[index] as usize]
     }

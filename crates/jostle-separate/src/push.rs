@@ -13,7 +13,7 @@ const EXACT: usize = 2;
 
 /// The rules of all pairs.
 #[derive(Clone, Copy, Debug)]
-pub struct Pusher<T> {
+pub(crate) struct Pusher<T> {
     axis: Option<usize>,
     gap: T,
     tolerance: T,
@@ -22,7 +22,7 @@ pub struct Pusher<T> {
 
 impl<T: Scalar> Pusher<T> {
     /// The rules of a call.
-    pub fn of(rules: &Separation<T>) -> Self {
+    pub(crate) fn of(rules: &Separation<T>) -> Self {
         // With a tolerance of 0 two shapes would touch after exact arithmetic, and overlap after
         // rounding half of the time. Four epsilons are more than the roundings of a push.
         let smallest = T::from_f64(4.0) * T::EPSILON;
@@ -35,7 +35,7 @@ impl<T: Scalar> Pusher<T> {
     }
 
     /// The rules in a round, of which `before` precede.
-    pub fn in_round(&self, before: usize) -> Self {
+    pub(crate) fn in_round(&self, before: usize) -> Self {
         // In a crowd each push moves shapes into others, so pushes that are too long arrive sooner
         // (successive over-relaxation). Two shapes alone are done after one round and stay as near
         // as they can. `examples/crowd` prints rounds, time and mean displacement.
@@ -46,7 +46,12 @@ impl<T: Scalar> Pusher<T> {
     /// Whether two shapes overlap or are closer than the gap; `offset` is that of the centre
     /// of `b` from the centre of `a`. With `ROUND` both are discs, and the test is quicker.
     #[inline(always)]
-    pub fn overlaps<const ROUND: bool>(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2]) -> bool {
+    pub(crate) fn overlaps<const ROUND: bool>(
+        &self,
+        a: &Body<T>,
+        b: &Body<T>,
+        offset: [T; 2],
+    ) -> bool {
         if ROUND {
             return discs_overlap(offset, self.radius_sum(a, b));
         }
@@ -54,7 +59,7 @@ impl<T: Scalar> Pusher<T> {
     }
 
     /// The factor by which shapes are moved farther apart than touching.
-    pub fn size_factor(&self) -> T {
+    pub(crate) fn size_factor(&self) -> T {
         T::ONE + self.tolerance
     }
 
@@ -65,7 +70,7 @@ impl<T: Scalar> Pusher<T> {
     /// The vector by which `b` must move relative to `a`. If the shapes coincide along the axis of
     /// the vector, `b`, which is `rank` positions after `a`, moves in the positive direction.
     #[inline(always)]
-    pub fn push(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
+    pub(crate) fn push(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
         if let Some(axis) = self.axis {
             return self.push_along(axis, a, b, offset);
         }
@@ -98,7 +103,13 @@ impl<T: Scalar> Pusher<T> {
 
     /// As [`Self::push`], for two discs.
     #[inline(always)]
-    pub fn push_round(&self, a: &Body<T>, b: &Body<T>, offset: [T; 2], rank: usize) -> [T; 2] {
+    pub(crate) fn push_round(
+        &self,
+        a: &Body<T>,
+        b: &Body<T>,
+        offset: [T; 2],
+        rank: usize,
+    ) -> [T; 2] {
         if self.axis.is_some() {
             return self.push(a, b, offset, rank);
         }
@@ -124,7 +135,7 @@ impl<T: Scalar> Pusher<T> {
 
     /// The distance of the centres along an axis at which two shapes touch; `across` is their
     /// offset along the other axis. 0 if they cannot touch.
-    pub fn needed_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, across: T) -> T {
+    pub(crate) fn needed_along(&self, axis: usize, a: &Body<T>, b: &Body<T>, across: T) -> T {
         let radius_sum = self.radius_sum(a, b);
         let gap = across.abs() - (a.half[1 - axis] + b.half[1 - axis]);
         let halves = a.half[axis] + b.half[axis];

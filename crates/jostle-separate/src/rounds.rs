@@ -89,7 +89,7 @@ struct Part<T> {
 }
 
 /// The rounds of a call.
-pub struct Rounds<'a, T, K> {
+pub(crate) struct Rounds<'a, T, K> {
     bodies: &'a mut Bodies<T>,
     pusher: Pusher<T>,
     rules: &'a Separation<T>,
@@ -102,7 +102,7 @@ pub struct Rounds<'a, T, K> {
 
 impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     /// Lists the near pairs. `tree` is that of the shapes where they are.
-    pub fn of(
+    pub(crate) fn of(
         bodies: &'a mut Bodies<T>,
         pusher: &'a Pusher<T>,
         rules: &'a Separation<T>,
@@ -131,7 +131,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     /// Moves shapes until none overlap or for `max_rounds` rounds in all; returns false if it ends
     /// earlier because the number of overlaps falls too slowly. If it is `patient`, it does not end
     /// earlier.
-    pub fn run(&mut self, patient: bool) -> Result<bool> {
+    pub(crate) fn run(&mut self, patient: bool) -> Result<bool> {
         let mut before = usize::MAX;
         while self.count < self.rules.max_rounds {
             interrupt::check()?;
@@ -159,7 +159,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 
     /// Moves the shapes by other means, and lists the near pairs again.
-    pub fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
+    pub(crate) fn change(&mut self, act: impl FnOnce(&mut Bodies<T>) -> Result<()>) -> Result<()> {
         act(self.bodies)?;
         self.enter_bounds();
         self.restart();
@@ -167,12 +167,12 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 
     /// The number of rounds, and of the pairs that overlap.
-    pub fn outcome(&self) -> Outcome {
+    pub(crate) fn outcome(&self) -> Outcome {
         Outcome { rounds: self.count, overlaps: self.overlaps() }
     }
 
     /// Number of shapes.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.bodies.len()
     }
 
@@ -353,7 +353,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
 
     /// Shapes without which no pair would overlap: of each pair the lighter one, of equal ones
     /// the later. The lists must be those of the current centres.
-    pub fn to_take_out(&self) -> Result<Vec<u32>> {
+    pub(crate) fn to_take_out(&self) -> Result<Vec<u32>> {
         let mut is_out = memory::filled(self.len(), false)?;
         let all = &self.bodies.all;
         self.each_overlap(|i, j| {

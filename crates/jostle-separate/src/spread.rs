@@ -23,16 +23,16 @@ use jostle_index::quadtree::Quadtree;
 const MIN_SHAPES: usize = 24;
 
 /// Regions are enlarged in which shapes have more than this share of the area: more than fits.
-pub const FULL: f64 = 1.0;
+pub(crate) const FULL: f64 = 1.0;
 
 /// As [`FULL`], if rounds do not succeed with a smaller area.
-pub const LOOSE: f64 = 0.6;
+pub(crate) const LOOSE: f64 = 0.6;
 
 /// Share of its area that shapes have in a region that has been enlarged.
 const FILL: f64 = 0.5;
 
 /// Whether a node of the tree of the centres has less area than its shapes.
-pub fn is_crowded<T: Scalar, K: Scalar>(
+pub(crate) fn is_crowded<T: Scalar, K: Scalar>(
     tree: &Quadtree<K>,
     bodies: &Bodies<T>,
     gap: T,
@@ -83,7 +83,11 @@ struct Part {
 }
 
 /// Moves the movable shapes until they have at most a share of the area of each region.
-pub fn spread<T: Scalar>(bodies: &mut Bodies<T>, rules: &Separation<T>, most: f64) -> Result<()> {
+pub(crate) fn spread<T: Scalar>(
+    bodies: &mut Bodies<T>,
+    rules: &Separation<T>,
+    most: f64,
+) -> Result<()> {
     let gap = rules.gap;
     let mut order: Vec<u32> = memory::with_capacity(bodies.len())?;
     order.extend((0..bodies.len() as u32).filter(|&i| !bodies.all[i as usize].is_fixed()));

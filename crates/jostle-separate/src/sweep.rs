@@ -15,7 +15,7 @@ use jostle_index::geometry::Scalar;
 
 /// Places all movable shapes along the axis; one without a free position in the bounds is put into
 /// them.
-pub fn place<T: Scalar>(
+pub(crate) fn place<T: Scalar>(
     bodies: &mut Bodies<T>,
     axis: usize,
     pusher: &Pusher<T>,

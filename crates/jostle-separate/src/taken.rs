@@ -3,7 +3,7 @@
 use jostle_index::geometry::Scalar;
 
 /// Open intervals of positions that are not free.
-pub struct Taken<T> {
+pub(crate) struct Taken<T> {
     /// `[from, to]` each, in any order.
     pub intervals: Vec<[T; 2]>,
 }
@@ -17,7 +17,7 @@ impl<T> Default for Taken<T> {
 impl<T: Scalar> Taken<T> {
     /// The free position nearest to `wanted`, if there is one within the limits. If two are as
     /// near, the lower one if the number of intervals is even: so swarms are symmetric.
-    pub fn nearest_free(&mut self, wanted: T, limits: Option<[T; 2]>) -> Option<T> {
+    pub(crate) fn nearest_free(&mut self, wanted: T, limits: Option<[T; 2]>) -> Option<T> {
         let [low, high] = limits.unwrap_or([-T::INFINITY, T::INFINITY]);
         let start = wanted.max(low).min(high);
         self.intervals

@@ -49,7 +49,11 @@ unsafe fn set_two(pairs: __m128d, to: &[AtomicU64], indices: &[u32; LANES], lane
 
 /// The first and the second numbers of the pairs of four lanes.
 #[inline(always)]
-pub unsafe fn gather_128(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> [__m128; 2] {
+pub(crate) unsafe fn gather_128(
+    from: &[AtomicU64],
+    indices: &[u32; LANES],
+    lane: usize,
+) -> [__m128; 2] {
     unsafe {
         // Two words side by side are x0 y0 x1 y1. Of two such registers one shuffle takes all x,
         // another all y.
@@ -61,7 +65,7 @@ pub unsafe fn gather_128(from: &[AtomicU64], indices: &[u32; LANES], lane: usize
 
 /// Writes the pairs of four lanes.
 #[inline(always)]
-pub unsafe fn scatter_128(
+pub(crate) unsafe fn scatter_128(
     [x, y]: [__m128; 2],
     to: &[AtomicU64],
     indices: &[u32; LANES],
@@ -128,7 +132,11 @@ unsafe fn set_four(pairs: __m256d, to: &[AtomicU64], indices: &[u32; LANES], lan
 
 /// The first and the second numbers of the pairs of eight lanes.
 #[inline(always)]
-pub unsafe fn gather_256(from: &[AtomicU64], indices: &[u32; LANES], lane: usize) -> [__m256; 2] {
+pub(crate) unsafe fn gather_256(
+    from: &[AtomicU64],
+    indices: &[u32; LANES],
+    lane: usize,
+) -> [__m256; 2] {
     unsafe {
         let low = _mm256_castpd_ps(four(from, indices, lane));
         let high = _mm256_castpd_ps(four(from, indices, lane + 2));
@@ -138,7 +146,7 @@ pub unsafe fn gather_256(from: &[AtomicU64], indices: &[u32; LANES], lane: usize
 
 /// Writes the pairs of eight lanes.
 #[inline(always)]
-pub unsafe fn scatter_256(
+pub(crate) unsafe fn scatter_256(
     [x, y]: [__m256; 2],
     to: &[AtomicU64],
     indices: &[u32; LANES],
@@ -170,7 +178,7 @@ unsafe fn set_eight(pairs: __m512, to: &[AtomicU64], indices: &[u32; LANES], lan
 
 /// The first and the second numbers of the pairs of all lanes.
 #[inline(always)]
-pub unsafe fn gather_512(from: &[AtomicU64], indices: &[u32; LANES]) -> [__m512; 2] {
+pub(crate) unsafe fn gather_512(from: &[AtomicU64], indices: &[u32; LANES]) -> [__m512; 2] {
     unsafe {
         let (low, high) = (eight(from, indices, 0), eight(from, indices, 2));
         [_mm512_shuffle_ps::<0x88>(low, high), _mm512_shuffle_ps::<0xdd>(low, high)]
@@ -179,7 +187,7 @@ pub unsafe fn gather_512(from: &[AtomicU64], indices: &[u32; LANES]) -> [__m512;
 
 /// Writes the pairs of all lanes.
 #[inline(always)]
-pub unsafe fn scatter_512([x, y]: [__m512; 2], to: &[AtomicU64], indices: &[u32; LANES]) {
+pub(crate) unsafe fn scatter_512([x, y]: [__m512; 2], to: &[AtomicU64], indices: &[u32; LANES]) {
     unsafe {
         set_eight(_mm512_unpacklo_ps(x, y), to, indices, 0);
         set_eight(_mm512_unpackhi_ps(x, y), to, indices, 2);

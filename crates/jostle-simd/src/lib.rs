@@ -4,6 +4,7 @@
 //! chosen at run time (dynamic dispatch by CPU features), so one build is fast on every
 //! processor. No operation is fused or reordered, so all implementations give the same bits.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 #[allow(dead_code, reason = "x86-64 uses its packing only; the tests compare with the rest")]

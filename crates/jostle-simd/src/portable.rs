@@ -4,11 +4,11 @@ use super::{HALF, LANES, Number, Simd, for_each_lane};
 
 /// Instructions of every processor of the architecture.
 #[derive(Clone, Copy)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 /// [`Simd::pack`], one set bit after the other.
 #[inline(always)]
-pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
+pub(crate) fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
         // The remainders change nothing, since there are only sixteen bits. They tell the compiler,
@@ -20,7 +20,7 @@ pub fn pack<V: Copy>(from: &[V; LANES], bits: u32, to: &mut [V; LANES]) {
 
 /// [`Simd::pack_indices`], one set bit after the other.
 #[inline(always)]
-pub fn pack_indices(first: u32, bits: u32, to: &mut [u32; LANES]) {
+pub(crate) fn pack_indices(first: u32, bits: u32, to: &mut [u32; LANES]) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
         to[count % LANES] = first + lane as u32;
@@ -30,7 +30,12 @@ pub fn pack_indices(first: u32, bits: u32, to: &mut [u32; LANES]) {
 
 /// [`Simd::pair_with`], one set bit after the other.
 #[inline(always)]
-pub fn pair_with(first: u32, other: impl Fn(usize) -> u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+pub(crate) fn pair_with(
+    first: u32,
+    other: impl Fn(usize) -> u32,
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
         to[count % LANES] = [first, other(lane)];
@@ -40,7 +45,12 @@ pub fn pair_with(first: u32, other: impl Fn(usize) -> u32, bits: u32, to: &mut [
 
 /// [`Simd::ordered_pairs`], one set bit after the other.
 #[inline(always)]
-pub fn ordered_pairs(first: u32, others: [&[u32; HALF]; 2], bits: u32, to: &mut [[u32; 2]; LANES]) {
+pub(crate) fn ordered_pairs(
+    first: u32,
+    others: [&[u32; HALF]; 2],
+    bits: u32,
+    to: &mut [[u32; 2]; LANES],
+) {
     let mut count = 0;
     for_each_lane(bits, |lane| {
         let other = others[lane / HALF % 2][lane % HALF];

@@ -17,18 +17,18 @@ use super::{HALF, Instructions, LANES, Number, PairIndices, Simd, Work, portable
 /// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
 /// several times longer to compile.
 #[derive(Clone, Copy)]
-pub struct Sse2;
+pub(crate) struct Sse2;
 
 /// A token: the processor has AVX2, BMI1, BMI2 and POPCNT.
 #[derive(Clone, Copy)]
-pub struct Avx2(());
+pub(crate) struct Avx2(());
 
 /// A token: the processor has AVX-512 (F, VL, BW, DQ) and the features of [`Avx2`].
 #[derive(Clone, Copy)]
-pub struct Avx512(());
+pub(crate) struct Avx512(());
 
 /// The widest instructions of this processor.
-pub fn widest() -> Instructions {
+pub(crate) fn widest() -> Instructions {
     let older = is_x86_feature_detected!("avx2")
         && is_x86_feature_detected!("bmi1")
         && is_x86_feature_detected!("bmi2")
@@ -46,7 +46,7 @@ pub fn widest() -> Instructions {
 
 /// Runs `work` with AVX2.
 #[inline]
-pub fn with_avx2<T: Number, W: Work<T>>(work: W) -> W::Out
+pub(crate) fn with_avx2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Avx2: Simd<T>,
 {
@@ -66,7 +66,7 @@ where
 
 /// Runs `work` with AVX-512.
 #[inline]
-pub fn with_avx512<T: Number, W: Work<T>>(work: W) -> W::Out
+pub(crate) fn with_avx512<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Avx512: Simd<T>,
 {
@@ -84,7 +84,7 @@ where
 
 /// Runs `work` with SSE2.
 #[inline(never)]
-pub fn with_sse2<T: Number, W: Work<T>>(work: W) -> W::Out
+pub(crate) fn with_sse2<T: Number, W: Work<T>>(work: W) -> W::Out
 where
     Sse2: Simd<T>,
 {

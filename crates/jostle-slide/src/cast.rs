@@ -9,7 +9,7 @@ use jostle_index::geometry::{Scalar, Shape};
 /// normal of the obstacle there; None if it does not, or is inside at the start.
 ///
 /// A path that enters by less only grazes the obstacle: it is along its surface, up to rounding.
-pub fn enters<T: Scalar>(
+pub(crate) fn enters<T: Scalar>(
     body: &Shape<T>,
     displacement: [T; 2],
     obstacle: &Shape<T>,
@@ -81,7 +81,7 @@ fn into_box<T: Scalar>(x: [T; 2], y: [T; 2], v: [T; 2]) -> Option<(T, [T; 2])> {
 }
 
 /// The share of `v` at which the point (0, 0), which is outside, enters a disc.
-pub fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, [T; 2])> {
+pub(crate) fn into_disc<T: Scalar>(center: [T; 2], radius: T, v: [T; 2]) -> Option<(T, [T; 2])> {
     let length = (v[0] * v[0] + v[1] * v[1]).sqrt();
     if length == T::ZERO {
         return None;

@@ -9,6 +9,7 @@
 //! C. Ericson, *Real-Time Collision Detection* (2005), chapter 5.5 (moving shapes). K. Fauerby,
 //! *Improved Collision Detection and Response* (2003), for collide and slide.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod cast;

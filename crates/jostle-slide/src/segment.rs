@@ -105,7 +105,7 @@ fn distance<T: Scalar>(hexagon: &Hexagon<T>) -> (T, [T; 2]) {
 }
 
 /// Whether a shape given by its centre overlaps a segment; touching is not overlapping.
-pub fn overlaps<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> bool {
+pub(crate) fn overlaps<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> bool {
     let [x, y] = gaps(body, ends);
     let radius = body.radius;
     // Quick, and right for segments along an axis whatever the rounding below.
@@ -118,7 +118,7 @@ pub fn overlaps<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> bool {
 }
 
 /// The unit normal from a shape towards a segment, and the depth of their overlap.
-pub fn contact<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> ([T; 2], T) {
+pub(crate) fn contact<T: Scalar>(body: &Shape<T>, ends: &[[T; 2]; 2]) -> ([T; 2], T) {
     let (distance, normal) = distance(&hexagon(body, ends));
     (normal.map(|v| T::ZERO - v), body.radius - distance)
 }
@@ -130,7 +130,7 @@ fn gaps<T: Scalar>(body: &Shape<T>, [a, b]: &[[T; 2]; 2]) -> [T; 2] {
 }
 
 /// As [`cast::enters`](super::cast::enters), for a segment.
-pub fn enters<T: Scalar>(
+pub(crate) fn enters<T: Scalar>(
     body: &Shape<T>,
     displacement: [T; 2],
     ends: &[[T; 2]; 2],

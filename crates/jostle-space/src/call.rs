@@ -17,10 +17,10 @@ use jostle_index::shapes::{Each, Shapes};
 use jostle_slide::{Obstacle, SlideRules, Solid};
 
 /// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
-pub const WALL: u32 = 1 << 31;
+pub(crate) const WALL: u32 = 1 << 31;
 
 /// What all islands of a call have in common.
-pub struct Call<'a, T> {
+pub(crate) struct Call<'a, T> {
     /// The shapes.
     pub slots: &'a Slots<T>,
     /// Their trees.
@@ -49,14 +49,14 @@ pub struct Call<'a, T> {
 
 impl<T: Scalar> Call<'_, T> {
     /// The shape of a row, by its centre.
-    pub fn body(&self, row: usize) -> Shape<T> {
+    pub(crate) fn body(&self, row: usize) -> Shape<T> {
         let shape = self.slots.shape(self.walkers[row]);
         let center = shape.center();
         Shape { min: center, max: center, half_size: shape.core_half_size(), ..shape }
     }
 
     /// The floor on which a row stood after its last motion, and its centre then.
-    pub fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
+    pub(crate) fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
         let slot = self.walkers[row];
         // By id, not by slot: the shape, or its floor, may have been removed and the slot used
         // again.
@@ -65,18 +65,18 @@ impl<T: Scalar> Call<'_, T> {
     }
 
     /// Whether a row is an obstacle of other rows, as far as `mask` decides.
-    pub fn is_obstacle(&self, row: usize) -> bool {
+    pub(crate) fn is_obstacle(&self, row: usize) -> bool {
         self.slots.category(self.walkers[row]) & self.rules.mask != 0
     }
 
     /// What a row knows about the motions of obstacles.
-    pub fn viewer(&self, row: usize) -> Viewer<T> {
+    pub(crate) fn viewer(&self, row: usize) -> Viewer<T> {
         Viewer { since: self.traces.since(self.walkers[row]), floor: self.ride(row) }
     }
 
     /// The motion of an obstacle since the last motion of a shape; if the obstacle has not moved
     /// since, its motion in this call.
-    pub fn motion(&self, viewer: &Viewer<T>, slot: u32, now: [T; 2]) -> [T; 2] {
+    pub(crate) fn motion(&self, viewer: &Viewer<T>, slot: u32, now: [T; 2]) -> [T; 2] {
         // The floor's place is that of the moment in which the shape stood on it, also if the floor
         // moved earlier in the same call. For other obstacles the place before their first motion
         // since is what counts.
@@ -86,13 +86,13 @@ impl<T: Scalar> Call<'_, T> {
     }
 
     /// The row of the floor of a row, if it moves in this call too.
-    pub fn moving_floor(&self, row: usize) -> Option<u32> {
+    pub(crate) fn moving_floor(&self, row: usize) -> Option<u32> {
         let (floor, _) = self.ride(row)?;
         Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
     }
 
     /// By how much a row has been moved since the last motion of any row, before this call.
-    pub fn moved_before(&self, row: usize) -> [T; 2] {
+    pub(crate) fn moved_before(&self, row: usize) -> [T; 2] {
         let slot = self.walkers[row];
         let before = self.traces.before(slot, self.since);
         let now = self.slots.center(slot);
@@ -101,7 +101,7 @@ impl<T: Scalar> Call<'_, T> {
 
     /// Lists the images of obstacles that do not move in this call, in a region that is moved by
     /// minus these periods.
-    pub fn find(
+    pub(crate) fn find(
         &self,
         viewer: &Viewer<T>,
         bounds: &Bounds<T>,
@@ -163,7 +163,7 @@ impl<T: Scalar> Call<'_, T> {
 
 /// What a shape that moves knows about the motions of obstacles.
 #[derive(Clone, Copy, Debug)]
-pub struct Viewer<T> {
+pub(crate) struct Viewer<T> {
     /// The call since which it has not moved by itself.
     pub since: CallNumber,
     /// The floor on which it stood then, and the centre of the floor.
@@ -176,7 +176,7 @@ const FEW_WALKERS: usize = 8;
 
 /// The obstacles that have moved since the last motion of a shape that moves in a call, as boxes
 /// around their paths.
-pub struct Moved<T> {
+pub(crate) struct Moved<T> {
     slots: Vec<u32>,
     paths: Vec<Shape<T>>,
     /// Empty if there are few.
@@ -185,7 +185,7 @@ pub struct Moved<T> {
 
 impl<T: Scalar> Moved<T> {
     /// The paths of shapes from the centres before.
-    pub fn new(
+    pub(crate) fn new(
         moved: impl Iterator<Item = (u32, [T; 2])>,
         slots: &Slots<T>,
         period: &Period<T>,
@@ -215,7 +215,7 @@ impl<T: Scalar> Moved<T> {
     }
 
     /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.slots.is_empty()
     }
 

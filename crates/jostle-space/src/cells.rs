@@ -9,13 +9,13 @@
 use jostle_index::geometry::Scalar;
 
 /// The exponent of the sides of cells.
-pub type Level = i32;
+pub(crate) type Level = i32;
 
 /// Column and row of a cell in its level.
-pub type Cell = [i64; 2];
+pub(crate) type Cell = [i64; 2];
 
 /// The level of boxes whose longer side is `side`, which is above 0.
-pub fn level_of(side: f64) -> Level {
+pub(crate) fn level_of(side: f64) -> Level {
     let exponent = (side.to_bits() >> 52) as i32 - 1023;
     // The smallest power of two that is at least the side, from the bits of the number: a logarithm
     // is rounded differently on different systems.
@@ -29,7 +29,7 @@ fn size_of_cells(level: Level) -> f64 {
 
 /// The first and the last cell of a level that a box touches. Coordinates beyond
 /// [`Scalar::MAX_SIZE`] count as that.
-pub fn range<T: Scalar>(level: Level, min: [T; 2], max: [T; 2]) -> [Cell; 2] {
+pub(crate) fn range<T: Scalar>(level: Level, min: [T; 2], max: [T; 2]) -> [Cell; 2] {
     let size = size_of_cells(level);
     let index = |at: T| {
         let at = at.max(-T::MAX_SIZE).min(T::MAX_SIZE);
@@ -39,14 +39,14 @@ pub fn range<T: Scalar>(level: Level, min: [T; 2], max: [T; 2]) -> [Cell; 2] {
 }
 
 /// The cell of a coarser level that contains a cell.
-pub fn ancestor(cell: Cell, levels: i32) -> Cell {
+pub(crate) fn ancestor(cell: Cell, levels: i32) -> Cell {
     // An arithmetic shift rounds down, also for negative indices, as the division of a cell into
     // four does.
     cell.map(|index| index >> levels.min(63))
 }
 
 /// All cells of a range.
-pub fn each([first, last]: [Cell; 2]) -> impl Iterator<Item = Cell> {
+pub(crate) fn each([first, last]: [Cell; 2]) -> impl Iterator<Item = Cell> {
     (first[1]..=last[1]).flat_map(move |y| (first[0]..=last[0]).map(move |x| [x, y]))
 }
 

@@ -18,7 +18,7 @@ const CELLS: usize = 4;
 
 /// Bodies given by their centres.
 #[derive(Debug)]
-pub struct Crowd<T> {
+pub(crate) struct Crowd<T> {
     /// The bodies.
     bodies: Vec<Shape<T>>,
     /// The level of each; empty if there are few.
@@ -40,7 +40,7 @@ impl<T> Default for Crowd<T> {
 
 impl<T: Scalar> Crowd<T> {
     /// Replaces the bodies.
-    pub fn fill(&mut self, bodies: impl ExactSizeIterator<Item = Shape<T>>) -> Result<()> {
+    pub(crate) fn fill(&mut self, bodies: impl ExactSizeIterator<Item = Shape<T>>) -> Result<()> {
         self.bodies.clear();
         self.levels.clear();
         memory::reserve(&mut self.bodies, bodies.len())?;
@@ -77,12 +77,12 @@ impl<T: Scalar> Crowd<T> {
     }
 
     /// A body.
-    pub fn get(&self, index: usize) -> &Shape<T> {
+    pub(crate) fn get(&self, index: usize) -> &Shape<T> {
         &self.bodies[index]
     }
 
     /// Moves a body.
-    pub fn move_to(&mut self, index: usize, center: [T; 2]) {
+    pub(crate) fn move_to(&mut self, index: usize, center: [T; 2]) {
         if self.is_sorted() {
             self.unlink(index);
         }
@@ -94,7 +94,7 @@ impl<T: Scalar> Crowd<T> {
     }
 
     /// Calls `act` with each body that may overlap a region and whose filters allow it, once.
-    pub fn each_near(&self, region: &Bounds<T>, mut act: impl FnMut(usize, &Shape<T>)) {
+    pub(crate) fn each_near(&self, region: &Bounds<T>, mut act: impl FnMut(usize, &Shape<T>)) {
         let mut test = |index: usize| {
             let body = &self.bodies[index];
             if Bounds::of(body).overlaps(region, [T::ZERO; 2], -T::INFINITY) {

@@ -18,14 +18,14 @@ use jostle_index::geometry::Scalar;
 const FEW_PAIRS: usize = 256;
 
 /// The rows of a call by island, ascending in each.
-pub struct Islands {
+pub(crate) struct Islands {
     rows: Vec<u32>,
     ends: Vec<u32>,
 }
 
 impl Islands {
     /// Islands of the rows below `len`, from the sets of rows that belong together.
-    pub fn of(sets: &mut DisjointSets, len: usize) -> Result<Self> {
+    pub(crate) fn of(sets: &mut DisjointSets, len: usize) -> Result<Self> {
         let roots: Vec<u32> = memory::collect((0..len as u32).map(|row| sets.root(row)))?;
         let mut rows: Vec<u32> = memory::collect(0..len as u32)?;
         // The root of a set is its smallest row, so islands are in the order of their first rows,
@@ -39,19 +39,22 @@ impl Islands {
     }
 
     /// Number of islands.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.ends.len()
     }
 
     /// The rows of an island.
-    pub fn rows(&self, index: usize) -> &[u32] {
+    pub(crate) fn rows(&self, index: usize) -> &[u32] {
         let start = if index == 0 { 0 } else { self.ends[index - 1] as usize };
         &self.rows[start..self.ends[index] as usize]
     }
 }
 
 /// Merges the sets of the rows whose boxes `[min, max]` overlap.
-pub fn join_overlapping<T: Scalar>(sets: &mut DisjointSets, boxes: &[[[T; 2]; 2]]) -> Result<()> {
+pub(crate) fn join_overlapping<T: Scalar>(
+    sets: &mut DisjointSets,
+    boxes: &[[[T; 2]; 2]],
+) -> Result<()> {
     let touched = Touched::of(boxes)?;
     let mut pulse = Pulse::current();
     let mut start = 0;

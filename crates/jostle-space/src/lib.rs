@@ -7,6 +7,7 @@
 //! they stand, `traces` where obstacles were before they moved. Those that may meet form `islands`,
 //! and in an island a `crowd` finds them by `cells`.
 
+#![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod call;

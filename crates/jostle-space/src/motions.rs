@@ -20,7 +20,7 @@ use jostle_slide::{Obstacle, SlideHit, Solid, Surface, Walker, slop};
 const WORK: usize = 256;
 
 /// The motion of one shape.
-pub struct Walk<T> {
+pub(crate) struct Walk<T> {
     /// Its row in the call.
     pub row: usize,
     /// Its centre afterwards, which may be outside the first period.
@@ -58,7 +58,7 @@ impl<T: Scalar> Default for Pushed<T> {
 }
 
 /// Scratch of a task.
-pub struct Scratch<T> {
+pub(crate) struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
     crowd: Crowd<T>,
@@ -91,7 +91,7 @@ impl<T: Scalar> Default for Scratch<T> {
 }
 
 /// The shapes of an island: its rows in the call, and where they are now.
-pub struct Island<'a, T> {
+pub(crate) struct Island<'a, T> {
     /// The call.
     pub call: &'a Call<'a, T>,
     /// Its rows, ascending. The index of a shape is its position in this list.
@@ -102,7 +102,7 @@ pub struct Island<'a, T> {
 
 impl<T: Scalar> Island<'_, T> {
     /// Moves all shapes.
-    pub fn run(&mut self, pulse: &mut Pulse, walks: &mut Vec<Walk<T>>) -> Result<()> {
+    pub(crate) fn run(&mut self, pulse: &mut Pulse, walks: &mut Vec<Walk<T>>) -> Result<()> {
         let (call, rows) = (self.call, self.rows);
         self.scratch.crowd.fill(rows.iter().map(|&row| call.body(row as usize)))?;
         self.order()?;
@@ -515,6 +515,6 @@ fn each_around<T: Scalar>(
 }
 
 /// The smallest region that contains two, as lower and upper corner.
-pub fn union<T: Scalar>(a: [[T; 2]; 2], b: [[T; 2]; 2]) -> [[T; 2]; 2] {
+pub(crate) fn union<T: Scalar>(a: [[T; 2]; 2], b: [[T; 2]; 2]) -> [[T; 2]; 2] {
     [[0, 1].map(|axis| a[0][axis].min(b[0][axis])), [0, 1].map(|axis| a[1][axis].max(b[1][axis]))]
 }

@@ -12,7 +12,7 @@ const MAX_STACKED: u32 = 64;
 
 /// Walkers by their indices in the island, each with the floor on which it stands.
 #[derive(Debug, Default)]
-pub struct Riders {
+pub(crate) struct Riders {
     /// All walkers in the order in which they move.
     pub order: Vec<u32>,
     /// The first rider of each; empty if nothing stands on another.
@@ -26,7 +26,7 @@ pub struct Riders {
 
 /// A walker that stands on another one, or on one that stands on it, and so on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rider {
+pub(crate) struct Rider {
     /// Its index in the island.
     pub index: u32,
     /// The index of its floor in the list, plus 1; 0 if it stands on the lowest one.
@@ -36,7 +36,7 @@ pub struct Rider {
 
 impl Rider {
     /// A walker that stands on the lowest one.
-    pub fn on_lowest(index: u32) -> Self {
+    pub(crate) fn on_lowest(index: u32) -> Self {
         Self { index, floor: 0, depth: 0 }
     }
 }
@@ -45,7 +45,7 @@ impl Riders {
     /// Replaces the walkers. `floor` is the index of the floor of a walker. The order is that of
     /// `starts`, except that the floor, and others that `ahead` lists, move before a walker.
     /// `is_any_ahead` is whether it lists any.
-    pub fn fill(
+    pub(crate) fn fill(
         &mut self,
         len: usize,
         starts: impl Iterator<Item = usize>,
@@ -112,13 +112,13 @@ impl Riders {
     }
 
     /// Whether any walker stands on another.
-    pub fn is_any(&self) -> bool {
+    pub(crate) fn is_any(&self) -> bool {
         !self.first.is_empty()
     }
 
     /// Adds to `above`, which has riders of a walker, its other riders, their riders and so on, a
     /// floor before its riders.
-    pub fn list_above(&self, index: usize, above: &mut Vec<Rider>) -> Result<()> {
+    pub(crate) fn list_above(&self, index: usize, above: &mut Vec<Rider>) -> Result<()> {
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);
         loop {
             let mut rider = self.first.get(lowest).copied().unwrap_or(NONE);

@@ -7,11 +7,11 @@ use jostle_base::memory;
 use jostle_index::geometry::Scalar;
 
 /// A slot that is no walker.
-pub const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The floors on which shapes stood after they moved, so that moving floors carry them.
 #[derive(Clone, Debug)]
-pub struct Rides<T> {
+pub(crate) struct Rides<T> {
     /// The ride of each slot, if it has one.
     pub all: Vec<Option<Ride<T>>>,
     /// The row of each slot in a call; [`NONE`] between calls.
@@ -29,12 +29,12 @@ type SavedRides<T> = (Vec<[Id; 2]>, Vec<[T; 2]>);
 
 impl<T: Scalar> Rides<T> {
     /// Allocated bytes.
-    pub fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         self.all.capacity() * size_of::<Option<Ride<T>>>() + self.rows.capacity() * size_of::<u32>()
     }
 
     /// All rides.
-    pub fn save(&self) -> Result<SavedRides<T>> {
+    pub(crate) fn save(&self) -> Result<SavedRides<T>> {
         let (mut ids, mut centers) = (Vec::new(), Vec::new());
         for ride in self.all.iter().flatten() {
             memory::push(&mut ids, [ride.id, ride.floor])?;
@@ -44,7 +44,7 @@ impl<T: Scalar> Rides<T> {
     }
 
     /// The rides from the result of [`save`](Self::save). Ids of removed shapes have no effect.
-    pub fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
+    pub(crate) fn restore(saved: &Saved<T>, count: usize) -> Result<Self> {
         let mut rides = Self::default();
         memory::lengthen(&mut rides.all, count, None)?;
         for (&[id, floor], &center) in saved.rides.iter().zip(&saved.ride_centers) {
@@ -61,7 +61,7 @@ impl<T: Scalar> Rides<T> {
 
 /// A shape, the floor on which it stood, and the centre of the floor then.
 #[derive(Clone, Copy, Debug)]
-pub struct Ride<T> {
+pub(crate) struct Ride<T> {
     /// The id of the shape.
     pub id: Id,
     /// The id of the floor.

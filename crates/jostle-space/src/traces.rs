@@ -16,11 +16,11 @@ use jostle_index::period::Period;
 use jostle_index::shapes::check_finite;
 
 /// The number of a call of `move_and_slide`, from 1; 0 is before all.
-pub type CallNumber = i64;
+pub(crate) type CallNumber = i64;
 
 /// The records of all slots. Columns may be shorter than the number of slots; the rest is 0.
 #[derive(Clone, Debug)]
-pub struct Traces<T> {
+pub(crate) struct Traces<T> {
     /// The number of the next call.
     next: CallNumber,
     /// For each slot, the call after that in which its shape slid last, or before which it was
@@ -44,7 +44,7 @@ impl<T> Default for Traces<T> {
 
 impl<T: Scalar> Traces<T> {
     /// Reserves memory for `more` motions of shapes in `count` slots.
-    pub fn reserve(&mut self, more: usize, count: usize) -> Result<()> {
+    pub(crate) fn reserve(&mut self, more: usize, count: usize) -> Result<()> {
         memory::lengthen(&mut self.moved, count, 0)?;
         memory::lengthen(&mut self.before, count, [T::ZERO; 2])?;
         // At most one entry of each slot is current, so without the others at most half of the
@@ -59,7 +59,7 @@ impl<T: Scalar> Traces<T> {
 
     /// Records that a shape moves, if it has not moved since the last call; `before` is its centre.
     #[inline(always)]
-    pub fn note(&mut self, slot: u32, before: impl FnOnce() -> [T; 2]) {
+    pub(crate) fn note(&mut self, slot: u32, before: impl FnOnce() -> [T; 2]) {
         let moved = &mut self.moved[slot as usize];
         // Only the first motion after a call is recorded: all motions until the next call count as
         // one, from the first place to the last.
@@ -71,7 +71,7 @@ impl<T: Scalar> Traces<T> {
     }
 
     /// Deletes what is known of the shape that was in a slot before.
-    pub fn start(&mut self, slot: u32) {
+    pub(crate) fn start(&mut self, slot: u32) {
         if let Some(moved) = self.moved.get_mut(slot as usize) {
             *moved = 0;
         }
@@ -81,31 +81,31 @@ impl<T: Scalar> Traces<T> {
     }
 
     /// Reserves memory for a call.
-    pub fn begin_call(&mut self, walkers: usize, count: usize) -> Result<()> {
+    pub(crate) fn begin_call(&mut self, walkers: usize, count: usize) -> Result<()> {
         memory::lengthen(&mut self.slid, count, 0)?;
         self.reserve(walkers, count)
     }
 
     /// Ends a call in which these shapes have slid; their motions are recorded.
-    pub fn end_call(&mut self, walkers: &[u32]) {
+    pub(crate) fn end_call(&mut self, walkers: &[u32]) {
         self.next += 1;
         walkers.iter().for_each(|&slot| self.slid[slot as usize] = self.next);
     }
 
     /// The call after that in which a shape slid last.
-    pub fn since(&self, slot: u32) -> CallNumber {
+    pub(crate) fn since(&self, slot: u32) -> CallNumber {
         self.slid[slot as usize]
     }
 
     /// The centre that a shape had at the beginning of this call, if it has moved since.
     #[inline(always)]
-    pub fn before(&self, slot: u32, since: CallNumber) -> Option<[T; 2]> {
+    pub(crate) fn before(&self, slot: u32, since: CallNumber) -> Option<[T; 2]> {
         let moved = *self.moved.get(slot as usize)?;
         (moved >= since && moved > 0).then(|| self.before[slot as usize])
     }
 
     /// The slots that have moved since the beginning of a call.
-    pub fn moved_since(&self, since: CallNumber) -> impl Iterator<Item = u32> {
+    pub(crate) fn moved_since(&self, since: CallNumber) -> impl Iterator<Item = u32> {
         // Calls are logged in ascending order, so those since any call are the end of the log.
         // Walkers that move in each call never look further back than one call, however long the
         // log is.
@@ -115,14 +115,14 @@ impl<T: Scalar> Traces<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         (self.slid.capacity() + self.moved.capacity()) * size_of::<CallNumber>()
             + self.before.capacity() * size_of::<[T; 2]>()
             + self.log.capacity() * size_of::<(CallNumber, u32)>()
     }
 
     /// Copies the records into saved contents.
-    pub fn save(&self, saved: &mut Saved<T>) -> Result<()> {
+    pub(crate) fn save(&self, saved: &mut Saved<T>) -> Result<()> {
         saved.calls = self.next;
         saved.slid = memory::collect(self.slid.iter().copied())?;
         saved.moved = memory::collect(self.moved.iter().copied())?;
@@ -131,7 +131,7 @@ impl<T: Scalar> Traces<T> {
     }
 
     /// The records from the result of [`save`](Self::save). Refuses what no space can have.
-    pub fn restore(saved: &mut Saved<T>, count: usize) -> Result<Self> {
+    pub(crate) fn restore(saved: &mut Saved<T>, count: usize) -> Result<Self> {
         let next = saved.calls;
         let fits = |calls: &[CallNumber]| {
             calls.len() <= count && calls.iter().all(|call| (0..=next).contains(call))
@@ -154,7 +154,7 @@ impl<T: Scalar> Traces<T> {
 }
 
 /// A box around all positions of a shape during a motion that has brought it to where it is.
-pub fn swept<T: Scalar>(slots: &Slots<T>, slot: u32, motion: [T; 2]) -> Shape<T> {
+pub(crate) fn swept<T: Scalar>(slots: &Slots<T>, slot: u32, motion: [T; 2]) -> Shape<T> {
     let shape = slots.shape(slot);
     let extent = |axis: usize| shape.half_size[axis] + shape.radius;
     let low = |axis: usize| shape.min[axis] - extent(axis) - motion[axis].max(T::ZERO);
@@ -165,7 +165,7 @@ pub fn swept<T: Scalar>(slots: &Slots<T>, slot: u32, motion: [T; 2]) -> Shape<T>
 
 /// The motion that has brought a shape from one centre to another: the minimum image of their
 /// difference; 0 if that is longer than any displacement of a call may be.
-pub fn motion<T: Scalar>(period: &Period<T>, before: [T; 2], now: [T; 2]) -> [T; 2] {
+pub(crate) fn motion<T: Scalar>(period: &Period<T>, before: [T; 2], now: [T; 2]) -> [T; 2] {
     let [x, y] = period.minimum_image([now[0] - before[0], now[1] - before[1]]);
     // A shape that has been put somewhere else across the world has not swept what is between.
     let most = T::RADII[1];

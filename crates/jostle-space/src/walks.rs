@@ -29,7 +29,7 @@ impl<T: Scalar> Call<'_, T> {
     /// Moves all shapes. If a shape leaves the region by which its island was chosen, because it
     /// was deep inside an obstacle or its floor moved far, its region is enlarged and all motions
     /// are computed again.
-    pub fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
+    pub(crate) fn run(&self, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
         let len = self.walkers.len();
         // Walkers that are no obstacles cannot meet, however near they are: each is an island, and
         // no region is needed.

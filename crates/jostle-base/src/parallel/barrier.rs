@@ -7,7 +7,7 @@ const OPEN: usize = 1 << (usize::BITS - 1);
 
 /// Where `threads` threads wait for each other, any number of times.
 #[derive(Debug)]
-pub struct Barrier {
+pub(super) struct Barrier {
     threads: usize,
     /// Arrivals of all threads together.
     arrived: AtomicUsize,
@@ -15,13 +15,13 @@ pub struct Barrier {
 
 impl Barrier {
     /// A barrier at which no thread has arrived.
-    pub fn new(threads: usize) -> Self {
+    pub(super) fn new(threads: usize) -> Self {
         Self { threads, arrived: AtomicUsize::new(0) }
     }
 
     /// Waits until every thread has arrived `times` times, this call of the current thread included.
     /// `pause` is called while it waits.
-    pub fn wait(&self, times: usize, mut pause: impl FnMut()) {
+    pub(super) fn wait(&self, times: usize, mut pause: impl FnMut()) {
         // The counter is never set back. If it were, a thread still on its way out of one wait
         // could miss that it was open, because a faster thread has begun the next wait. With a
         // growing counter a wait that is open once stays open.
@@ -38,7 +38,7 @@ impl Barrier {
     }
 
     /// Lets all threads pass from now on, because one of them will not arrive.
-    pub fn open(&self) {
+    pub(super) fn open(&self) {
         // The highest bit makes the counter larger than any number of arrivals, now and at every
         // later wait. Nothing resets it: the group of threads ends with the panic that opened it.
         self.arrived.fetch_or(OPEN, Ordering::AcqRel);

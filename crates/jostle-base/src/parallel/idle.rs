@@ -8,14 +8,14 @@ use super::sync::{AtomicUsize, Ordering};
 
 /// The idle workers of one pool of threads.
 #[derive(Debug, Default)]
-pub struct Idle {
+pub(super) struct Idle {
     /// Workers in their loop that are not reserved.
     count: AtomicUsize,
 }
 
 impl Idle {
     /// Adds the current thread, at the start of its loop or at the end of some work.
-    pub fn enter(&self) {
+    pub(super) fn enter(&self) {
         // Release, with the Acquire of `reserve`: what the worker did before is done for the caller
         // that reserves it. The work itself is handed over by rayon's queue, with its own
         // synchronization.
@@ -23,7 +23,7 @@ impl Idle {
     }
 
     /// Reserves at most `max` workers; returns how many. Each of them will take work.
-    pub fn reserve(&self, max: usize) -> usize {
+    pub(super) fn reserve(&self, max: usize) -> usize {
         let reserved =
             |ready: usize| ready.checked_sub(ready.min(max)).filter(|&left| left < ready);
         // One atomic update, not a read and a subtraction: two callers may reserve at the same
@@ -34,14 +34,14 @@ impl Idle {
     }
 
     /// Whether `count` workers are idle.
-    pub fn has(&self, count: usize) -> bool {
+    pub(super) fn has(&self, count: usize) -> bool {
         // A hint about whom to wake. If it is out of date, a caller wakes workers in vain or works
         // alone.
         self.count.load(Ordering::Relaxed) >= count
     }
 
     /// Removes the current worker, unless all are reserved; returns whether it may leave.
-    pub fn leave(&self) -> bool {
+    pub(super) fn leave(&self) -> bool {
         // A worker that leaves competes with callers for the same count. If callers have reserved
         // all that are idle, one of them has promised work to this worker, so it stays in its loop
         // until the work comes. With a plain decrement the work would wait in the queue until

@@ -23,7 +23,7 @@ use team::Team;
 
 /// The atomics of [`barrier`], [`idle`] and [`shares`], which the tests replace by those of a model checker.
 mod sync {
-    pub use std::sync::atomic::{AtomicUsize, Ordering};
+    pub(super) use std::sync::atomic::{AtomicUsize, Ordering};
 }
 
 /// Runs `task(0)`, …, `task(count - 1)` on `threads` threads (`None`: one for each core).

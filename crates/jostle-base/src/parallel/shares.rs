@@ -7,14 +7,14 @@ use super::sync::{AtomicUsize, Ordering};
 
 /// The next task of each share.
 #[derive(Debug)]
-pub struct Shares {
+pub(super) struct Shares {
     count: usize,
     next: Vec<AtomicUsize>,
 }
 
 impl Shares {
     /// `count` tasks for `threads` threads.
-    pub fn new(count: usize, threads: usize) -> Self {
+    pub(super) fn new(count: usize, threads: usize) -> Self {
         // Boundaries depend on `count` and `threads` alone: in each stage with as many tasks a
         // thread begins with the same ones. On two cores without a shared cache of the second level
         // this makes the join of leaves 1.5 instead of 1.2 times as fast as on one thread
@@ -24,7 +24,7 @@ impl Shares {
     }
 
     /// A task for `thread` alone; None if no task is left.
-    pub fn take(&self, thread: usize) -> Option<usize> {
+    pub(super) fn take(&self, thread: usize) -> Option<usize> {
         let threads = self.next.len();
         // Own share first, then those of the next threads in turn. Threads that have finished begin
         // to steal at different shares, so they seldom meet at one counter.

@@ -35,7 +35,7 @@ const LONG_WAIT: usize = 1 << 16;
 const CALLS_AFTER_LONG_WAIT: RangeInclusive<usize> = 64..=512;
 
 /// The workers that may take part in a call.
-pub struct Team(Arc<Workers>);
+pub(super) struct Team(Arc<Workers>);
 
 /// A pool of threads.
 struct Workers {
@@ -54,7 +54,7 @@ struct Workers {
 }
 
 /// Keeps the workers awake while it exists.
-pub struct Awake(Arc<Workers>);
+pub(super) struct Awake(Arc<Workers>);
 
 impl Drop for Awake {
     fn drop(&mut self) {
@@ -73,7 +73,7 @@ impl Team {
     /// `threads` threads, including the current one, at most one for each core. None if the current
     /// thread works alone: one was requested, it is a worker itself, or the system cannot start
     /// threads.
-    pub fn of(threads: Option<usize>) -> Option<Self> {
+    pub(super) fn of(threads: Option<usize>) -> Option<Self> {
         // A worker that asks for a team is inside a task of another call. It works alone: if it
         // waited for workers, they could all be waiting for it.
         if threads == Some(1) || IS_WORKER.get() {
@@ -83,19 +83,19 @@ impl Team {
     }
 
     /// Whether a worker is idle.
-    pub fn is_awake(&self) -> bool {
+    pub(super) fn is_awake(&self) -> bool {
         self.0.idle.has(1)
     }
 
     /// Workers that are awake, or wake up, sleep only after the returned value is dropped.
-    pub fn keep_awake(self) -> Awake {
+    pub(super) fn keep_awake(self) -> Awake {
         self.0.calls.fetch_add(1, Ordering::Relaxed);
         Awake(self.0)
     }
 
     /// Whether a call should use one thread, because threads had to wait for each other for long in
     /// an earlier call.
-    pub fn is_held_up(&self) -> bool {
+    pub(super) fn is_held_up(&self) -> bool {
         // Each call on one thread uses up one of the calls to make alone. At 0 the update fails,
         // which means no.
         let next = |calls: usize| calls.checked_sub(1);
@@ -103,12 +103,12 @@ impl Team {
     }
 
     /// Says whether the work that follows is large.
-    pub fn expect_large(&self, is_large: bool) {
+    pub(super) fn expect_large(&self, is_large: bool) {
         self.0.is_large.store(is_large, Ordering::Relaxed);
     }
 
     /// Wakes the workers, so that they are ready for the work that follows.
-    pub fn wake(&self) {
+    pub(super) fn wake(&self) {
         let Workers { pool, idle, called, .. } = &*self.0;
         // `called` is set until a worker has begun its loop, so a second call in that time does not
         // queue another broadcast. The swap makes one caller of several the one that wakes.
@@ -120,7 +120,7 @@ impl Team {
     }
 
     /// Runs `task(0)`, …, `task(count - 1)`. The caller starts; workers join while tasks are left.
-    pub fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
+    pub(super) fn share(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
         // The protocol of a call:
         //
@@ -171,7 +171,7 @@ impl Team {
 
     /// Runs `work` on the caller and on workers that are awake, at the same time, on at most `most`
     /// threads; on the caller alone on a busy machine, where the threads would wait for the slowest.
-    pub fn together(&self, most: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
+    pub(super) fn together(&self, most: usize, work: &(dyn Fn(&Member<'_>) + Sync)) {
         let Workers { pool, idle, .. } = &*self.0;
         let most = if self.is_held_up() { 1 } else { most };
         // The number of threads is fixed before the barrier is made. A worker that wakes up later
@@ -388,7 +388,7 @@ impl Pools {
 
 /// The pools of one process. A forked process starts with new pools: the threads of its parent do
 /// not exist in it, and one of them may hold the lock.
-pub struct Era {
+pub(super) struct Era {
     pools: Mutex<Pools>,
     next: OnceLock<Box<Era>>,
 }
@@ -399,7 +399,7 @@ impl Era {
         Self { pools, next: OnceLock::new() }
     }
 
-    pub fn present() -> &'static Self {
+    pub(super) fn present() -> &'static Self {
         static FIRST: Era = Era::new();
         let next = |era: &'static Self| era.next.get_or_init(|| Box::new(Self::new()));
         // Eras of parents are never dropped: to drop a pool means to wait for its threads, which do

@@ -32,7 +32,7 @@ const MAX_SUBTREES: usize = 64;
 
 /// The nodes of a tree with their bounds and strips.
 #[derive(Clone, Debug, Default)]
-pub struct Nodes<T> {
+pub(super) struct Nodes<T> {
     /// Parents precede their children; siblings are adjacent.
     pub nodes: Vec<Node>,
     /// The bounds of each node.
@@ -47,7 +47,7 @@ pub struct Nodes<T> {
 
 impl<T: Scalar> Nodes<T> {
     /// Removes all nodes and keeps their memory.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.nodes.clear();
         self.bounds.clear();
         self.strips.clear();
@@ -55,7 +55,7 @@ impl<T: Scalar> Nodes<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         self.nodes.capacity() * size_of::<Node>()
             + self.bounds.capacity() * size_of::<Bounds<T>>()
             + self.strips.capacity() * size_of::<Strips<T>>()
@@ -66,7 +66,7 @@ impl<T: Scalar> Nodes<T> {
     /// Makes the nodes and the strips of the leaves, and writes the shapes to `outputs`. Not
     /// inlined, so that profiles show it.
     #[inline(never)]
-    pub fn build(
+    pub(super) fn build(
         &mut self,
         order: &Order<T>,
         shapes: &Shapes<T>,
@@ -132,7 +132,7 @@ impl<T: Scalar> Nodes<T> {
     }
 
     /// A copy.
-    pub fn copied(&self) -> Result<Self> {
+    pub(super) fn copied(&self) -> Result<Self> {
         Ok(Self {
             nodes: memory::collect(self.nodes.iter().copied())?,
             bounds: memory::collect(self.bounds.iter().copied())?,
@@ -144,14 +144,18 @@ impl<T: Scalar> Nodes<T> {
     }
 
     /// Prepares the nodes for shapes whose radii are larger by `by`.
-    pub fn grow(&mut self, by: T) {
+    pub(super) fn grow(&mut self, by: T) {
         // Rounding is monotone: the largest radius plus `by` is the largest of all sums.
         self.bounds.iter_mut().for_each(|bounds| bounds.radius = bounds.radius + by);
         self.strips.iter_mut().for_each(|strips| *strips = strips.reaching(by + by));
     }
 
     /// Computes the bounds of all nodes.
-    pub fn compute_bounds(&mut self, columns: &Columns<T>, settings: &Settings) -> Result<()> {
+    pub(super) fn compute_bounds(
+        &mut self,
+        columns: &Columns<T>,
+        settings: &Settings,
+    ) -> Result<()> {
         if columns.is_empty() {
             return Ok(());
         }

@@ -5,14 +5,14 @@ use std::cmp::Ordering;
 use jostle_base::morton;
 
 /// Number of subdivisions of a grid: its keys have two bits for each.
-pub const GRID_LEVELS: u32 = 16;
+pub(super) const GRID_LEVELS: u32 = 16;
 
 /// Grids within grids that separate all different float32 coordinates.
-pub const NESTED: usize = 16;
+pub(super) const NESTED: usize = 16;
 
 /// A square grid over a set of centres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Grid {
+pub(super) struct Grid {
     /// Coordinates are first multiplied by this power of two, so that no float64 overflows or
     /// underflows.
     prescale: f64,
@@ -25,7 +25,7 @@ impl Grid {
     ///
     /// The side is a power of two and the origin a multiple of an eighth of it, so that the cells
     /// rarely change while the shapes move.
-    pub fn around(min: [f64; 2], max: [f64; 2]) -> Self {
+    pub(super) fn around(min: [f64; 2], max: [f64; 2]) -> Self {
         let widest =
             |scale: f64| (max[0] * scale - min[0] * scale).max(max[1] * scale - min[1] * scale);
         // The extent of finite numbers may be infinite: from -1e308 to 1e308. An eighth of it is
@@ -50,7 +50,7 @@ impl Grid {
     /// squares whose sides are powers of two and whose corners are multiples of their sides, and
     /// squares around the origin. Their Morton orders agree, so the order of two shapes does not
     /// depend on other shapes.
-    pub fn nested_around(min: [f64; 2], max: [f64; 2]) -> Self {
+    pub(super) fn nested_around(min: [f64; 2], max: [f64; 2]) -> Self {
         let Self { prescale, side, .. } = Self::around(min, max);
         let [min, max] = [min, max].map(|corner| corner.map(|v| v * prescale));
         // Below this side the corners of a grid are no numbers of their own.
@@ -78,29 +78,33 @@ impl Grid {
     }
 
     /// A grid for centres that all coincide.
-    pub fn at(center: [f64; 2]) -> Self {
+    pub(super) fn at(center: [f64; 2]) -> Self {
         Self { prescale: 1.0, origin: center, side: 1.0 }
     }
 
     /// Whether all its numbers are finite; not so if a centre was NaN.
-    pub fn is_finite(&self) -> bool {
+    pub(super) fn is_finite(&self) -> bool {
         self.side.is_finite() && self.origin.iter().all(|v| v.is_finite())
     }
 
     /// The distance between two coordinates as a fraction of the side.
-    pub fn fraction(&self, high: f64, low: f64) -> f64 {
+    pub(super) fn fraction(&self, high: f64, low: f64) -> f64 {
         (high * self.prescale - low * self.prescale) / self.side
     }
 
     /// The Morton key of a centre.
     #[inline(always)]
-    pub fn key(&self, [x, y]: [f64; 2]) -> u32 {
+    pub(super) fn key(&self, [x, y]: [f64; 2]) -> u32 {
         self.keys(&[x], &[y])[0]
     }
 
     /// The keys of some centres, given as columns, so that the compiler vectorizes the loop.
     #[inline(always)]
-    pub fn keys<const COUNT: usize>(&self, x: &[f64; COUNT], y: &[f64; COUNT]) -> [u32; COUNT] {
+    pub(super) fn keys<const COUNT: usize>(
+        &self,
+        x: &[f64; COUNT],
+        y: &[f64; COUNT],
+    ) -> [u32; COUNT] {
         // The side is a power of two, so the factor is exact: the only rounding is that of the
         // difference. Rounding is monotone, so a larger coordinate never has a smaller cell.
         let cells = f64::from(1u32 << GRID_LEVELS) / self.side;
@@ -118,7 +122,7 @@ impl Grid {
     }
 
     /// The grid over the cell of a key.
-    pub fn inside(&self, key: u32) -> Self {
+    pub(super) fn inside(&self, key: u32) -> Self {
         let side = self.side / f64::from(1u32 << GRID_LEVELS);
         let index = morton::cell(key);
         let origin = [0, 1].map(|axis| self.origin[axis] + f64::from(index[axis]) * side);
@@ -127,7 +131,7 @@ impl Grid {
 
     /// The Morton order of two centres by the keys of this grid, of its cells, of their cells and
     /// so on.
-    pub fn compare(&self, a: [f64; 2], b: [f64; 2]) -> Ordering {
+    pub(super) fn compare(&self, a: [f64; 2], b: [f64; 2]) -> Ordering {
         let mut grid = *self;
         for _ in 0..NESTED {
             // Each grid continues in the cell of the one before: together they are one very fine
@@ -142,7 +146,7 @@ impl Grid {
     }
 
     /// The cell of `key` after `level` subdivisions: min x, min y, max x, max y.
-    pub fn cell(&self, key: u32, level: u32) -> [f64; 4] {
+    pub(super) fn cell(&self, key: u32, level: u32) -> [f64; 4] {
         let side = self.side / f64::from(1u32 << level);
         let shift = GRID_LEVELS - level;
         let index = morton::cell(key).map(|index| index >> shift);

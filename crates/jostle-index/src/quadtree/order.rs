@@ -27,11 +27,11 @@ const SHORT_RUN: usize = 8;
 
 /// Compares two rows whose centres coincide. A trait object, so that the sorting is compiled once;
 /// calls are rare.
-pub type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
+pub(super) type Tie<'a> = dyn Fn(usize, usize) -> Ordering + 'a;
 
 /// Keys of the indices `start..end` of the order, in one grid.
 #[derive(Clone, Debug, Default)]
-pub struct Keyed<T> {
+pub(super) struct Keyed<T> {
     /// First index.
     pub start: usize,
     /// Index after the last one.
@@ -45,24 +45,24 @@ pub struct Keyed<T> {
 
 impl<T> Keyed<T> {
     /// The key of the shape at an index.
-    pub fn key(&self, index: usize) -> u32 {
+    pub(super) fn key(&self, index: usize) -> u32 {
         self.items[index - self.start].key
     }
 
     /// The first index whose key is at least `bound`.
-    pub fn first_at_least(&self, bound: u32) -> usize {
+    pub(super) fn first_at_least(&self, bound: u32) -> usize {
         self.start + self.parts.first_at_least(&self.items, bound)
     }
 
     /// The items of some indices.
-    pub fn items(&self, indices: Range<usize>) -> &[Item<T>] {
+    pub(super) fn items(&self, indices: Range<usize>) -> &[Item<T>] {
         &self.items[indices.start - self.start..indices.end - self.start]
     }
 }
 
 /// The rows of the shapes in Morton order, and the keys.
 #[derive(Clone, Debug, Default)]
-pub struct Order<T> {
+pub(super) struct Order<T> {
     /// `rows[index]` is the shape's row in the caller's columns.
     pub rows: Vec<u32>,
     /// The first entry has the keys of all indices; each other entry those of indices that are in
@@ -84,7 +84,7 @@ pub struct Order<T> {
 impl<T: Scalar> Order<T> {
     /// Sorts the shapes. `tie` compares two rows whose centres coincide. If `unsorted` is above 0,
     /// groups of at most this number, which fit into a leaf, may be in the order of their rows.
-    pub fn sort(
+    pub(super) fn sort(
         &mut self,
         shapes: &Shapes<T>,
         tie: &Tie<'_>,
@@ -126,12 +126,12 @@ impl<T: Scalar> Order<T> {
     }
 
     /// An order without keys, for a copy of a tree whose boxes are not listed.
-    pub fn of_rows(rows: Vec<u32>) -> Self {
+    pub(super) fn of_rows(rows: Vec<u32>) -> Self {
         Self { rows, ..Self::default() }
     }
 
     /// Removes all rows and keeps their memory.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.rows.clear();
         self.finer.clear();
         self.keyed.truncate(1);
@@ -142,7 +142,7 @@ impl<T: Scalar> Order<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let items: usize = self.keyed.iter().map(|keyed| keyed.items.capacity()).sum();
         let grids = self.keyed.capacity() * (size_of::<Keyed<T>>() + size_of::<[usize; 4]>());
         grids
@@ -153,14 +153,14 @@ impl<T: Scalar> Order<T> {
     }
 
     /// Frees the memory that only sorting uses.
-    pub fn free_scratch(&mut self) {
+    pub(super) fn free_scratch(&mut self) {
         self.sorter = Sorter::default();
         self.equal = Vec::new();
         self.open = VecDeque::new();
     }
 
     /// The index in `keyed` of the finer grid for exactly these indices.
-    pub fn finer(&self, start: usize, end: usize) -> Option<usize> {
+    pub(super) fn finer(&self, start: usize, end: usize) -> Option<usize> {
         self.finer.get(&(start, end)).copied()
     }
 

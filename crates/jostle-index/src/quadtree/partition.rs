@@ -19,11 +19,11 @@ const MAX_CHUNKS: usize = 8;
 pub(super) const MIN_CHUNK: usize = 1 << 11;
 
 /// Bits of a key.
-pub const KEY_BITS: u32 = u32::BITS;
+pub(crate) const KEY_BITS: u32 = u32::BITS;
 
 /// A shape to be sorted.
 #[derive(Clone, Copy, Debug)]
-pub struct Item<T, const SIZES: usize = 0> {
+pub(crate) struct Item<T, const SIZES: usize = 0> {
     /// The key of its centre.
     pub key: u32,
     /// Its row.
@@ -49,7 +49,7 @@ impl<T> Item<T> {
 }
 
 /// The shapes to be sorted.
-pub trait Source<T, const SIZES: usize = 0>: Sync {
+pub(crate) trait Source<T, const SIZES: usize = 0>: Sync {
     /// Number of items.
     fn len(&self) -> usize;
     /// Writes the keys of some items.
@@ -60,7 +60,7 @@ pub trait Source<T, const SIZES: usize = 0>: Sync {
 
 /// Items partitioned into blocks, chunk by chunk.
 #[derive(Debug)]
-pub struct Partition<T, const SIZES: usize = 0> {
+pub(crate) struct Partition<T, const SIZES: usize = 0> {
     pub(super) keys: Vec<u32>,
     items: Vec<Item<T, SIZES>>,
     /// For each chunk, the end of each block in it.
@@ -77,7 +77,7 @@ impl<T, const SIZES: usize> Default for Partition<T, SIZES> {
 
 impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
     /// Makes the items and partitions them by the first `bits` bits of their keys.
-    pub fn fill(
+    pub(crate) fn fill(
         &mut self,
         threads: Option<usize>,
         source: &impl Source<T, SIZES>,
@@ -114,7 +114,7 @@ impl<T: Copy + Default + Send + Sync, const SIZES: usize> Partition<T, SIZES> {
 
 impl<T, const SIZES: usize> Partition<T, SIZES> {
     /// The items of a block in each chunk, in the order of the source.
-    pub fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T, SIZES>]> + Clone {
+    pub(crate) fn pieces(&self, block: usize) -> impl Iterator<Item = &[Item<T, SIZES>]> + Clone {
         let chunks = self.items[..self.len].chunks(chunk_of(self.len));
         chunks.zip(self.ends.chunks(self.blocks)).map(move |(items, ends)| {
             // Blocks of a chunk follow each other, so the end of one is the start of the next.
@@ -124,7 +124,7 @@ impl<T, const SIZES: usize> Partition<T, SIZES> {
     }
 
     /// Writes the number of items in all blocks before each block, and in all blocks.
-    pub fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
+    pub(crate) fn find_starts(&self, starts: &mut Vec<u32>) -> Result<()> {
         starts.clear();
         memory::resize(starts, self.blocks + 1, 0)?;
         // The end of a block in a chunk is the number of items of this and all blocks before it.
@@ -137,12 +137,12 @@ impl<T, const SIZES: usize> Partition<T, SIZES> {
     }
 
     /// Number of blocks.
-    pub fn blocks(&self) -> usize {
+    pub(crate) fn blocks(&self) -> usize {
         self.blocks
     }
 
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(crate) fn memory_bytes(&self) -> usize {
         self.items.capacity() * size_of::<Item<T, SIZES>>()
             + (self.ends.capacity() + self.keys.capacity()) * size_of::<u32>()
     }
@@ -158,7 +158,7 @@ fn chunk_of(len: usize) -> usize {
 
 /// The `bits` bits of a key after its first `skipped` bits.
 #[inline(always)]
-pub fn leading(key: u32, skipped: u32, bits: u32) -> usize {
+pub(crate) fn leading(key: u32, skipped: u32, bits: u32) -> usize {
     // A shift by all 32 bits would overflow, so 0 bits are a case of their own.
     if bits == 0 { 0 } else { (key << skipped >> (KEY_BITS - bits)) as usize }
 }

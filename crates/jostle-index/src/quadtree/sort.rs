@@ -34,7 +34,7 @@ const MAX_TASKS: usize = 64;
 
 /// How far to sort.
 #[derive(Clone, Copy, Debug)]
-pub enum Precision {
+pub(super) enum Precision {
     /// By key, then by row.
     Full,
     /// Groups of at most `max` items that share leading bits may be in the order of their rows.
@@ -78,7 +78,7 @@ impl Precision {
 
 /// The first index of each block or group, whose items share leading bits.
 #[derive(Clone, Debug, Default)]
-pub struct Parts {
+pub(super) struct Parts {
     bits: u32,
     /// One more than the number of blocks or groups.
     starts: Vec<u32>,
@@ -86,7 +86,7 @@ pub struct Parts {
 
 impl Parts {
     /// Index of the first of the sorted `items` whose key is at least `bound`.
-    pub fn first_at_least<T>(&self, items: &[Item<T>], bound: u32) -> usize {
+    pub(super) fn first_at_least<T>(&self, items: &[Item<T>], bound: u32) -> usize {
         let known = match self.bits {
             0 => 0..items.len(),
             bits => {
@@ -108,7 +108,7 @@ impl Parts {
     }
 
     /// Removes all blocks.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.bits = 0;
         self.starts.clear();
     }
@@ -116,7 +116,7 @@ impl Parts {
 
 /// Scratch for sorting.
 #[derive(Debug, Default)]
-pub struct Sorter<T> {
+pub(super) struct Sorter<T> {
     partition: Partition<T>,
     /// The first index of each block in the sorted items.
     starts: Vec<u32>,
@@ -142,14 +142,14 @@ impl<T> Clone for Sorter<T> {
 
 impl<T: Copy + Default + Send + Sync> Sorter<T> {
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let scratch: usize = locked(&self.scratch).iter().map(Scratch::memory_bytes).sum();
         scratch + self.partition.memory_bytes() + self.starts.capacity() * size_of::<u32>()
     }
 
     /// Fills `items` from `source`, sorts them to the given precision, and lists the ranges of
     /// sorted items that share a key in `equal`.
-    pub fn sort(
+    pub(super) fn sort(
         &mut self,
         threads: Option<usize>,
         precision: Precision,

@@ -27,7 +27,7 @@ const MIN_HEIGHT: f64 = 1e-15;
 
 /// The strips of one leaf.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Strips<T> {
+pub(super) struct Strips<T> {
     /// Index of the end of its first strip in the list of ends.
     first: u32,
     count: u32,
@@ -77,12 +77,12 @@ impl<T: Scalar> Strips<T> {
     }
 
     /// The same with its ends listed `by` later, modulo 2^32.
-    pub fn moved(self, by: u32) -> Self {
+    pub(super) fn moved(self, by: u32) -> Self {
         Self { first: self.first.wrapping_add(by), ..self }
     }
 
     /// The same for shapes that are higher by `distance`.
-    pub fn reaching(self, distance: T) -> Self {
+    pub(super) fn reaching(self, distance: T) -> Self {
         // The shapes stay in their strips. Only the reach grows, by the strips in the distance.
         let more = (distance.to_f64() * SLACK * self.per_unit.to_f64()).ceil();
         // Below the number of strips, so that the sum does not overflow.
@@ -91,20 +91,20 @@ impl<T: Scalar> Strips<T> {
     }
 
     /// The range of the ends of its strips in the list of ends.
-    pub fn ends(&self) -> Range<usize> {
+    pub(super) fn ends(&self) -> Range<usize> {
         self.first as usize..(self.first + self.count) as usize
     }
 
     /// The last strip with shapes that a shape in `strip` could overlap.
     #[inline(always)]
-    pub fn last_reached(&self, strip: usize) -> usize {
+    pub(super) fn last_reached(&self, strip: usize) -> usize {
         (strip + self.ahead as usize).min(self.count as usize - 1)
     }
 
     /// The range of the indices of a leaf, whole strips, with all shapes that could overlap a shape
     /// within `bounds`; `own` are the bounds of the leaf.
     #[inline(always)]
-    pub fn indices(
+    pub(super) fn indices(
         &self,
         ends: &[u32],
         indices: Range<usize>,
@@ -131,7 +131,7 @@ impl<T: Scalar> Strips<T> {
 }
 
 /// Columns for the rows and the centres of some shapes.
-pub struct Outputs<'a, T> {
+pub(super) struct Outputs<'a, T> {
     /// Rows.
     pub rows: &'a mut [u32],
     /// Centres, x. For shapes given as boxes another module overwrites x and y.
@@ -142,7 +142,7 @@ pub struct Outputs<'a, T> {
 
 impl<'a, T> Outputs<'a, T> {
     /// Splits off the first `len` entries.
-    pub fn split_off(&mut self, len: usize) -> Self {
+    pub(super) fn split_off(&mut self, len: usize) -> Self {
         const EXPECT: &str = "the sizes add up";
         Self {
             rows: self.rows.split_off_mut(..len).expect(EXPECT),
@@ -152,7 +152,7 @@ impl<'a, T> Outputs<'a, T> {
     }
 
     /// A range of them.
-    pub fn range(&mut self, range: Range<usize>) -> Outputs<'_, T> {
+    pub(super) fn range(&mut self, range: Range<usize>) -> Outputs<'_, T> {
         Outputs {
             rows: &mut self.rows[range.clone()],
             x: &mut self.x[range.clone()],
@@ -163,13 +163,13 @@ impl<'a, T> Outputs<'a, T> {
 
 /// Scratch for the shapes of one leaf.
 #[derive(Clone, Debug, Default)]
-pub struct Scratch {
+pub(super) struct Scratch {
     strips: Vec<u8>,
 }
 
 /// Writes the shapes of a leaf, whose first index is `start`, in the order of their strips
 /// (counting sort); appends the end of each strip to `ends`.
-pub fn sort_into_strips<T: Scalar>(
+pub(super) fn sort_into_strips<T: Scalar>(
     shapes: &Shapes<T>,
     items: &[Item<T>],
     start: usize,
@@ -202,7 +202,7 @@ pub fn sort_into_strips<T: Scalar>(
 }
 
 /// Writes the shapes of a leaf in the order of the items, as one strip.
-pub fn single_strip<T: Scalar>(
+pub(super) fn single_strip<T: Scalar>(
     items: &[Item<T>],
     start: usize,
     to: Outputs<'_, T>,

@@ -11,7 +11,7 @@ use jostle_base::parallel::{self, locked};
 
 /// The subtrees below the upper nodes of a tree. Kept between trees for its memory.
 #[derive(Clone, Debug, Default)]
-pub struct Subtrees<T> {
+pub(super) struct Subtrees<T> {
     /// The upper nodes without children, in the order of their shapes: the root of each subtree.
     roots: Vec<u32>,
     parts: Vec<Part<T>>,
@@ -21,7 +21,7 @@ pub struct Subtrees<T> {
 
 /// The subtrees that one thread has made.
 #[derive(Clone, Debug, Default)]
-pub struct Part<T> {
+pub(super) struct Part<T> {
     pub nodes: Vec<Node>,
     pub strips: Vec<Strips<T>>,
     pub ends: Vec<u32>,
@@ -31,7 +31,7 @@ pub struct Part<T> {
 
 /// The subtree of one task: its ranges of the nodes, strips and ends of a [`Part`].
 #[derive(Clone, Debug)]
-pub struct Subtree {
+pub(super) struct Subtree {
     task: usize,
     pub nodes: Range<usize>,
     pub strips: Range<usize>,
@@ -41,7 +41,7 @@ pub struct Subtree {
 impl<T: Clone + Default + Send> Subtrees<T> {
     /// Makes a subtree of each leaf of `nodes`. `add` appends one to a part, and writes its shapes to the
     /// outputs.
-    pub fn build(
+    pub(super) fn build(
         &mut self,
         threads: Option<usize>,
         nodes: &[Node],
@@ -91,7 +91,7 @@ impl<T: Clone + Default + Send> Subtrees<T> {
     }
 
     /// The root of each subtree, the subtree and its part, in the order of their shapes.
-    pub fn iter(&self) -> impl Iterator<Item = (u32, &Subtree, &Part<T>)> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &Subtree, &Part<T>)> {
         self.roots.iter().zip(&self.found).map(|(&root, &[part, number])| {
             let part = &self.parts[part as usize];
             (root, &part.subtrees[number as usize], part)
@@ -99,7 +99,7 @@ impl<T: Clone + Default + Send> Subtrees<T> {
     }
 
     /// Numbers of nodes, of strips and of ends of all subtrees.
-    pub fn sizes(&self) -> [usize; 3] {
+    pub(super) fn sizes(&self) -> [usize; 3] {
         let add = |sum: [usize; 3], part: &Part<T>| {
             [sum[0] + part.nodes.len(), sum[1] + part.strips.len(), sum[2] + part.ends.len()]
         };
@@ -107,7 +107,7 @@ impl<T: Clone + Default + Send> Subtrees<T> {
     }
 
     /// Allocated bytes, used or not.
-    pub fn memory_bytes(&self) -> usize {
+    pub(super) fn memory_bytes(&self) -> usize {
         let part = |part: &Part<T>| {
             part.nodes.capacity() * size_of::<Node>()
                 + part.strips.capacity() * size_of::<Strips<T>>()
