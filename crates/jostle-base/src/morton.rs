@@ -57,7 +57,7 @@ mod tests {
     #[test]
     fn the_bits_of_wide_keys_are_those_of_the_coordinates_in_turn() {
         for [x, y] in [[0, 0], [1, 0], [0x8000_0000, 0x1234_5678], [u32::MAX, 0x0001_8001]] {
-            let bit = |of: u32, at: u64| u64::from(of >> at & 1);
+            let bit = |number: u32, at: u64| u64::from(number >> at & 1);
             let bits = (0..32).map(|at| bit(x, at) << (2 * at) | bit(y, at) << (2 * at + 1));
             assert_eq!(wide_key(x, y), bits.sum());
         }

@@ -231,7 +231,8 @@ pub mod sparse {
         rows: &[u32],
         change: impl Fn(usize, &mut V),
     ) {
-        let rows = || rows.iter().map(|&row| row as usize).enumerate().filter(|of| of.1 < len);
+        let rows =
+            || rows.iter().map(|&row| row as usize).enumerate().filter(|&(_, row)| row < len);
         let changed = |nth: usize, mut value: V| {
             change(nth, &mut value);
             value

@@ -55,13 +55,13 @@ pub(crate) struct Bodies<T> {
 }
 
 /// Shapes in the order of the caller's rows.
-pub(crate) struct Given<T> {
+pub(crate) struct Input<T> {
     all: Vec<Body<T>>,
     centers: Vec<[T; 2]>,
     mean_extents: [T; 2],
 }
 
-impl<T: Scalar> Given<T> {
+impl<T: Scalar> Input<T> {
     /// The shapes of a call.
     pub(crate) fn of(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Self> {
         let body = |row: usize| {
@@ -90,10 +90,10 @@ impl<T: Scalar> Given<T> {
 impl<T: Scalar> Bodies<T> {
     /// Sorts shapes, and returns the tree that sorted them: that of [`near::fill_wide`].
     pub(crate) fn sorted<K: Scalar>(
-        given: &Given<T>,
+        input: &Input<T>,
         rules: &Separation<T>,
     ) -> Result<(Self, Quadtree<K>)> {
-        let Given { all, centers, mean_extents } = given;
+        let Input { all, centers, mean_extents } = input;
         let mut wide = Shapes::default();
         let wider = near::margin(*mean_extents, rules.gap) + rules.gap;
         near::fill_wide(&mut wide, all, centers, wider)?;

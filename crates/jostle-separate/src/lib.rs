@@ -22,7 +22,7 @@ mod taken;
 mod sweep;
 mod insert;
 
-use bodies::{Bodies, Given};
+use bodies::{Bodies, Input};
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Settings;
 use jostle_base::{memory, parallel};
@@ -87,7 +87,7 @@ pub struct Separated<T> {
 }
 
 /// Moves shapes until none overlap, or until the maximum number of rounds is reached. Filters are
-/// ignored, and shapes given as boxes are moved by their centres.
+/// ignored, and shapes input as boxes are moved by their centres.
 ///
 /// ```
 /// use jostle_index::{Each, Shapes};
@@ -101,21 +101,21 @@ pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<
     check(shapes, rules)?;
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
-    let given = Given::of(shapes, &rules)?;
+    let input = Input::of(shapes, &rules)?;
     // Only the search for near pairs is in float32, with radii enlarged by its rounding errors: it
     // may list a pair too many, never one too few. What is moved, and how far, is computed in the
     // caller's type.
-    if given.fits_single(rules.gap) {
-        run::<T, f32>(&given, &rules)
+    if input.fits_single(rules.gap) {
+        run::<T, f32>(&input, &rules)
     } else {
-        run::<T, T>(&given, &rules)
+        run::<T, T>(&input, &rules)
     }
 }
 
 /// Moves the shapes; near pairs are found in the arithmetic of `K`.
-fn run<T: Scalar, K: Scalar>(given: &Given<T>, rules: &Separation<T>) -> Result<Separated<T>> {
+fn run<T: Scalar, K: Scalar>(input: &Input<T>, rules: &Separation<T>) -> Result<Separated<T>> {
     // The tree that sorts the shapes also has the bounds of the first lists, so it is used twice.
-    let (mut bodies, tree) = Bodies::sorted::<K>(given, rules)?;
+    let (mut bodies, tree) = Bodies::sorted::<K>(input, rules)?;
     let crowded = spread::is_crowded(&tree, &bodies, rules.gap)?;
     let pusher = Pusher::of(rules);
     let outcome = match rules.axis {

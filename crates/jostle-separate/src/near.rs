@@ -72,7 +72,7 @@ pub(crate) fn fill_wide<T: Scalar, K: Scalar>(
 /// For each shape the others near it, ascending; not the pairs of two fixed shapes. They are found
 /// in the arithmetic of `K`.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Near<T, K> {
+pub(crate) struct NeighborLists<T, K> {
     ends: Vec<u32>,
     others: Vec<u32>,
     /// The centres for which the lists were made.
@@ -84,7 +84,7 @@ pub(crate) struct Near<T, K> {
     scratch: JoinScratch,
 }
 
-impl<T: Scalar, K: Scalar> Near<T, K> {
+impl<T: Scalar, K: Scalar> NeighborLists<T, K> {
     /// Empty lists for `bodies`.
     pub(crate) fn of(bodies: &Bodies<T>, gap: T) -> Self {
         Self { margin: margin(bodies.mean_extents, gap), gap, ..Self::default() }

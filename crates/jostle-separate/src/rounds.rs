@@ -1,14 +1,14 @@
 //! Rounds over the near pairs.
 //!
 //! Within a chunk of indices, each pair is moved as soon as it is tested (Gauss-Seidel). Of a pair
-//! in two chunks, each moves its own part, and takes the other where it was before the round
+//! in two chunks, each moves its own shape, and takes the other where it was before the round
 //! (Jacobi). Chunks depend on the order of the shapes alone, so results do not depend on threads.
 
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::bodies::Bodies;
-use super::near::Near;
+use super::near::NeighborLists;
 use super::push::Pusher;
 use super::{Outcome, Separation};
 use jostle_base::error::Result;
@@ -72,7 +72,7 @@ impl IndexSet {
 }
 
 /// A chunk of shapes.
-struct Part<T> {
+struct Chunk<T> {
     /// Their centres; the same as those of the bodies between rounds.
     centers: Vec<[T; 2]>,
     /// The shapes that have moved since their pairs were tested, and the shapes in a pair with such
@@ -93,9 +93,9 @@ pub(crate) struct Rounds<'a, T, K> {
     bodies: &'a mut Bodies<T>,
     pusher: Pusher<T>,
     rules: &'a Separation<T>,
-    near: Near<T, K>,
+    near: NeighborLists<T, K>,
     are_round: bool,
-    parts: Vec<Mutex<Part<T>>>,
+    chunks: Vec<Mutex<Chunk<T>>>,
     /// Number of rounds.
     count: usize,
 }
@@ -109,15 +109,22 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         tree: Option<&Quadtree<K>>,
     ) -> Result<Self> {
         let len = bodies.len();
-        let part = |index| {
+        let chunk = |index| {
             let len = indices_of(index, len).len();
             let centers = memory::filled(len, [T::ZERO; 2])?;
             let (stale, moved) = (IndexSet::none(len)?, IndexSet::none(len)?);
-            Ok(Mutex::new(Part { centers, stale, moved, overlaps: 0, changed: false, left: false }))
+            Ok(Mutex::new(Chunk {
+                centers,
+                stale,
+                moved,
+                overlaps: 0,
+                changed: false,
+                left: false,
+            }))
         };
-        let parts = (0..len.div_ceil(CHUNK)).map(part).collect::<Result<Vec<_>>>()?;
-        let (near, are_round) = (Near::of(bodies, rules.gap), bodies.are_round());
-        let mut rounds = Self { bodies, pusher: *pusher, rules, near, are_round, parts, count: 0 };
+        let chunks = (0..len.div_ceil(CHUNK)).map(chunk).collect::<Result<Vec<_>>>()?;
+        let (near, are_round) = (NeighborLists::of(bodies, rules.gap), bodies.are_round());
+        let mut rounds = Self { bodies, pusher: *pusher, rules, near, are_round, chunks, count: 0 };
         // Without rounds only overlaps are counted, and nothing may move.
         let entered = rules.max_rounds > 0 && rounds.enter_bounds();
         rounds.restart();
@@ -176,14 +183,14 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         self.bodies.len()
     }
 
-    /// Lets all parts begin with the current centres.
+    /// Lets all chunks begin with the current centres.
     fn restart(&mut self) {
         let len = self.bodies.len();
-        for (index, part) in self.parts.iter_mut().enumerate() {
-            let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for (index, chunk) in self.chunks.iter_mut().enumerate() {
+            let chunk = chunk.get_mut().unwrap_or_else(PoisonError::into_inner);
             let indices = indices_of(index, len);
-            part.stale.fill(indices.len());
-            part.centers.copy_from_slice(&self.bodies.centers[indices]);
+            chunk.stale.fill(indices.len());
+            chunk.centers.copy_from_slice(&self.bodies.centers[indices]);
         }
     }
 
@@ -202,36 +209,36 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
         // Invariant between rounds: two shapes that are not stale do not overlap. It holds at the
         // start, since all are stale, and each motion marks the shape that moved; a neighbour in
         // another chunk is marked, too, because that chunk cannot see the motion otherwise.
-        parallel::for_tasks(self.rules.threads, self.parts.len(), |number| {
-            let part = &mut locked(&this.parts[number]);
+        parallel::for_tasks(self.rules.threads, self.chunks.len(), |number| {
+            let chunk = &mut locked(&this.chunks[number]);
             let first = number * CHUNK;
             if this.are_round {
-                this.round_over::<true>(first, part);
+                this.round_over::<true>(first, chunk);
             } else {
-                this.round_over::<false>(first, part);
+                this.round_over::<false>(first, chunk);
             }
-            this.end_round(first, part);
+            this.end_round(first, chunk);
         });
         let (mut overlaps, mut changed, mut left) = (0, false, false);
-        for number in 0..self.parts.len() {
-            let part = locked(&self.parts[number]);
-            overlaps += part.overlaps;
-            changed |= part.changed;
-            left |= part.left;
-            for at in part.moved.iter() {
+        for number in 0..self.chunks.len() {
+            let chunk = locked(&self.chunks[number]);
+            overlaps += chunk.overlaps;
+            changed |= chunk.changed;
+            left |= chunk.left;
+            for at in chunk.moved.iter() {
                 let index = number * CHUNK + at;
-                self.bodies.centers[index] = part.centers[at];
+                self.bodies.centers[index] = chunk.centers[at];
                 let near = self.near.of_index(index);
                 // Lists are sorted, so if the first and the last are in this chunk, all are. Most
                 // shapes are far from the edge of their chunk, and the loop is not entered.
-                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk(o) == number);
+                let is_within = |other: Option<&u32>| other.is_none_or(|&o| chunk_of(o) == number);
                 if is_within(near.first()) && is_within(near.last()) {
                     continue;
                 }
-                for &other in near.iter().filter(|&&other| chunk(other) != number) {
+                for &other in near.iter().filter(|&&other| chunk_of(other) != number) {
                     // The other, not the pair: its chunk tests it against its whole list in the
                     // next round.
-                    locked(&self.parts[chunk(other)]).stale.insert(other as usize % CHUNK);
+                    locked(&self.chunks[chunk_of(other)]).stale.insert(other as usize % CHUNK);
                 }
             }
         }
@@ -246,9 +253,9 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 
     /// Moves the pairs of the stale shapes of the chunk that starts at the index `first`.
-    fn round_over<const ROUND: bool>(&self, first: usize, part: &mut Part<T>) {
+    fn round_over<const ROUND: bool>(&self, first: usize, chunk: &mut Chunk<T>) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let Part { centers: own, stale, moved, overlaps, .. } = part;
+        let Chunk { centers: own, stale, moved, overlaps, .. } = chunk;
         moved.0.fill(0);
         *overlaps = 0;
         let mut next = stale.next(0);
@@ -299,9 +306,9 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 
     /// Moves the shapes of a chunk into the bounds, and compares with the state before the round.
-    fn end_round(&self, first: usize, part: &mut Part<T>) {
+    fn end_round(&self, first: usize, chunk: &mut Chunk<T>) {
         let most = self.near.max_displacement();
-        let Part { centers, stale, moved, changed, left, .. } = part;
+        let Chunk { centers, stale, moved, changed, left, .. } = chunk;
         (*changed, *left) = (false, false);
         for at in moved.iter() {
             let index = first + at;
@@ -379,10 +386,10 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     /// Calls `act` with each pair that overlaps, `i < j`.
     fn each_overlap(&self, mut act: impl FnMut(usize, usize)) {
         let Bodies { all, centers, .. } = &*self.bodies;
-        let parts: Vec<_> = self.parts.iter().map(locked).collect();
-        let is_stale = |index: usize| parts[index / CHUNK].stale.has(index % CHUNK);
-        for (number, part) in parts.iter().enumerate() {
-            for i in part.stale.iter().map(|at| number * CHUNK + at) {
+        let chunks: Vec<_> = self.chunks.iter().map(locked).collect();
+        let is_stale = |index: usize| chunks[index / CHUNK].stale.has(index % CHUNK);
+        for (number, chunk) in chunks.iter().enumerate() {
+            for i in chunk.stale.iter().map(|at| number * CHUNK + at) {
                 for j in self.near.of_index(i).iter().map(|&other| other as usize) {
                     let offset = [centers[j][0] - centers[i][0], centers[j][1] - centers[i][1]];
                     // A pair of two of them is met twice.
@@ -398,7 +405,7 @@ impl<'a, T: Scalar, K: Scalar> Rounds<'a, T, K> {
     }
 }
 
-fn chunk(index: u32) -> usize {
+fn chunk_of(index: u32) -> usize {
     index as usize / CHUNK
 }
 

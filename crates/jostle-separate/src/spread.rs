@@ -1,7 +1,7 @@
 //! Enlarging regions that are too small for their shapes.
 //!
 //! The set of movable shapes is halved at the median of its longer side, and so on (a k-d tree).
-//! Each part has a box. If a half has more area of shapes than its box, the dividing line moves
+//! Each cell has a box. If a half has more area of shapes than its box, the dividing line moves
 //! until it has enough, and the shapes of both halves move with their boxes, linearly. So shapes
 //! keep their order along both axes, and regions that are large enough do not change. Coincident
 //! shapes are divided by their order.
@@ -73,7 +73,7 @@ fn area<T: Scalar>(body: &Body<T>, gap: T) -> f64 {
 
 /// A set of shapes, as a range of the order, and its box.
 #[derive(Clone, Copy)]
-struct Part {
+struct Cell {
     start: usize,
     end: usize,
     min: [f64; 2],
@@ -104,12 +104,12 @@ pub(crate) fn spread<T: Scalar>(
     // Not recursive: no recursion of the core grows with the data.
     let mut stack = vec![root];
     let mut pulse = Pulse::current();
-    while let Some(part) = stack.pop() {
-        pulse.check(part.end - part.start)?;
-        if part.end - part.start == 1 {
-            state.enter(&part, order[part.start] as usize);
+    while let Some(cell) = stack.pop() {
+        pulse.check(cell.end - cell.start)?;
+        if cell.end - cell.start == 1 {
+            state.enter(&cell, order[cell.start] as usize);
         } else {
-            stack.extend(state.halve(part, &mut order[part.start..part.end]));
+            stack.extend(state.halve(cell, &mut order[cell.start..cell.end]));
         }
     }
     Ok(())
@@ -132,7 +132,7 @@ impl<T: Scalar> Spread<'_, T> {
     }
 
     /// All movable shapes, in a box that is large enough for them unless the bounds are too small.
-    fn root(&mut self, order: &[u32], bounds: Option<[T; 4]>) -> Part {
+    fn root(&mut self, order: &[u32], bounds: Option<[T; 4]>) -> Cell {
         let (mut min, mut max) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for &index in order {
             for axis in 0..2 {
@@ -148,7 +148,7 @@ impl<T: Scalar> Spread<'_, T> {
             [0, 1].map(|axis| (bounds[axis + 2] - bounds[axis]).to_f64())
         });
         let new = enlarged(old, needed, self.unit, most);
-        let was = Part { start: 0, end: order.len(), min, max, enlarged: new != old };
+        let was = Cell { start: 0, end: order.len(), min, max, enlarged: new != old };
         let mut now = was;
         for axis in 0..2 {
             let middle = (min[axis] + max[axis]) / 2.0;
@@ -179,9 +179,9 @@ impl<T: Scalar> Spread<'_, T> {
         }
     }
 
-    /// Divides a part into two, which are large enough for their shapes if it is.
-    fn halve(&mut self, part: Part, order: &mut [u32]) -> [Part; 2] {
-        let side = |axis: usize| (part.max[axis] - part.min[axis]) / self.unit[axis];
+    /// Divides a cell into two, which are large enough for their shapes if it is.
+    fn halve(&mut self, cell: Cell, order: &mut [u32]) -> [Cell; 2] {
+        let side = |axis: usize| (cell.max[axis] - cell.min[axis]) / self.unit[axis];
         let axis = usize::from(side(1) > side(0));
         let middle = order.len() / 2;
         let compare = |a: &u32, b: &u32| -> Ordering {
@@ -192,32 +192,32 @@ impl<T: Scalar> Spread<'_, T> {
         order.select_nth_unstable_by(middle, compare);
         let (first, second) = order.split_at(middle);
         let highest =
-            first.iter().map(|&index| self.at(index, axis)).fold(part.min[axis], f64::max);
+            first.iter().map(|&index| self.at(index, axis)).fold(cell.min[axis], f64::max);
         // Between the last shape of one half and the first of the other, so no centre lies on the
         // other side of it.
         let line = (highest + self.at(second[0], axis)) / 2.0;
-        let across = part.max[1 - axis] - part.min[1 - axis];
-        let (low, high) = (part.min[axis], part.max[axis]);
+        let across = cell.max[1 - axis] - cell.min[1 - axis];
+        let (low, high) = (cell.min[axis], cell.max[axis]);
         let areas = [self.area_of(first), self.area_of(second)];
         let new = divide([low, line, high], areas, across, self.most);
         self.stretch(first, axis, [low, line], [low, new]);
         self.stretch(second, axis, [line, high], [new, high]);
-        let mut halves = [part; 2];
-        (halves[0].end, halves[1].start) = (part.start + middle, part.start + middle);
+        let mut halves = [cell; 2];
+        (halves[0].end, halves[1].start) = (cell.start + middle, cell.start + middle);
         (halves[0].max[axis], halves[1].min[axis]) = (new, new);
         // Where no line has moved, no shape is moved either, not even by the rounding of `enter`.
-        halves.map(|half| Part { enlarged: part.enlarged || new != line, ..half })
+        halves.map(|half| Cell { enlarged: cell.enlarged || new != line, ..half })
     }
 
     /// Moves a single shape into its box, if boxes have been enlarged; into its middle if it is
     /// larger.
-    fn enter(&mut self, part: &Part, index: usize) {
-        if !part.enlarged {
+    fn enter(&mut self, cell: &Cell, index: usize) {
+        if !cell.enlarged {
             return;
         }
         let size = sides(&self.bodies.all[index], self.gap);
         for (axis, side) in size.into_iter().enumerate() {
-            let (low, high) = (part.min[axis] + side / 2.0, part.max[axis] - side / 2.0);
+            let (low, high) = (cell.min[axis] + side / 2.0, cell.max[axis] - side / 2.0);
             let center = self.at(index as u32, axis);
             let new = if low > high { (low + high) / 2.0 } else { center.clamp(low, high) };
             self.bodies.centers[index][axis] = T::from_f64(new);

@@ -451,7 +451,8 @@ impl<T: Scalar> Layers<T> {
                 // Written in any case and counted if it is wanted: no branch depends on the pair.
                 pairs[kept] = [i, j];
                 let both = are_complete || self.is_in(i, a) && self.is_in(j, b);
-                let wanted = changed.is_none_or(|of| of[i as usize] || of[j as usize]);
+                let wanted =
+                    changed.is_none_or(|changed| changed[i as usize] || changed[j as usize]);
                 kept += usize::from(both && wanted);
             }
         }
@@ -473,11 +474,11 @@ impl<T: Scalar> Layers<T> {
 
     /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
-        let of_layer = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
+        let bytes_of = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.layer_of.capacity() + self.listed.capacity();
         let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
         let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();
-        self.layers.iter().map(of_layer).sum::<usize>() + words + shapes
+        self.layers.iter().map(bytes_of).sum::<usize>() + words + shapes
     }
 
     /// Checks that every shape is in one layer or fresh, and that all counts are right.

@@ -36,7 +36,7 @@ pub(super) struct Slots<T> {
     /// Slots to be used again, the last one first.
     free: Vec<u32>,
     /// The last call of [`Slots::find`] that was given each slot.
-    named: Vec<u32>,
+    last_call: Vec<u32>,
     call: u32,
     len: usize,
     /// Whether a slot has been freed.
@@ -53,7 +53,7 @@ impl<T> Default for Slots<T> {
             filters: Vec::new(),
             generations: Vec::new(),
             free: Vec::new(),
-            named: Vec::new(),
+            last_call: Vec::new(),
             call: 0,
             len: 0,
             freed: false,
@@ -124,7 +124,7 @@ impl<T: Scalar> Slots<T> {
             maxes = memory::collect(boxes.iter().map(|one| corners(one)[1]))?;
         }
         let mins = memory::collect(boxes.iter().map(|one| corners(one)[0]))?;
-        let named = memory::filled(generations.len(), 0)?;
+        let last_call = memory::filled(generations.len(), 0)?;
         let call = 0;
         Ok(Self {
             mins,
@@ -134,7 +134,7 @@ impl<T: Scalar> Slots<T> {
             filters,
             generations,
             free,
-            named,
+            last_call,
             call,
             len,
             freed,
@@ -159,7 +159,7 @@ impl<T: Scalar> Slots<T> {
         memory::reserve(&mut self.maxes, more)?;
         memory::reserve(&mut self.radii, more)?;
         memory::reserve(&mut self.generations, more)?;
-        memory::reserve(&mut self.named, more)?;
+        memory::reserve(&mut self.last_call, more)?;
         let (half_sizes, filters) = (shapes.half_sizes.is_some(), shapes.filters.is_some());
         self.reserve_columns(more, [half_sizes, filters])
     }
@@ -186,10 +186,10 @@ impl<T: Scalar> Slots<T> {
 
     /// The slots of `ids`. Refuses ids that do not exist, and ids given twice.
     pub(super) fn find(&mut self, ids: &[Id]) -> Result<Vec<u32>> {
-        // Each call has a number, and a slot remembers the last one that named it. So a set of seen
+        // Each call has a number, and a slot remembers the last one that last_call it. So a set of seen
         // ids needs no clearing, except once in four billion calls.
         if self.call == u32::MAX {
-            self.named.fill(0);
+            self.last_call.fill(0);
             self.call = 0;
         }
         self.call += 1;
@@ -199,7 +199,7 @@ impl<T: Scalar> Slots<T> {
                 return Err(Error::at("ids", index, id, self.why_unknown(id)));
             };
             // Of two values for one shape in a call none is the right one.
-            if std::mem::replace(&mut self.named[slot as usize], self.call) == self.call {
+            if std::mem::replace(&mut self.last_call[slot as usize], self.call) == self.call {
                 return Err(Error::at("ids", index, id, "it is given twice"));
             }
             slots.push(slot);
@@ -257,7 +257,7 @@ impl<T: Scalar> Slots<T> {
         }
         let slot = self.count() as u32;
         self.generations.push(0);
-        self.named.push(0);
+        self.last_call.push(0);
         self.mins.push(shape.min);
         self.radii.push(shape.radius);
         if !self.maxes.is_empty() {
@@ -445,7 +445,7 @@ impl<T: Scalar> Slots<T> {
         let corners = self.mins.capacity() + self.maxes.capacity();
         let numbers = 2 * corners + self.radii.capacity();
         let halves = 2 * self.half_sizes.capacity();
-        let words = self.generations.capacity() + self.named.capacity() + self.free.capacity();
+        let words = self.generations.capacity() + self.last_call.capacity() + self.free.capacity();
         (numbers + halves) * size_of::<T>()
             + (words + 2 * self.filters.capacity()) * size_of::<u32>()
     }

@@ -238,8 +238,8 @@ mod tests {
             found.retain(|&[a, b]| changed[a as usize] || changed[b as usize]);
             found.retain(|_| round != 30);
             let difference = touching.compare(slots, &changed, &found).unwrap();
-            let of_changed = |key: &&Key| slots_of(**key).iter().any(|&s| changed[s as usize]);
-            let old: BTreeSet<Key> = expected.iter().filter(of_changed).copied().collect();
+            let has_changed = |key: &&Key| slots_of(**key).iter().any(|&s| changed[s as usize]);
+            let old: BTreeSet<Key> = expected.iter().filter(has_changed).copied().collect();
             let new: BTreeSet<Key> = found.iter().map(|&pair| key_of(pair)).collect();
             assert!(difference.left.iter().eq(old.difference(&new)), "{round}");
             assert!(difference.entered.iter().eq(new.difference(&old)), "{round}");

@@ -13,7 +13,7 @@ use jostle_index::shapes::{Each, Shapes};
 /// The segments with a tree of their bounding boxes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Walls<T> {
-    given: Vec<[[T; 2]; 2]>,
+    original: Vec<[[T; 2]; 2]>,
     /// The same, with their middles in the first period.
     ends: Vec<[[T; 2]; 2]>,
     tree: Quadtree<T>,
@@ -23,7 +23,7 @@ impl<T: Scalar> Walls<T> {
     /// Refuses ends that are equal or not finite, or so far apart that the square of their distance
     /// may overflow, or farther apart than the period.
     pub(super) fn new(
-        given: Vec<[[T; 2]; 2]>,
+        original: Vec<[[T; 2]; 2]>,
         period: &Period<T>,
         settings: Settings,
     ) -> Result<Self> {
@@ -34,21 +34,21 @@ impl<T: Scalar> Walls<T> {
             is_finite(ends) && length(ends, 0) <= most && length(ends, 1) <= most
         };
         let told = |[[a, b], [c, d]]: [[T; 2]; 2]| format!("(({a}, {b}), ({c}, {d}))");
-        if let Some(index) = given.iter().position(|ends| !fits(ends)) {
+        if let Some(index) = original.iter().position(|ends| !fits(ends)) {
             let rule = format!("its ends must be finite, and at most {most:e} apart");
-            return Err(Error::at("walls", index, told(given[index]), &rule));
+            return Err(Error::at("walls", index, told(original[index]), &rule));
         }
-        if let Some(index) = given.iter().position(|[a, b]| a == b) {
-            return Err(Error::at("walls", index, told(given[index]), "its ends must differ"));
+        if let Some(index) = original.iter().position(|[a, b]| a == b) {
+            return Err(Error::at("walls", index, told(original[index]), "its ends must differ"));
         }
         let wraps = |axis: usize, ends: &[[T; 2]; 2]| {
             period.is_along(axis) && length(ends, axis) > period.sides()[axis]
         };
-        if let Some(index) = given.iter().position(|ends| wraps(0, ends) || wraps(1, ends)) {
+        if let Some(index) = original.iter().position(|ends| wraps(0, ends) || wraps(1, ends)) {
             let rule = "along each axis its ends must be at most a period apart";
-            return Err(Error::at("walls", index, told(given[index]), rule));
+            return Err(Error::at("walls", index, told(original[index]), rule));
         }
-        let ends = memory::collect(given.iter().map(|&ends| in_first_period(ends, period)))?;
+        let ends = memory::collect(original.iter().map(|&ends| in_first_period(ends, period)))?;
         let corners =
             |[a, b]: &[[T; 2]; 2]| [a[0].min(b[0]), a[1].min(b[1]), a[0].max(b[0]), a[1].max(b[1])];
         // The tree has bounding boxes only; the exact test of a segment follows in `jostle_slide`.
@@ -56,11 +56,11 @@ impl<T: Scalar> Walls<T> {
         let shapes = Shapes::from_boxes(boxes, Each::One(T::ZERO), None)?;
         let mut tree = Quadtree::default();
         tree.fill_unordered(&shapes, settings)?;
-        Ok(Self { given, ends, tree })
+        Ok(Self { original, ends, tree })
     }
 
     pub(super) fn memory_bytes(&self) -> usize {
-        (self.given.capacity() + self.ends.capacity()) * size_of::<[[T; 2]; 2]>()
+        (self.original.capacity() + self.ends.capacity()) * size_of::<[[T; 2]; 2]>()
             + self.tree.memory_bytes()
     }
 
@@ -93,7 +93,7 @@ fn in_first_period<T: Scalar>([a, b]: [[T; 2]; 2], period: &Period<T>) -> [[T; 2
 impl<T: Scalar> Space<T> {
     /// The line segments, which have two ends each.
     pub fn walls(&self) -> &[[[T; 2]; 2]] {
-        &self.walls.given
+        &self.walls.original
     }
 
     /// Replaces the line segments. Refuses invalid ones; then nothing changes.

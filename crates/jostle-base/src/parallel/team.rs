@@ -177,7 +177,8 @@ impl Team {
         // The number of threads is fixed before the barrier is made. A worker that wakes up later
         // cannot join: it would have to take part in every wait from the first on.
         let joining = idle.reserve(pool.current_num_threads().min(most.saturating_sub(1)));
-        let group = Group { threads: joining + 1, barrier: Barrier::new(joining + 1), of: &self.0 };
+        let group =
+            Group { threads: joining + 1, barrier: Barrier::new(joining + 1), workers: &self.0 };
         // Every member needs an index below the number of threads, because it decides its share.
         // Those of the pool may have gaps, since not all of its threads take part.
         let (joined, working) = (AtomicUsize::new(1), AtomicUsize::new(joining));
@@ -200,7 +201,7 @@ impl Team {
 struct Group<'a> {
     threads: usize,
     barrier: Barrier,
-    of: &'a Workers,
+    workers: &'a Workers,
 }
 
 impl Group<'_> {
@@ -225,7 +226,7 @@ impl Group<'_> {
             // Spinning without sleeping: a sub-step of a pile has hundreds of waits of a few
             // microseconds. To sleep and be woken takes longer than the stage between two of them.
             self.barrier.wait(waits.get(), || pause(&mut attempts));
-            self.of.waited(attempts);
+            self.workers.waited(attempts);
         };
         work(&Member { index, threads: self.threads, wait: &wait });
     }

@@ -46,10 +46,10 @@ impl Image {
 
     /// The shifts of the first and of the second shape.
     pub(super) fn shifts<T: Scalar>(&self, period: &Period<T>) -> [[T; 2]; 2] {
-        let of = |moved: Moved| {
+        let shift = |moved: Moved| {
             [0, 1].map(|axis| if self.0[axis] == moved { period.sides()[axis] } else { T::ZERO })
         };
-        [of(Moved::First), of(Moved::Second)]
+        [shift(Moved::First), shift(Moved::Second)]
     }
 
     /// Whether a pair that overlaps in this image is found here: the shapes that are moved are

@@ -159,7 +159,7 @@ pub fn find_with<T: Scalar>(
         // not.
         && let Some(part) = grid.find(shapes, threads, max_pairs, &mut join.pairs)
     {
-        let grid::Part { mut found, rest } = part?;
+        let grid::GridPairs { mut found, rest } = part?;
         add_rest(&mut found, shapes, &rest, threads, max_pairs)?;
         return Ok(found);
     }

@@ -86,7 +86,8 @@ impl Budget {
         if !parallel::is_parallel(threads) {
             // One thread writes straight into the memory of the result, so nothing is copied at the
             // end.
-            let part = Part { pairs: std::mem::take(result), ..parts.pop().unwrap_or_default() };
+            let part =
+                ThreadPairs { pairs: std::mem::take(result), ..parts.pop().unwrap_or_default() };
             let mut output = Output::new(self, map, part);
             (0..tasks).for_each(|task| work(task, &mut output));
             output.convert();
@@ -112,14 +113,15 @@ impl Budget {
         let tests = outputs.iter().map(|output| output.tests).sum();
         let count = outputs.iter().map(|output| output.count).sum();
         self.check(count)?;
-        let used = outputs.into_iter().map(Output::into_part).collect::<Result<Vec<Part>>>()?;
+        let used =
+            outputs.into_iter().map(Output::into_part).collect::<Result<Vec<ThreadPairs>>>()?;
         let pairs = self.in_order(threads, &used, count, std::mem::take(result))?;
         parts.extend(used);
         Ok(Found { pairs, tests })
     }
 
     /// The result if one thread has found all pairs.
-    fn accept(&self, output: Output<'_>, parts: &mut Vec<Part>) -> Result<Found> {
+    fn accept(&self, output: Output<'_>, parts: &mut Vec<ThreadPairs>) -> Result<Found> {
         self.check(output.count)?;
         let tests = output.tests;
         let mut part = output.into_part()?;
@@ -132,11 +134,11 @@ impl Budget {
     fn in_order(
         &self,
         threads: Option<usize>,
-        parts: &[Part],
+        parts: &[ThreadPairs],
         count: usize,
         mut pairs: Vec<Pair>,
     ) -> Result<Vec<Pair>> {
-        let pieces = parts.iter().flat_map(|Part { pairs, tasks, .. }| {
+        let pieces = parts.iter().flat_map(|ThreadPairs { pairs, tasks, .. }| {
             tasks.iter().map(|(tasks, range)| (tasks.start, &pairs[range.clone()]))
         });
         let mut pieces: Vec<(usize, &[Pair])> = pieces.collect();
@@ -172,7 +174,7 @@ pub(super) struct PairScratch {
     /// Memory for the result.
     pub(super) result: Vec<Pair>,
     /// Memory for each thread.
-    parts: Vec<Part>,
+    parts: Vec<ThreadPairs>,
 }
 
 impl PairScratch {
@@ -185,7 +187,7 @@ impl PairScratch {
 
 /// The pairs of one thread.
 #[derive(Clone, Debug, Default)]
-struct Part {
+struct ThreadPairs {
     pairs: Vec<Pair>,
     /// Ranges of the tasks of this thread, and the range of the pairs of each.
     tasks: Vec<(Range<usize>, Range<usize>)>,
@@ -194,7 +196,7 @@ struct Part {
 
 /// The output of one thread.
 pub(super) struct Output<'a> {
-    part: Part,
+    part: ThreadPairs,
     /// Number of pairs; the vector is longer.
     count: usize,
     pub(super) tests: u64,
@@ -216,7 +218,7 @@ enum Over {
 
 impl<'a> Output<'a> {
     /// An output that uses the memory of `part`.
-    fn new(budget: &'a Budget, map: &'a MapPairs<'a>, mut part: Part) -> Self {
+    fn new(budget: &'a Budget, map: &'a MapPairs<'a>, mut part: ThreadPairs) -> Self {
         part.tasks.clear();
         Self {
             part,
@@ -330,7 +332,7 @@ impl<'a> Output<'a> {
     }
 
     /// The pairs, or the error of this thread.
-    fn into_part(mut self) -> Result<Part> {
+    fn into_part(mut self) -> Result<ThreadPairs> {
         self.part.pairs.truncate(self.count);
         match self.over {
             Some(Over::Failed(error)) => Err(error),

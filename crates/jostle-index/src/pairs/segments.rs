@@ -124,8 +124,9 @@ impl LineSegments {
         self.all.clear();
         self.all.extend(all);
         self.columns.iter_mut().for_each(Vec::clear);
-        for of in &self.all {
-            let LineSegment { start: [x, y], along: [u, v], length, least_radius, margin } = *of;
+        for &segment in &self.all {
+            let LineSegment { start: [x, y], along: [u, v], length, least_radius, margin } =
+                segment;
             let half = 0.5 * length;
             let numbers = [x + half * u, y + half * v, u, v, half, least_radius, margin];
             self.columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
@@ -152,8 +153,8 @@ impl LineSegments {
         let [x, y, u, v, length, least, margin] =
             [0, 1, 2, 3, 4, 5, 6].map(|k| simd.load(block(&self.columns[k], start)));
         let [zero, scale, distance, radius] =
-            [0.0, 1.0 + ROUNDING as f32, distance, bounds.radius].map(|of| simd.splat(of));
-        let absolute = |of| simd.max(of, simd.sub(zero, of));
+            [0.0, 1.0 + ROUNDING as f32, distance, bounds.radius].map(|number| simd.splat(number));
+        let absolute = |v| simd.max(v, simd.sub(zero, v));
         let half = |k: usize| {
             let half = simd.splat(0.5 * (bounds.max[k] - bounds.min[k]));
             simd.mul(half, scale)
@@ -193,8 +194,15 @@ pub fn near_segments(
         let leaf = tasks[task][0] as usize;
         let mut stack = std::mem::take(output.stack());
         stack.push([leaf as u32, 0]);
-        let stack_of = &mut stack;
-        f32::with_widest(Leaf { tree, segments, distance, circles, leaf, stack: stack_of, output });
+        f32::with_widest(Leaf {
+            tree,
+            segments,
+            distance,
+            circles,
+            leaf,
+            stack: &mut stack,
+            output,
+        });
         stack.clear();
         *output.stack() = stack;
     })
@@ -240,8 +248,8 @@ impl Work<f32> for Leaf<'_, '_> {
                 let bits = segments.reaching(simd, start, bounds, distance);
                 for_each_lane(bits & first_lanes(indices.end - start), |lane| {
                     let index = (start + lane) as u32;
-                    let of = (&segments.at(index), distance);
-                    test(simd, of, index, circles, node.range(), output);
+                    let segment = (&segments.at(index), distance);
+                    test(simd, segment, index, circles, node.range(), output);
                 });
             }
         }

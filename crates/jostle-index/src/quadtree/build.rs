@@ -10,7 +10,7 @@ use super::Node;
 use super::grid::GRID_LEVELS;
 use super::order::{Keyed, Order};
 use super::strips::{self, Outputs, Strips};
-use super::subtrees::{Part, Subtrees};
+use super::subtrees::{Subtrees, ThreadSubtrees};
 use crate::columns::Columns;
 use crate::geometry::{Bounds, Scalar};
 use crate::shapes::Shapes;
@@ -94,8 +94,9 @@ impl<T: Scalar> Nodes<T> {
         // groups.
         builder.split_all(&mut self.nodes, len / MAX_SUBTREES)?;
         let Self { nodes, subtrees, .. } = self;
-        let add =
-            |part: &mut Part<T>, root, outputs: Outputs<'_, T>| builder.add(part, root, outputs);
+        let add = |thread: &mut ThreadSubtrees<T>, root, outputs: Outputs<'_, T>| {
+            builder.add(thread, root, outputs)
+        };
         subtrees.build(settings.threads, nodes, outputs, add)?;
         self.append_subtrees()
     }
@@ -107,9 +108,9 @@ impl<T: Scalar> Nodes<T> {
         memory::reserve(nodes, more_nodes)?;
         memory::reserve(strips, more_strips)?;
         memory::reserve(ends, more_ends)?;
-        for (root, subtree, part) in subtrees.iter() {
+        for (root, subtree, thread) in subtrees.iter() {
             // The root of the subtree exists already; its other nodes are appended.
-            // Numbers in a part count from its start. The shift may be negative; modulo 2^32 it is
+            // Numbers count from the start of the lists of a thread. The shift may be negative; modulo 2^32 it is
             // right in any case.
             let node_shift = (nodes.len() as u32).wrapping_sub(subtree.nodes.start as u32 + 1);
             let strip_shift = (strips.len() as u32).wrapping_sub(subtree.strips.start as u32);
@@ -118,15 +119,15 @@ impl<T: Scalar> Nodes<T> {
                 let shift = if node.is_leaf() { strip_shift } else { node_shift };
                 Node { children: node.children.wrapping_add(shift), ..*node }
             };
-            let (first, rest) = part.nodes[subtree.nodes.clone()].split_first().expect("a root");
+            let (first, rest) = thread.nodes[subtree.nodes.clone()].split_first().expect("a root");
             // Subtrees come in the order of their shapes, not in that in which threads made them.
             // So the list of nodes is the same on each number of threads, and parents still precede
             // their children.
             nodes[root as usize] = moved(first);
             nodes.extend(rest.iter().map(moved));
-            let leaves = &part.strips[subtree.strips.clone()];
+            let leaves = &thread.strips[subtree.strips.clone()];
             strips.extend(leaves.iter().map(|leaf| leaf.moved(end_shift)));
-            ends.extend_from_slice(&part.ends[subtree.ends.clone()]);
+            ends.extend_from_slice(&thread.ends[subtree.ends.clone()]);
         }
         Ok(())
     }
@@ -195,8 +196,13 @@ struct Builder<'a, T> {
 
 impl<T: Scalar> Builder<'_, T> {
     /// Makes the subtree of `root`.
-    fn add(&self, part: &mut Part<T>, root: Node, outputs: Outputs<'_, T>) -> Result<()> {
-        let Part { nodes, strips, ends, scratch, .. } = part;
+    fn add(
+        &self,
+        thread: &mut ThreadSubtrees<T>,
+        root: Node,
+        outputs: Outputs<'_, T>,
+    ) -> Result<()> {
+        let ThreadSubtrees { nodes, strips, ends, scratch, .. } = thread;
         let first = nodes.len();
         memory::push(nodes, root)?;
         self.split_all(nodes, 0)?;

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use super::grid::{Grid, NESTED};
 use super::partition::{Item, Source};
-use super::sort::{Parts, Precision, Sorter};
+use super::sort::{BlockStarts, Precision, Sorter};
 use crate::geometry::Scalar;
 use crate::shapes::Shapes;
 use jostle_base::error::Result;
@@ -40,7 +40,7 @@ pub(super) struct Keyed<T> {
     pub grid: Grid,
     /// The shapes with their keys, sorted as far as the tree requires.
     pub items: Vec<Item<T>>,
-    parts: Parts,
+    parts: BlockStarts,
 }
 
 impl<T> Keyed<T> {
@@ -367,11 +367,11 @@ impl<T: Scalar> Work<T> for Extent<'_, T> {
         simd.store(low, &mut lows);
         simd.store(high, &mut highs);
         // The rest begins after whole blocks, at an even number, so x is at even places in it too.
-        let of_axis = |lanes: &[T; LANES], axis: usize, both: fn(T, T) -> T| {
+        let along = |lanes: &[T; LANES], axis: usize, both: fn(T, T) -> T| {
             let all = lanes.iter().chain(rest).skip(axis).step_by(2).copied();
             all.reduce(both).unwrap_or(numbers[axis])
         };
-        let both_axes = |lanes: &[T; LANES], both| [0, 1].map(|axis| of_axis(lanes, axis, both));
+        let both_axes = |lanes: &[T; LANES], both| [0, 1].map(|axis| along(lanes, axis, both));
         [both_axes(&lows, T::min), both_axes(&highs, T::max)]
     }
 }

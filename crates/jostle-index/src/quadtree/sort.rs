@@ -78,13 +78,13 @@ impl Precision {
 
 /// The first index of each block or group, whose items share leading bits.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Parts {
+pub(super) struct BlockStarts {
     bits: u32,
     /// One more than the number of blocks or groups.
     starts: Vec<u32>,
 }
 
-impl Parts {
+impl BlockStarts {
     /// Index of the first of the sorted `items` whose key is at least `bound`.
     pub(super) fn first_at_least<T>(&self, items: &[Item<T>], bound: u32) -> usize {
         let known = match self.bits {
@@ -155,7 +155,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         precision: Precision,
         source: &impl Source<T>,
         items: &mut Vec<Item<T>>,
-        parts: &mut Parts,
+        parts: &mut BlockStarts,
         equal: &mut Vec<Range<usize>>,
     ) -> Result<()> {
         parts.clear();
@@ -197,7 +197,7 @@ impl<T: Copy + Default + Send + Sync> Sorter<T> {
         precision: Precision,
         items: &mut [Item<T>],
         bits: u32,
-        parts: &mut Parts,
+        parts: &mut BlockStarts,
         equal: &mut Vec<Range<usize>>,
     ) -> Result<()> {
         let stop = Stop::current();
@@ -471,7 +471,7 @@ mod tests {
         let mut expected: Vec<u64> =
             (0..len).map(|row| u64::from(key(kind, row)) << 32 | u64::from(row)).collect();
         expected.sort_unstable();
-        let (mut sorter, mut parts) = (Sorter::default(), Parts::default());
+        let (mut sorter, mut parts) = (Sorter::default(), BlockStarts::default());
         let (mut items, mut equal) = (Vec::new(), Vec::new());
         let source = Rows { len: len as usize, kind };
         let threads = Some(threads);
@@ -494,7 +494,7 @@ mod tests {
     }
 
     /// Groups are in order; those of more than 50 are sorted, and the others by row.
-    fn check_groups(items: &[Item<f64>], parts: &Parts, bits: u32) {
+    fn check_groups(items: &[Item<f64>], parts: &BlockStarts, bits: u32) {
         let group = |item: &Item<f64>| leading(item.key, 0, bits);
         for group in items.chunk_by(|a, b| group(a) == group(b)) {
             let by_row = group.is_sorted_by_key(|item| item.row);

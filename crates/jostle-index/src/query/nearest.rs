@@ -421,10 +421,10 @@ pub fn check_nearest<T: Scalar>(
     max_distances.check(check_max_distances)?;
     let neighbors = k.saturating_mul(points.len().max(1));
     if neighbors > MAX_IDS {
-        let of =
+        let what =
             if points.len() < 2 { "1 point".into() } else { format!("{} points", points.len()) };
         let rule = format!(
-            "for {of} that is {neighbors} neighbours, more than {MAX_IDS}; ask for fewer at a time"
+            "for {what} that is {neighbors} neighbours, more than {MAX_IDS}; ask for fewer at a time"
         );
         return Err(Error::of("k", k, &rule));
     }

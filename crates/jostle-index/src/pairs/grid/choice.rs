@@ -131,7 +131,7 @@ impl Sample {
         let some = shapes().filter(|shape| is_small(shape.1)).map(|shape| *shape.0);
         let in_cell = neighbors(&layout, some, len as f64 / self.len() as f64).max(even);
         let mut time = share * (SHAPE + blocks(TESTED_CELLS * in_cell));
-        for half_extent in self.half_extents.iter().filter(|of| !is_small(of)) {
+        for half_extent in self.half_extents.iter().filter(|half_extent| !is_small(half_extent)) {
             let cells = [0, 1].map(|k| 2.0 * (half_extent[k] + limit[k]) / cell[k] + 1.0);
             // The cells of a row are one range, tested as whole blocks; each row begins a block of
             // its own.
@@ -158,8 +158,8 @@ fn neighbors(layout: &Layout, centers: impl Iterator<Item = [f64; 2]>, each: f64
     let key = |center: [f64; 2]| layout.keys(&[center[layout.axis]], &[center[1 - layout.axis]])[0];
     let mut keys: Vec<u32> = centers.map(key).collect();
     keys.sort_unstable();
-    let of_cell = |keys: &[u32]| keys.len() * (keys.len() - 1);
-    let pairs: usize = keys.chunk_by(|a, b| a == b).map(of_cell).sum();
+    let pairs_in = |keys: &[u32]| keys.len() * (keys.len() - 1);
+    let pairs: usize = keys.chunk_by(|a, b| a == b).map(pairs_in).sum();
     // Each shape of the sample stands for `each` shapes, so a neighbour in the sample stands for as
     // many.
     pairs as f64 * each / keys.len().max(1) as f64

@@ -37,12 +37,12 @@ impl<T, const SIZES: usize> Default for Large<T, SIZES> {
 }
 
 impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
-    /// Replaces the shapes of a grid of `of` shapes. Returns whether their lists are short enough.
+    /// Replaces the shapes of a grid of `len_of_grid` shapes. Returns whether their lists are short enough.
     pub(super) fn fill<'a>(
         &mut self,
         layout: &Layout,
         small: [T; 2],
-        of: usize,
+        len_of_grid: usize,
         pieces: impl Iterator<Item = &'a [Item<T, SIZES>]> + Clone,
     ) -> Result<bool> {
         let Self { items, cells, ends, lists } = self;
@@ -64,7 +64,7 @@ impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {
             total += bands_of(layout, &around).len();
             // Known only here, because the sample may have missed the largest shapes. The caller
             // then uses the tree; what has been sorted so far is lost.
-            if total > MAX_ENTRIES * of {
+            if total > MAX_ENTRIES * len_of_grid {
                 return Ok(false);
             }
         }

@@ -60,7 +60,7 @@ pub(super) struct Grid<T> {
 
 /// Some of the pairs; `rest` are rows of large shapes whose pairs with each other are not in
 /// `found`.
-pub(super) struct Part {
+pub(super) struct GridPairs {
     pub(super) found: Found,
     pub(super) rest: Vec<u32>,
 }
@@ -74,7 +74,7 @@ impl<T: Scalar> Grid<T> {
         threads: Option<usize>,
         max_pairs: usize,
         scratch: &mut PairScratch,
-    ) -> Option<Result<Part>> {
+    ) -> Option<Result<GridPairs>> {
         let Shapes { radii, half_sizes, boxes: None, filters: None, period, .. } = shapes else {
             return None;
         };
@@ -141,12 +141,12 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         threads: Option<usize>,
         max_pairs: usize,
         scratch: &mut PairScratch,
-    ) -> Option<Result<Part>> {
+    ) -> Option<Result<GridPairs>> {
         let extent = extent_of(rows.centers);
         let choice = choose::<T, SIZES>(rows, extent, radius)?;
         let found = self.level(rows, choice, threads, max_pairs, scratch)?;
         let mut part = match found {
-            Ok(found) => Part { found, rest: Vec::new() },
+            Ok(found) => GridPairs { found, rest: Vec::new() },
             Err(error) => return Some(Err(error)),
         };
         if SIZES == EQUAL {
@@ -222,9 +222,9 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         let tasks = if parallel::is_parallel(threads) { tasks } else { 1 };
         let budget = Budget::new(max_pairs);
         Some(budget.find(threads, tasks, &unchanged, scratch, |task, output| {
-            let of = |task: usize| layout.bands * task / tasks;
+            let first = |task: usize| layout.bands * task / tasks;
             let mut bands = locked(&self.bands).pop().unwrap_or_default();
-            self.search(&layout, squared, of(task)..of(task + 1), &mut bands, output);
+            self.search(&layout, squared, first(task)..first(task + 1), &mut bands, output);
             locked(&self.bands).push(bands);
         }))
     }
