@@ -3,9 +3,9 @@
 //! Only pairs with a shape that changed can have entered or left. The current ones come from a join
 //! of the layer of these shapes with all, and are compared with those of the last update.
 
-use super::Space;
+use super::changes::Changes;
 use super::keys::{Key, slots_of};
-use super::layers::Layers;
+use super::space::Space;
 use super::touching::MAX_PAIRS;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -28,20 +28,6 @@ pub struct Events {
     pub left: Vec<[Id; 2]>,
     /// The number of the update of its space.
     update: u64,
-}
-
-/// Slots that changed since the last update, and memory for their pairs.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Changes {
-    slots: Vec<u32>,
-    /// Whether each slot is in `slots`.
-    changed: Vec<bool>,
-    /// Slots that are removed and still in a pair of the last update.
-    pub(super) leaving: Vec<u32>,
-    /// Number of updates.
-    updates: u64,
-    /// Memory for the pairs that are found.
-    found: Vec<[u32; 2]>,
 }
 
 impl<T: Scalar> Space<T> {
@@ -154,66 +140,5 @@ impl<T: Scalar> Space<T> {
         pairs.retain(|pair| !pulse.stops(1) && entered.next_if_eq(&pair).is_none());
         pulse.check(0)?;
         Ok(Some(pairs))
-    }
-}
-
-impl Changes {
-    /// Slots that changed since the last update.
-    pub(super) fn slots(&self) -> &[u32] {
-        &self.slots
-    }
-
-    /// Number of updates.
-    pub(super) fn updates(&self) -> u64 {
-        self.updates
-    }
-
-    /// Sets the number of updates.
-    pub(super) fn set_updates(&mut self, updates: u64) {
-        self.updates = updates;
-    }
-
-    /// Increases the number of slots to `slots`.
-    pub(super) fn widen(&mut self, slots: usize) -> Result<()> {
-        memory::lengthen(&mut self.changed, slots, false)
-    }
-
-    /// Reserves memory for `more` changed slots.
-    pub(super) fn reserve(&mut self, more: usize) -> Result<()> {
-        memory::reserve(&mut self.slots, more)?;
-        memory::reserve(&mut self.leaving, more)
-    }
-
-    /// Records a slot whose shape was added, removed or changed.
-    pub(super) fn note(&mut self, slot: u32) {
-        if !std::mem::replace(&mut self.changed[slot as usize], true) {
-            self.slots.push(slot);
-        }
-    }
-
-    /// The changed slots with a shape, if `any_removed`; otherwise all changed slots.
-    fn present<T: Scalar>(&self, layers: &Layers<T>, any_removed: bool) -> Result<Vec<u32>> {
-        if !any_removed {
-            return memory::collect(self.slots.iter().copied());
-        }
-        let mut present = memory::with_capacity(self.slots.len())?;
-        present.extend(self.slots.iter().copied().filter(|&slot| layers.has(slot)));
-        Ok(present)
-    }
-
-    fn clear(&mut self) {
-        if self.slots.len() == self.changed.len() {
-            self.changed.fill(false);
-        } else {
-            self.slots.iter().for_each(|&slot| self.changed[slot as usize] = false);
-        }
-        self.slots.clear();
-        self.updates += 1;
-    }
-
-    /// Allocated bytes, used or not.
-    pub(super) fn memory_bytes(&self) -> usize {
-        let words = self.slots.capacity() + self.leaving.capacity();
-        4 * (words + 2 * self.found.capacity()) + self.changed.capacity()
     }
 }

@@ -11,7 +11,6 @@
 
 use std::mem;
 
-use super::pairs::Wanted;
 use super::slots::Slots;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Pulse;
@@ -395,7 +394,7 @@ impl<T: Scalar> Layers<T> {
         &self,
         [a, b]: [usize; 2],
         grown: [&Option<Quadtree<T>>; 2],
-        &Wanted { mask, max_pairs, .. }: &Wanted<T>,
+        (mask, max_pairs): (Option<u32>, usize),
         found: &mut Vec<[u32; 2]>,
     ) -> Result<()> {
         let (first, second) = (&self.layers[a], &self.layers[b]);

@@ -5,10 +5,10 @@
 //! another shape with the displacement of the floor: both are parts of one floor. Shapes that stand
 //! on a floor are carried after the floor has moved, by the rest of its motion.
 
-use super::call::{Call, WALL};
-use super::crowd::Crowd;
-use super::riders::{Rider, Riders};
-use super::rides::NONE;
+use super::floors::NONE;
+use super::slide_call::{SlideCall, WALL};
+use super::spatial_hash::SpatialHash;
+use super::stacks::{StackedWalker, Stacks};
 use super::traces::motion;
 use jostle_base::error::Result;
 use jostle_base::interrupt::Pulse;
@@ -61,8 +61,8 @@ impl<T: Scalar> Default for Pushed<T> {
 pub(crate) struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
-    crowd: Crowd<T>,
-    riders: Riders,
+    hash: SpatialHash<T>,
+    stacks: Stacks,
     /// Whether another shape has the displacement of each, which is not 0.
     twins: Vec<bool>,
     /// Whether each also touches such a shape, and neither stands on the other: both are parts of
@@ -75,7 +75,7 @@ pub(crate) struct Scratch<T> {
     pushed: Vec<Pushed<T>>,
     /// The shapes that do not stop the one that moves; empty if nothing stands on another.
     skipped: Vec<bool>,
-    above: Vec<Rider>,
+    above: Vec<StackedWalker>,
     /// By how much each of `above` is pushed, and whether it overlaps the one below all.
     pushes: Vec<([T; 2], bool)>,
 }
@@ -83,17 +83,17 @@ pub(crate) struct Scratch<T> {
 impl<T: Scalar> Default for Scratch<T> {
     fn default() -> Self {
         let (twins, are_parts, reach) = (Vec::new(), Vec::new(), [[T::ZERO; 2]; 2]);
-        let (near, stack, crowd, riders) =
-            (Vec::new(), Vec::new(), Crowd::default(), Riders::default());
+        let (near, stack, hash, stacks) =
+            (Vec::new(), Vec::new(), SpatialHash::default(), Stacks::default());
         let (pushed, skipped, above, pushes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { near, stack, crowd, riders, twins, are_parts, reach, pushed, skipped, above, pushes }
+        Self { near, stack, hash, stacks, twins, are_parts, reach, pushed, skipped, above, pushes }
     }
 }
 
 /// The shapes of an island: its rows in the call, and where they are now.
 pub(crate) struct Island<'a, T> {
     /// The call.
-    pub call: &'a Call<'a, T>,
+    pub call: &'a SlideCall<'a, T>,
     /// Its rows, ascending. The index of a shape is its position in this list.
     pub rows: &'a [u32],
     /// The scratch of the task.
@@ -104,29 +104,29 @@ impl<T: Scalar> Island<'_, T> {
     /// Moves all shapes.
     pub(crate) fn run(&mut self, pulse: &mut Pulse, walks: &mut Vec<Walk<T>>) -> Result<()> {
         let (call, rows) = (self.call, self.rows);
-        self.scratch.crowd.fill(rows.iter().map(|&row| call.body(row as usize)))?;
+        self.scratch.hash.fill(rows.iter().map(|&row| call.body(row as usize)))?;
         self.order()?;
-        let Scratch { riders, reach, pushed, skipped, .. } = &mut *self.scratch;
+        let Scratch { stacks, reach, pushed, skipped, .. } = &mut *self.scratch;
         *reach = [[T::ZERO; 2]; 2];
         rows.iter().for_each(|&row| widen(&mut reach[0], call.moved_before(row as usize)));
         pushed.clear();
         skipped.clear();
-        if riders.is_any() {
+        if stacks.is_any() {
             memory::resize(pushed, rows.len(), Pushed::default())?;
             memory::resize(skipped, rows.len(), false)?;
         }
         // One after the other, each against the current places of all others. So two shapes never
         // end up in each other, as they could if both moved at the same time against old places.
         for nth in 0..rows.len() {
-            let index = self.scratch.riders.order[nth] as usize;
-            self.push_riders(index, pulse)?;
+            let index = self.scratch.stacks.order[nth] as usize;
+            self.push_stacked(index, pulse)?;
             let mut walk = self.walk(index);
             pulse.check(WORK + self.scratch.near.len())?;
-            let Scratch { above, skipped, crowd, pushed, .. } = &mut *self.scratch;
-            // `push_riders` has set these marks for this motion only.
-            above.iter().for_each(|rider| skipped[rider.index as usize] = false);
+            let Scratch { above, skipped, hash, pushed, .. } = &mut *self.scratch;
+            // `push_stacked` has set these marks for this motion only.
+            above.iter().for_each(|upper| skipped[upper.index as usize] = false);
             // At once, so the next shape meets this one where it is now.
-            crowd.move_to(index, call.period.wrap(walk.center));
+            hash.move_to(index, call.period.wrap(walk.center));
             if let Some(pushed) = pushed.get(index) {
                 walk.moved = sum(pushed.by, walk.moved);
                 walk.seen = union(walk.seen, pushed.seen);
@@ -142,13 +142,13 @@ impl<T: Scalar> Island<'_, T> {
     /// Chooses the order of the shapes.
     fn order(&mut self) -> Result<()> {
         let (call, rows, len) = (self.call, self.rows, self.rows.len());
-        let Scratch { crowd, riders, twins, are_parts, .. } = &mut *self.scratch;
+        let Scratch { hash, stacks, twins, are_parts, .. } = &mut *self.scratch;
         let displacement = |index: usize| call.displacements[rows[index] as usize];
         twins.clear();
         are_parts.clear();
         memory::resize(twins, len, false)?;
         if len == 1 {
-            return riders.fill(len, 0..len, |_| None, false, |_, _| Ok(()));
+            return stacks.fill(len, 0..len, |_| None, false, |_, _| Ok(()));
         }
         let mut are_any_twins = false;
         let mut sorted: Vec<u32> = memory::collect(0..len as u32)?;
@@ -164,7 +164,7 @@ impl<T: Scalar> Island<'_, T> {
                 (twins[a], twins[b], are_any_twins) = (true, true, true);
             }
         }
-        let (crowd, twins) = (&*crowd, &*twins);
+        let (hash, twins) = (&*hash, &*twins);
         let is_obstacle = |index: &usize| call.is_obstacle(rows[*index] as usize);
         let obstacles = (0..len).filter(is_obstacle);
         // What is no obstacle stops nobody. Moved last, it meets everything else where that will
@@ -172,9 +172,9 @@ impl<T: Scalar> Island<'_, T> {
         let starts = obstacles.chain((0..len).filter(|index| !is_obstacle(index)));
         let floor =
             |index: usize| rows.binary_search(&call.moving_floor(rows[index] as usize)?).ok();
-        riders.fill(len, starts, floor, are_any_twins, |index, ahead| {
+        stacks.fill(len, starts, floor, are_any_twins, |index, ahead| {
             if twins[index] {
-                each_ahead(call, crowd, index, displacement(index), |other| {
+                each_ahead(call, hash, index, displacement(index), |other| {
                     // The foremost first: in a row of shapes that march together each would
                     // otherwise be stopped by the one before it, which is about to move away.
                     if displacement(other) == displacement(index) {
@@ -184,11 +184,11 @@ impl<T: Scalar> Island<'_, T> {
             }
             // All parts of its floor that it may reach.
             if let Some(floor) = floor(index).filter(|&floor| twins[floor]) {
-                let body = crowd.get(index);
+                let body = hash.get(index);
                 let length = |[x, y]: [T; 2]| x.abs() + y.abs();
                 let reach = length(displacement(index)) + length(displacement(floor));
                 let reach = reach + slop(body, &call.period, reach);
-                each_around(call, crowd, (body, reach), [T::ZERO; 2], |other, _| {
+                each_around(call, hash, (body, reach), [T::ZERO; 2], |other, _| {
                     if other != index && displacement(other) == displacement(floor) {
                         ahead.push(other as u32);
                     }
@@ -196,8 +196,8 @@ impl<T: Scalar> Island<'_, T> {
             }
             Ok(())
         })?;
-        if riders.is_any() {
-            let is_part = |index: usize| twins[index] && touches_twin(call, crowd, (rows, index));
+        if stacks.is_any() {
+            let is_part = |index: usize| twins[index] && touches_twin(call, hash, (rows, index));
             are_parts.extend((0..len).map(is_part));
         }
         Ok(())
@@ -207,15 +207,15 @@ impl<T: Scalar> Island<'_, T> {
     /// displacement: both are parts of one floor.
     fn list_on_twins(&mut self, index: usize) {
         let (call, rows) = (self.call, self.rows);
-        let Scratch { crowd, riders, twins, above, .. } = &mut *self.scratch;
+        let Scratch { hash, stacks, twins, above, .. } = &mut *self.scratch;
         above.clear();
-        if !twins[index] || !riders.is_any() {
+        if !twins[index] || !stacks.is_any() {
             return;
         }
         let displacement = |index: usize| call.displacements[rows[index] as usize];
-        let (body, by) = (crowd.get(index), displacement(index));
+        let (body, by) = (hash.get(index), displacement(index));
         let close = slop(body, &call.period, by[0].abs() + by[1].abs());
-        each_around(call, crowd, (body, close), by, |other, image| {
+        each_around(call, hash, (body, close), by, |other, image| {
             let floor = call.moving_floor(rows[other] as usize);
             let floor = floor.and_then(|row| rows.binary_search(&row).ok());
             let is_met = image.overlaps(body) || image.enters(body, by, close).is_some();
@@ -223,55 +223,55 @@ impl<T: Scalar> Island<'_, T> {
                 && displacement(floor) == by
                 && is_met
             {
-                above.push(Rider::on_lowest(other as u32));
+                above.push(StackedWalker::on_lowest(other as u32));
             }
         });
-        above.sort_unstable_by_key(|rider| rider.index);
+        above.sort_unstable_by_key(|upper| upper.index);
         above.dedup();
     }
 
     /// Pushes the shapes that stand on a shape and would stop its motion, the uppermost first.
     /// Afterwards those that overlapped it before are skipped, and all if it is a part of a body,
     /// whose parts stay together.
-    fn push_riders(&mut self, index: usize, pulse: &mut Pulse) -> Result<()> {
+    fn push_stacked(&mut self, index: usize, pulse: &mut Pulse) -> Result<()> {
         self.list_on_twins(index);
-        let Scratch { riders, above, pushes, skipped, .. } = &mut *self.scratch;
-        riders.list_above(index, above)?;
+        let Scratch { stacks, above, pushes, skipped, .. } = &mut *self.scratch;
+        stacks.list_above(index, above)?;
         if above.is_empty() {
             return Ok(());
         }
         pushes.clear();
         memory::reserve(pushes, above.len())?;
-        above.iter().for_each(|rider| skipped[rider.index as usize] = true);
+        above.iter().for_each(|upper| skipped[upper.index as usize] = true);
         // How far the floor would get if those above were not there. They are pushed by that
         // motion, and then the floor moves in earnest, with what they leave free.
         let plan = self.walk(index);
         pulse.check(WORK + self.scratch.near.len())?;
-        let Scratch { above, pushes, crowd, pushed, skipped, .. } = &mut *self.scratch;
+        let Scratch { above, pushes, hash, pushed, skipped, .. } = &mut *self.scratch;
         pushed[index].seen = union(pushed[index].seen, plan.seen);
         let period = self.call.period;
-        for rider in &above[..] {
-            let (floor, by) = match rider.floor.checked_sub(1) {
-                None => (index, difference(plan.moved, pushed[rider.index as usize].ahead)),
+        for upper in &above[..] {
+            let (floor, by) = match upper.floor.checked_sub(1) {
+                None => (index, difference(plan.moved, pushed[upper.index as usize].ahead)),
                 Some(nth) => (above[nth].index as usize, pushes[nth].0),
             };
-            let body = crowd.get(rider.index as usize);
-            let [a, b] = period.nearest_images(crowd.get(floor), body);
+            let body = hash.get(upper.index as usize);
+            let [a, b] = period.nearest_images(hash.get(floor), body);
             let (normal, _) = contact(&a, &b);
             // One that is no obstacle meets the motion of its floor when it moves itself.
-            // Only towards the rider: a floor that sinks or moves sideways does not push, it
+            // Only towards the upper one: a floor that sinks or moves sideways does not push, it
             // carries later.
             let is_pushed = by[0] * normal[0] + by[1] * normal[1] > slop(body, &period, T::ZERO)
-                && self.call.is_obstacle(self.rows[rider.index as usize] as usize);
-            let is_inside = period.overlap(crowd.get(index), body);
+                && self.call.is_obstacle(self.rows[upper.index as usize] as usize);
+            let is_inside = period.overlap(hash.get(index), body);
             pushes.push((if is_pushed { by } else { [T::ZERO; 2] }, is_inside));
-            skipped[rider.index as usize] = false;
+            skipped[upper.index as usize] = false;
         }
         // The uppermost first, so that each finds the place above it free.
         for nth in (0..self.scratch.above.len()).rev() {
             let (by, _) = self.scratch.pushes[nth];
             if by != [T::ZERO; 2] {
-                let Rider { index, floor, .. } = self.scratch.above[nth];
+                let StackedWalker { index, floor, .. } = self.scratch.above[nth];
                 let by = self.push(index as usize, by);
                 pulse.check(WORK + self.scratch.near.len())?;
                 // Its own floor moves later by the whole displacement. What other parts of it have
@@ -283,21 +283,21 @@ impl<T: Scalar> Island<'_, T> {
             }
         }
         let Scratch { above, pushes, skipped, are_parts, .. } = &mut *self.scratch;
-        for (rider, &(_, is_inside)) in above.iter().zip(&pushes[..]) {
-            skipped[rider.index as usize] = is_inside || are_parts[index];
+        for (upper, &(_, is_inside)) in above.iter().zip(&pushes[..]) {
+            skipped[upper.index as usize] = is_inside || are_parts[index];
         }
         Ok(())
     }
 
     /// Pushes a shape by a displacement; it slides along obstacles. Returns how far it has moved.
     fn push(&mut self, index: usize, by: [T; 2]) -> [T; 2] {
-        let start = self.scratch.crowd.get(index).min;
+        let start = self.scratch.hash.get(index).min;
         let (center, hits, seen) = self.with_walker(index, Around::default(), |walker| {
             walker.slide(by);
             (walker.center(), std::mem::take(&mut walker.hits), walker.seen)
         });
-        let Scratch { crowd, pushed, .. } = &mut *self.scratch;
-        crowd.move_to(index, self.call.period.wrap(center));
+        let Scratch { hash, pushed, .. } = &mut *self.scratch;
+        hash.move_to(index, self.call.period.wrap(center));
         let all = &mut pushed[index];
         let moved = difference(center, start);
         all.by = sum(all.by, moved);
@@ -309,8 +309,8 @@ impl<T: Scalar> Island<'_, T> {
     /// The motion of a shape among all others that are not skipped, which is computed but not made.
     fn walk(&mut self, index: usize) -> Walk<T> {
         let (call, row) = (self.call, self.rows[index] as usize);
-        let start = self.scratch.crowd.get(index).min;
-        let carried = call.ride(row).map_or([T::ZERO; 2], |(floor, before)| {
+        let start = self.scratch.hash.get(index).min;
+        let carried = call.standing(row).map_or([T::ZERO; 2], |(floor, before)| {
             let by = motion(&call.period, before, self.center_of(floor));
             let pushed = self.scratch.pushed.get(index).map_or([T::ZERO; 2], |pushed| pushed.by);
             difference(by, pushed)
@@ -352,8 +352,8 @@ impl<T: Scalar> Island<'_, T> {
     ) -> R {
         let (call, rows) = (self.call, self.rows);
         let viewer = call.viewer(rows[index] as usize);
-        let Scratch { near, stack, crowd, skipped, pushed, .. } = &mut *self.scratch;
-        let crowd = &*crowd;
+        let Scratch { near, stack, hash, skipped, pushed, .. } = &mut *self.scratch;
+        let hash = &*hash;
         let is_skipped = |other: usize| other == index || skipped.get(other) == Some(&true);
         let mut find = |bounds: &Bounds<T>, near: &mut Vec<Obstacle<T>>| {
             for turns in call.period.images_near(bounds.min, bounds.max) {
@@ -366,7 +366,7 @@ impl<T: Scalar> Island<'_, T> {
                     max: sum(bounds.max, around.reach),
                     ..*bounds
                 };
-                crowd.each_near(&wide, |other, body| {
+                hash.each_near(&wide, |other, body| {
                     if is_skipped(other) {
                         return;
                     }
@@ -384,7 +384,7 @@ impl<T: Scalar> Island<'_, T> {
             }
         };
         let rules = (call.rules, call.period);
-        let mut walker = Walker::new(rules, *crowd.get(index), near, &mut find);
+        let mut walker = Walker::new(rules, *hash.get(index), near, &mut find);
         if let Some(pushed) = pushed.get(index) {
             walker.hits.extend(&pushed.hits);
         }
@@ -393,12 +393,12 @@ impl<T: Scalar> Island<'_, T> {
 
     /// The current centre of a shape.
     fn center_of(&self, slot: u32) -> [T; 2] {
-        match self.call.rides.rows[slot as usize] {
+        match self.call.floors.rows[slot as usize] {
             NONE => self.call.slots.shape(slot).center(),
             // A floor in another island has moved or will move; its place before the call is what
             // both orders agree on.
             row => match self.rows.binary_search(&row) {
-                Ok(index) => self.scratch.crowd.get(index).min,
+                Ok(index) => self.scratch.hash.get(index).min,
                 Err(_) => self.call.slots.shape(slot).center(),
             },
         }
@@ -445,16 +445,16 @@ fn widen<T: Scalar>(reach: &mut [T; 2], by: [T; 2]) {
 
 /// Whether a shape touches one with its displacement, and neither stands on the other.
 fn touches_twin<T: Scalar>(
-    call: &Call<'_, T>,
-    crowd: &Crowd<T>,
+    call: &SlideCall<'_, T>,
+    hash: &SpatialHash<T>,
     (rows, index): (&[u32], usize),
 ) -> bool {
     let displacement = |index: usize| call.displacements[rows[index] as usize];
     let stands_on = |a: usize, b: usize| call.moving_floor(rows[a] as usize) == Some(rows[b]);
-    let (body, period, mut is_found) = (crowd.get(index), call.period, false);
+    let (body, period, mut is_found) = (hash.get(index), call.period, false);
     let close = slop(body, &period, T::ZERO);
-    each_around(call, crowd, (body, close), [T::ZERO; 2], |other, _| {
-        let [a, b] = period.nearest_images(body, crowd.get(other));
+    each_around(call, hash, (body, close), [T::ZERO; 2], |other, _| {
+        let [a, b] = period.nearest_images(body, hash.get(other));
         is_found |= other != index
             && displacement(other) == displacement(index)
             && !stands_on(other, index)
@@ -466,15 +466,15 @@ fn touches_twin<T: Scalar>(
 
 /// Calls `act` with the index of each shape that another one would enter by a displacement.
 fn each_ahead<T: Scalar>(
-    call: &Call<'_, T>,
-    crowd: &Crowd<T>,
+    call: &SlideCall<'_, T>,
+    hash: &SpatialHash<T>,
     index: usize,
     displacement: [T; 2],
     mut act: impl FnMut(usize),
 ) {
-    let body = crowd.get(index);
+    let body = hash.get(index);
     let close = slop(body, &call.period, displacement[0].abs() + displacement[1].abs());
-    each_around(call, crowd, (body, close), displacement, |other, image| {
+    each_around(call, hash, (body, close), displacement, |other, image| {
         if other != index && image.enters(body, displacement, close).is_some() {
             act(other);
         }
@@ -484,8 +484,8 @@ fn each_ahead<T: Scalar>(
 /// Calls `act` with the index and the image of each shape that may be closer than `close` to the
 /// path of a shape along a displacement.
 fn each_around<T: Scalar>(
-    call: &Call<'_, T>,
-    crowd: &Crowd<T>,
+    call: &SlideCall<'_, T>,
+    hash: &SpatialHash<T>,
     (body, close): (&Shape<T>, T),
     displacement: [T; 2],
     mut act: impl FnMut(usize, Solid<T>),
@@ -508,7 +508,7 @@ fn each_around<T: Scalar>(
     };
     for turns in call.period.images_near(min, max) {
         let shift = call.period.span(turns);
-        crowd.each_near(&bounds.moved(shift), |other, shape| {
+        hash.each_near(&bounds.moved(shift), |other, shape| {
             act(other, Solid::Shape(shape.moved([-shift[0], -shift[1]])));
         });
     }

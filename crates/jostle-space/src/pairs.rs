@@ -1,6 +1,6 @@
 //! All overlapping pairs of a space, with their contacts, and the neighbours of every shape.
 
-use super::Space;
+use super::space::Space;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::interrupt::Pulse;
@@ -95,13 +95,13 @@ impl<T: Scalar> Space<T> {
     }
 
     fn all_pairs(&self, wanted: &Wanted<T>) -> Result<Vec<[u32; 2]>> {
-        let mut found = Vec::new();
+        let (mut found, limits) = (Vec::new(), (wanted.mask, wanted.max_pairs));
         let layers: Vec<usize> = self.layers.indices().collect();
         let grown = layers.iter().map(|&layer| self.layers.grown(layer, wanted.distance));
         let grown = grown.collect::<Result<Vec<_>>>()?;
         for (which, &a) in layers.iter().enumerate() {
             for (&b, other) in layers.iter().zip(&grown).skip(which) {
-                self.layers.join([a, b], [&grown[which], other], wanted, &mut found)?;
+                self.layers.join([a, b], [&grown[which], other], limits, &mut found)?;
             }
         }
         Ok(found)

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::Space;
+use super::space::Space;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::interrupt::Pulse;

@@ -16,7 +16,7 @@ use jostle_index::shapes::{
 
 /// The bit of a slot's generation that marks a vacant slot. No id has the bit, so no id refers to a
 /// vacant slot.
-const VACANT: u32 = 1 << 31;
+pub(super) const VACANT: u32 = 1 << 31;
 
 /// The columns of the shapes, and the generation of each slot.
 ///

@@ -1,9 +1,9 @@
 //! Moving shapes that slide along others: the call and its result. `walks` computes the motions.
 
-use super::Space;
-use super::call::{Call, Moved, WALL};
+use super::floors::{NONE, Standing};
 use super::motions::Walk;
-use super::rides::{NONE, Ride};
+use super::slide_call::{Moved, SlideCall, WALL};
+use super::space::Space;
 use super::traces::CallNumber;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -60,16 +60,16 @@ impl<T: Scalar> Space<T> {
         self.reserve_changes(walkers.len())?;
         // All memory that the call needs to store its results is reserved first. After the motions
         // are computed nothing can fail any more.
-        memory::lengthen(&mut self.rides.all, self.slots.count(), None)?;
-        memory::lengthen(&mut self.rides.rows, self.slots.count(), NONE)?;
+        memory::lengthen(&mut self.floors.all, self.slots.count(), None)?;
+        memory::lengthen(&mut self.floors.rows, self.slots.count(), NONE)?;
         self.traces.begin_call(walkers.len(), self.slots.count())?;
         for (row, &slot) in walkers.iter().enumerate() {
-            self.rides.rows[slot as usize] = row as u32;
+            self.floors.rows[slot as usize] = row as u32;
         }
         let walks = self.walk(&walkers, displacements, rules);
         // Before the `?` below: the column has to be empty between calls, after a failed one as
         // well.
-        walkers.iter().for_each(|&slot| self.rides.rows[slot as usize] = NONE);
+        walkers.iter().for_each(|&slot| self.floors.rows[slot as usize] = NONE);
         self.finish(&walkers, walks?)
     }
 
@@ -103,7 +103,7 @@ impl<T: Scalar> Space<T> {
         rules: &SlideRules<T>,
     ) -> Result<Vec<Walk<T>>> {
         let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
-        let is_walker = |slot: u32| self.rides.rows[slot as usize] != NONE;
+        let is_walker = |slot: u32| self.floors.rows[slot as usize] != NONE;
         fresh.extend(self.layers.fresh().filter(|&slot| !is_walker(slot)));
         // Each walker tests each fresh obstacle. With more of them a tree pays off already within
         // this call.
@@ -115,11 +115,11 @@ impl<T: Scalar> Space<T> {
         // all.
         let since = walkers.iter().map(|&slot| self.traces.since(slot)).min().unwrap_or_default();
         let moved = self.moved_before(walkers, since, rules.mask)?;
-        let call = Call {
+        let call = SlideCall {
             slots: &self.slots,
             layers: &self.layers,
             walls: &self.walls,
-            rides: &self.rides,
+            floors: &self.floors,
             traces: &self.traces,
             since,
             moved,
@@ -136,7 +136,7 @@ impl<T: Scalar> Space<T> {
     fn moved_before(&self, walkers: &[u32], since: CallNumber, mask: u32) -> Result<Moved<T>> {
         let is_obstacle = |&slot: &u32| {
             self.slots.category(slot) & mask != 0
-                && self.rides.rows[slot as usize] == NONE
+                && self.floors.rows[slot as usize] == NONE
                 && self.layers.has(slot)
         };
         let moved = self.traces.moved_since(since).filter(is_obstacle);
@@ -185,13 +185,13 @@ impl<T: Scalar> Space<T> {
             all.offsets.push(all.ids.len());
         }
         for (walk, &slot) in walks.iter().zip(walkers) {
-            let ride = |(floor, center)| Ride {
+            let standing = |(floor, center)| Standing {
                 id: self.slots.id(slot),
                 floor: self.slots.id(floor),
                 center,
             };
             let floor = walk.floor.filter(|(floor, _)| floor & WALL == 0);
-            self.rides.all[slot as usize] = floor.map(ride);
+            self.floors.all[slot as usize] = floor.map(standing);
         }
         self.traces.end_call(walkers);
         Ok(all)

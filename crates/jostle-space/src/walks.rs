@@ -6,9 +6,9 @@
 //! same displacement first, and shapes that are no obstacles last. Islands move in parallel. So
 //! results do not depend on threads, nor on the order of shapes that do not meet.
 
-use super::call::Call;
 use super::islands::{Islands, join_overlapping};
 use super::motions::{Island, Scratch, Walk, union};
+use super::slide_call::SlideCall;
 use super::traces::motion;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
@@ -25,7 +25,7 @@ const ISLANDS_PER_TASK: usize = 32;
 const WORTH_SHARING: usize = 64;
 const WORTH_WAKING: usize = 512;
 
-impl<T: Scalar> Call<'_, T> {
+impl<T: Scalar> SlideCall<'_, T> {
     /// Moves all shapes. If a shape leaves the region by which its island was chosen, because it
     /// was deep inside an obstacle or its floor moved far, its region is enlarged and all motions
     /// are computed again.
@@ -36,7 +36,7 @@ impl<T: Scalar> Call<'_, T> {
         let may_meet = len > 1 && (0..len).any(|row| self.is_obstacle(row));
         let rows = if may_meet { len } else { 0 };
         let mut regions = memory::collect((0..rows).map(|row| self.region(row)))?;
-        let mut sets = self.riders();
+        let mut sets = self.stacked();
         loop {
             self.join_meeting(&mut sets, &regions)?;
             let islands = Islands::of(&mut sets, self.walkers.len())?;
@@ -117,7 +117,7 @@ impl<T: Scalar> Call<'_, T> {
     }
 
     /// The sets of the walkers that stand on each other.
-    fn riders(&self) -> DisjointSets {
+    fn stacked(&self) -> DisjointSets {
         let len = self.walkers.len();
         let mut sets = DisjointSets::default();
         sets.reset(len);
@@ -135,7 +135,7 @@ impl<T: Scalar> Call<'_, T> {
     fn region(&self, row: usize) -> [[T; 2]; 2] {
         let (shape, displacement) = (self.body(row), self.displacements[row]);
         let sum = |v: [T; 2]| v[0].abs() + v[1].abs();
-        let carried = self.ride(row).map_or(T::ZERO, |(floor, before)| {
+        let carried = self.standing(row).map_or(T::ZERO, |(floor, before)| {
             let own = self.moving_floor(row).map(|row| sum(self.displacements[row as usize]));
             sum(motion(&self.period, before, self.slots.center(floor))) + own.unwrap_or(T::ZERO)
         });

@@ -1,6 +1,5 @@
-//! Line segments that stop the shapes which move with [`Space::move_and_slide`], and no others.
+//! Line segments that stop the shapes which move with `Space::move_and_slide`, and no others.
 
-use super::Space;
 use jostle_base::error::{Error, Result};
 use jostle_base::memory;
 use jostle_base::settings::Settings;
@@ -59,6 +58,12 @@ impl<T: Scalar> Walls<T> {
         Ok(Self { original, ends, tree })
     }
 
+    /// The segments as they were given.
+    pub(super) fn original(&self) -> &[[[T; 2]; 2]] {
+        &self.original
+    }
+
+    /// Allocated bytes, used or not.
     pub(super) fn memory_bytes(&self) -> usize {
         (self.original.capacity() + self.ends.capacity()) * size_of::<[[T; 2]; 2]>()
             + self.tree.memory_bytes()
@@ -88,17 +93,4 @@ impl<T: Scalar> Walls<T> {
 fn in_first_period<T: Scalar>([a, b]: [[T; 2]; 2], period: &Period<T>) -> [[T; 2]; 2] {
     let turns = period.turns([0, 1].map(|axis| middle(a[axis], b[axis])));
     [a, b].map(|end| [end[0] - turns[0], end[1] - turns[1]])
-}
-
-impl<T: Scalar> Space<T> {
-    /// The line segments, which have two ends each.
-    pub fn walls(&self) -> &[[[T; 2]; 2]] {
-        &self.walls.original
-    }
-
-    /// Replaces the line segments. Refuses invalid ones; then nothing changes.
-    pub fn set_walls(&mut self, ends: Vec<[[T; 2]; 2]>) -> Result<()> {
-        self.walls = Walls::new(ends, &self.period, self.settings)?;
-        Ok(())
-    }
 }

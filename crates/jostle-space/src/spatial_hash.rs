@@ -18,7 +18,7 @@ const CELLS: usize = 4;
 
 /// Bodies given by their centres.
 #[derive(Debug)]
-pub(crate) struct Crowd<T> {
+pub(crate) struct SpatialHash<T> {
     /// The bodies.
     bodies: Vec<Shape<T>>,
     /// The level of each; empty if there are few.
@@ -31,14 +31,14 @@ pub(crate) struct Crowd<T> {
     next: Vec<u32>,
 }
 
-impl<T> Default for Crowd<T> {
+impl<T> Default for SpatialHash<T> {
     fn default() -> Self {
         let (bodies, levels, all_levels) = (Vec::new(), Vec::new(), Vec::new());
         Self { bodies, levels, all_levels, heads: Vec::new(), next: Vec::new() }
     }
 }
 
-impl<T: Scalar> Crowd<T> {
+impl<T: Scalar> SpatialHash<T> {
     /// Replaces the bodies.
     pub(crate) fn fill(&mut self, bodies: impl ExactSizeIterator<Item = Shape<T>>) -> Result<()> {
         self.bodies.clear();
@@ -204,21 +204,21 @@ mod tests {
             Shape { min: center, max: center, half_size, radius, category: 1, mask: 1 }
         };
         let all: Vec<_> = (0..300).map(|k| body(if k % 40 == 0 { 30.0 } else { 1.0 })).collect();
-        let mut crowd = Crowd::default();
-        crowd.fill(all.iter().copied()).unwrap();
+        let mut hash = SpatialHash::default();
+        hash.fill(all.iter().copied()).unwrap();
         for round in 0..600 {
             let probe = body(if round % 10 == 0 { 60.0 } else { 2.0 });
-            crowd.move_to(round * 7 % 300, probe.min);
+            hash.move_to(round * 7 % 300, probe.min);
             let extent = extents(&probe);
             let side = |sign: f64| [0, 1].map(|k| probe.min[k] + sign * extent[k]);
             let (half_size, radius) = ([0.0; 2], 0.0);
             let region =
                 Bounds { min: side(-1.0), max: side(1.0), half_size, radius, category: 1, mask: 1 };
             let mut found = Vec::new();
-            crowd.each_near(&region, |index, _| found.push(index));
+            hash.each_near(&region, |index, _| found.push(index));
             found.sort_unstable();
             let meets = |index: &usize| {
-                Bounds::of(crowd.get(*index)).overlaps(&region, [0.0; 2], f64::NEG_INFINITY)
+                Bounds::of(hash.get(*index)).overlaps(&region, [0.0; 2], f64::NEG_INFINITY)
             };
             assert_eq!(found, (0..300).filter(meets).collect::<Vec<_>>());
         }

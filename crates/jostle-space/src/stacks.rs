@@ -7,17 +7,17 @@ use jostle_base::memory;
 /// No walker.
 const NONE: u32 = u32::MAX;
 
-/// A floor pushes riders, their riders and so on, up to this number of levels.
+/// A floor pushes the walkers on it, those on them and so on, up to this number of levels.
 const MAX_STACKED: u32 = 64;
 
 /// Walkers by their indices in the island, each with the floor on which it stands.
 #[derive(Debug, Default)]
-pub(crate) struct Riders {
+pub(crate) struct Stacks {
     /// All walkers in the order in which they move.
     pub order: Vec<u32>,
-    /// The first rider of each; empty if nothing stands on another.
+    /// The first walker that stands on each; empty if nothing stands on another.
     first: Vec<u32>,
-    /// The next rider of the same floor.
+    /// The next one that stands on the same floor.
     next: Vec<u32>,
     /// Whether each is in `order`.
     listed: Vec<bool>,
@@ -26,7 +26,7 @@ pub(crate) struct Riders {
 
 /// A walker that stands on another one, or on one that stands on it, and so on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Rider {
+pub(crate) struct StackedWalker {
     /// Its index in the island.
     pub index: u32,
     /// The index of its floor in the list, plus 1; 0 if it stands on the lowest one.
@@ -34,14 +34,14 @@ pub(crate) struct Rider {
     depth: u32,
 }
 
-impl Rider {
+impl StackedWalker {
     /// A walker that stands on the lowest one.
     pub(crate) fn on_lowest(index: u32) -> Self {
         Self { index, floor: 0, depth: 0 }
     }
 }
 
-impl Riders {
+impl Stacks {
     /// Replaces the walkers. `floor` is the index of the floor of a walker. The order is that of
     /// `starts`, except that the floor, and others that `ahead` lists, move before a walker.
     /// `is_any_ahead` is whether it lists any.
@@ -116,17 +116,17 @@ impl Riders {
         !self.first.is_empty()
     }
 
-    /// Adds to `above`, which has riders of a walker, its other riders, their riders and so on, a
-    /// floor before its riders.
-    pub(crate) fn list_above(&self, index: usize, above: &mut Vec<Rider>) -> Result<()> {
+    /// Adds to `above`, which has some that stand on a walker, all others that do, those on them and
+    /// so on, a floor before what stands on it.
+    pub(crate) fn list_above(&self, index: usize, above: &mut Vec<StackedWalker>) -> Result<()> {
         let (mut lowest, mut floor, mut depth) = (index, 0, 0);
         loop {
-            let mut rider = self.first.get(lowest).copied().unwrap_or(NONE);
+            let mut upper = self.first.get(lowest).copied().unwrap_or(NONE);
             // Above 64 levels a tower is carried but not pushed: each floor of it would push all
             // above, so the cost grows with the square of its height.
-            while rider != NONE && depth < MAX_STACKED {
-                memory::push(above, Rider { index: rider, floor, depth })?;
-                rider = self.next[rider as usize];
+            while upper != NONE && depth < MAX_STACKED {
+                memory::push(above, StackedWalker { index: upper, floor, depth })?;
+                upper = self.next[upper as usize];
             }
             let Some(next) = above.get(floor) else { return Ok(()) };
             (lowest, depth) = (next.index as usize, next.depth + 1);
@@ -139,22 +139,22 @@ impl Riders {
 mod tests {
     use super::*;
 
-    fn fill(riders: &mut Riders, floors: &[Option<usize>]) {
+    fn fill(stacks: &mut Stacks, floors: &[Option<usize>]) {
         let len = floors.len();
-        riders.fill(len, 0..len, |index| floors[index], false, |_, _| Ok(())).unwrap();
+        stacks.fill(len, 0..len, |index| floors[index], false, |_, _| Ok(())).unwrap();
     }
 
     fn above(floors: &[Option<usize>], index: usize) -> Vec<(u32, usize)> {
-        let (mut riders, mut above) = (Riders::default(), Vec::new());
-        fill(&mut riders, floors);
-        riders.list_above(index, &mut above).unwrap();
-        above.iter().map(|rider| (rider.index, rider.floor)).collect()
+        let (mut stacks, mut above) = (Stacks::default(), Vec::new());
+        fill(&mut stacks, floors);
+        stacks.list_above(index, &mut above).unwrap();
+        above.iter().map(|upper| (upper.index, upper.floor)).collect()
     }
 
     fn order(floors: &[Option<usize>]) -> Vec<u32> {
-        let mut riders = Riders::default();
-        fill(&mut riders, floors);
-        riders.order
+        let mut stacks = Stacks::default();
+        fill(&mut stacks, floors);
+        stacks.order
     }
 
     #[test]
@@ -166,14 +166,14 @@ mod tests {
 
     #[test]
     fn those_ahead_come_first() {
-        let mut riders = Riders::default();
+        let mut stacks = Stacks::default();
         let ahead = |index: usize, ahead: &mut Vec<u32>| {
             ahead.extend([&[2, 3][..], &[], &[3], &[0], &[1]][index]);
             Ok(())
         };
-        riders.fill(5, [4, 0, 1, 2, 3].into_iter(), |_| None, true, ahead).unwrap();
-        assert_eq!(riders.order, [1, 4, 3, 2, 0]);
-        assert!(!riders.is_any());
+        stacks.fill(5, [4, 0, 1, 2, 3].into_iter(), |_| None, true, ahead).unwrap();
+        assert_eq!(stacks.order, [1, 4, 3, 2, 0]);
+        assert!(!stacks.is_any());
     }
 
     #[test]

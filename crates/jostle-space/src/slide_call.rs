@@ -1,8 +1,8 @@
 //! A call of [`Space::move_and_slide`](super::Space::move_and_slide): its arguments, and the
 //! shapes.
 
+use super::floors::{Floors, NONE};
 use super::layers::Layers;
-use super::rides::{NONE, Rides};
 use super::slots::Slots;
 use super::traces::{CallNumber, Traces, motion, swept};
 use super::walls::Walls;
@@ -20,7 +20,7 @@ use jostle_slide::{Obstacle, SlideRules, Solid};
 pub(crate) const WALL: u32 = 1 << 31;
 
 /// What all islands of a call have in common.
-pub(crate) struct Call<'a, T> {
+pub(crate) struct SlideCall<'a, T> {
     /// The shapes.
     pub slots: &'a Slots<T>,
     /// Their trees.
@@ -28,7 +28,7 @@ pub(crate) struct Call<'a, T> {
     /// The line segments.
     pub walls: &'a Walls<T>,
     /// The floors on which shapes stand.
-    pub rides: &'a Rides<T>,
+    pub floors: &'a Floors<T>,
     /// Where shapes were before they moved.
     pub traces: &'a Traces<T>,
     /// The call since which all rows have moved.
@@ -47,7 +47,7 @@ pub(crate) struct Call<'a, T> {
     pub fresh: &'a [u32],
 }
 
-impl<T: Scalar> Call<'_, T> {
+impl<T: Scalar> SlideCall<'_, T> {
     /// The shape of a row, by its centre.
     pub(crate) fn body(&self, row: usize) -> Shape<T> {
         let shape = self.slots.shape(self.walkers[row]);
@@ -56,12 +56,13 @@ impl<T: Scalar> Call<'_, T> {
     }
 
     /// The floor on which a row stood after its last motion, and its centre then.
-    pub(crate) fn ride(&self, row: usize) -> Option<(u32, [T; 2])> {
+    pub(crate) fn standing(&self, row: usize) -> Option<(u32, [T; 2])> {
         let slot = self.walkers[row];
         // By id, not by slot: the shape, or its floor, may have been removed and the slot used
         // again.
-        let ride = self.rides.all[slot as usize].filter(|ride| ride.id == self.slots.id(slot))?;
-        Some((self.slots.slot(ride.floor)?, ride.center))
+        let standing =
+            self.floors.all[slot as usize].filter(|standing| standing.id == self.slots.id(slot))?;
+        Some((self.slots.slot(standing.floor)?, standing.center))
     }
 
     /// Whether a row is an obstacle of other rows, as far as `mask` decides.
@@ -71,7 +72,7 @@ impl<T: Scalar> Call<'_, T> {
 
     /// What a row knows about the motions of obstacles.
     pub(crate) fn viewer(&self, row: usize) -> Viewer<T> {
-        Viewer { since: self.traces.since(self.walkers[row]), floor: self.ride(row) }
+        Viewer { since: self.traces.since(self.walkers[row]), floor: self.standing(row) }
     }
 
     /// The motion of an obstacle since the last motion of a shape; if the obstacle has not moved
@@ -87,8 +88,8 @@ impl<T: Scalar> Call<'_, T> {
 
     /// The row of the floor of a row, if it moves in this call too.
     pub(crate) fn moving_floor(&self, row: usize) -> Option<u32> {
-        let (floor, _) = self.ride(row)?;
-        Some(self.rides.rows[floor as usize]).filter(|&row| row != NONE)
+        let (floor, _) = self.standing(row)?;
+        Some(self.floors.rows[floor as usize]).filter(|&row| row != NONE)
     }
 
     /// By how much a row has been moved since the last motion of any row, before this call.
@@ -120,7 +121,7 @@ impl<T: Scalar> Call<'_, T> {
                 if let Some(slot) = slot(tree.rows()[index])
                     // Shapes that move in this call are found in the spatial hash of their island,
                     // where they are now.
-                    && self.rides.rows[slot as usize] == NONE
+                    && self.floors.rows[slot as usize] == NONE
                     && !is_moved(slot)
                 {
                     near.push(self.obstacle(viewer, slot, tree.columns().shape(index), turns));
