@@ -1,6 +1,7 @@
 //! `jostle.Events`.
 
-use jostle_space::{Events, Id};
+use jostle_base::ids::Id;
+use jostle_space::Events;
 use numpy::PyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

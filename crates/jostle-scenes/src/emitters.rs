@@ -5,13 +5,14 @@
 
 use super::placing::{Area, immovable, walls};
 use super::random::Random;
-use super::{Start, boxed, find};
+use super::scene::checked;
+use super::start::{Start, boxed};
 use jostle_base::error::Result;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
-/// The maximum number of drops for which the lengths below are given.
-const DEFAULT_CAP: f32 = 3000.0;
+/// The default maximum number of drops, for which the lengths below are given.
+pub(crate) const DEFAULT_COUNT: usize = 3_000;
 
 /// Lifetime of a drop in seconds when there is the maximum number of drops.
 const LIFE: f32 = 11.0;
@@ -56,12 +57,12 @@ pub struct Emitter {
 
 /// The emitters of the scene `emitters` with at most `n` drops (`None`: the default number).
 pub fn emitters(n: Option<usize>) -> Result<Vec<Emitter>> {
-    Ok(all(find("emitters")?.count(n)?).to_vec())
+    Ok(all(checked(n.unwrap_or(DEFAULT_COUNT))?).to_vec())
 }
 
 /// Factor of all lengths; the area is proportional to the number of drops.
 fn scale(n: usize) -> f32 {
-    (n as f32 / DEFAULT_CAP).sqrt().max(0.25)
+    (n as f32 / DEFAULT_COUNT as f32).sqrt().max(0.25)
 }
 
 fn all(n: usize) -> [Emitter; 3] {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::placing::{Area, kept, lattice_places, scatter};
 use super::random::Random;
-use super::{Start, area_of, boxed};
+use super::start::{Start, area_of, boxed};
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 

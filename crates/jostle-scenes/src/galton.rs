@@ -2,10 +2,14 @@
 
 use super::placing::{Area, immovable};
 use super::random::Random;
-use super::{Start, area_of, boxed, find};
+use super::scene::checked;
+use super::start::{Start, area_of, boxed};
 use jostle_base::error::Result;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
+
+/// Default number of balls.
+pub(crate) const DEFAULT_COUNT: usize = 300;
 
 /// Distance between pegs of a row, and between rows.
 const PITCH: f32 = 32.0;
@@ -54,7 +58,7 @@ pub struct GaltonBoard {
 
 /// The board for `n` balls (`None`: the default number).
 pub fn galton_board(n: Option<usize>) -> Result<GaltonBoard> {
-    Ok(board(find("galton")?.count(n)?))
+    Ok(board(checked(n.unwrap_or(DEFAULT_COUNT))?))
 }
 
 fn board(n: usize) -> GaltonBoard {

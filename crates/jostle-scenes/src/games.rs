@@ -1,8 +1,8 @@
 //! Scenes: fast discs among pegs, a billiards break, and discs that circle in a round container.
 
-use super::placing::{Area, lattice};
+use super::placing::{Area, lattice, lattice_where};
 use super::random::Random;
-use super::{Start, area_of, boxed, side_for};
+use super::start::{Start, area_of, boxed, side_for};
 use jostle_world::container::Container;
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
@@ -104,18 +104,9 @@ pub(crate) fn orbit_view(n: usize) -> Area {
 pub(crate) fn orbit(n: usize, random: &mut Random) -> Start {
     let radius = orbit_radius(n);
     let square = orbit_view(n);
-    // A lattice over the square, with enough cells for n of them to lie inside.
-    let mut cells = n;
-    let inside = loop {
-        let area = lattice(cells, square, 0.0, random);
-        let limit = radius - ORBIT_RADIUS;
-        let fits = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < limit * limit;
-        let inside: Vec<[f32; 2]> = area.into_iter().filter(fits).take(n).collect();
-        if inside.len() == n {
-            break inside;
-        }
-        cells += cells / 20 + 1;
-    };
+    let limit = radius - ORBIT_RADIUS;
+    let is_inside = |p: &[f32; 2]| p[0] * p[0] + p[1] * p[1] < limit * limit;
+    let inside = lattice_where(n, square, 0.0, random, is_inside);
     // All move about the centre with random deviations; the speed at the rim does not depend on the
     // size.
     let turn = 240.0 / radius;

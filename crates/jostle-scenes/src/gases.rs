@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::placing::{Area, kept, lattice, lattice_places, scatter};
 use super::random::Random;
-use super::{Start, area_of, boxed, side_for};
+use super::start::{Start, area_of, boxed, side_for};
 use jostle_world::particles::Particles;
 
 /// Fraction of the area that the discs of a gas cover.

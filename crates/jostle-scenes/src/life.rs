@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::Start;
 use super::placing::Area;
 use super::random::Random;
+use super::start::Start;
 use jostle_world::container::Container;
 use jostle_world::forces::{Flocking, Force, PairForce, PairTable};
 use jostle_world::particles::Particles;

@@ -1,9 +1,11 @@
 //! The list of all scenes.
 
+use super::scene::{Make, Scene};
 use super::{
-    Make, Scene, emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing,
-    pinball, sand, soft, stars,
+    emitters, falling, fluid, galton, games, gases, heap, life, machines, mixing, pinball, sand,
+    soft, stars,
 };
+use jostle_base::error::{Error, Result};
 
 /// All scenes.
 pub const SCENES: [Scene; 24] = [
@@ -113,7 +115,7 @@ pub const SCENES: [Scene; 24] = [
     },
     Scene {
         name: "galton",
-        default_count: 300,
+        default_count: galton::DEFAULT_COUNT,
         about: "Balls fall through rows of pegs, which deflect them to the left or to the right. \
                 Their numbers in the bins follow the binomial distribution.",
         make: Make::Whole(galton::galton),
@@ -129,7 +131,7 @@ pub const SCENES: [Scene; 24] = [
     },
     Scene {
         name: "emitters",
-        default_count: 3_000,
+        default_count: emitters::DEFAULT_COUNT,
         about: "Three jets meet above a fountain, and drops run down its steps. \
                 The oldest drops are removed, so their number has a maximum.",
         make: Make::Whole(emitters::fountain),
@@ -200,3 +202,11 @@ pub const SCENES: [Scene; 24] = [
         view: fluid::fluid_view,
     },
 ];
+
+/// The scene called `name`.
+pub fn find(name: &str) -> Result<&'static Scene> {
+    SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| {
+        let names = SCENES.map(|scene| scene.name).join(", ");
+        Error::of("name", format!("'{name}'"), &format!("the scenes are {names}"))
+    })
+}

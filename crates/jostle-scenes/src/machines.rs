@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::placing::{Area, immovable, lattice};
+use super::placing::{Area, immovable, lattice, lattice_where};
 use super::random::Random;
-use super::{Start, area_of, boxed, direction, side_for};
+use super::start::{Start, area_of, boxed, direction, side_for};
 use jostle_world::container::Container;
 use jostle_world::forces::{Force, Motor};
 use jostle_world::particles::Particles;
@@ -123,15 +123,7 @@ fn between_arms(n: usize, radius: f32, random: &mut Random) -> Vec<[f32; 2]> {
         });
         distance < radius - grain && distance > HUB * radius + grain && off_arms
     };
-    let mut cells = n;
-    loop {
-        let all = lattice(cells, mill_view(n), 0.0, random);
-        let free: Vec<[f32; 2]> = all.into_iter().filter(is_free).take(n).collect();
-        if free.len() == n {
-            return free;
-        }
-        cells += cells / 20 + 1;
-    }
+    lattice_where(n, mill_view(n), 0.0, random, is_free)
 }
 
 /// Grains at some positions, with random velocities of up to `speed`.

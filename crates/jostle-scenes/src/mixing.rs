@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::placing::{Area, kept, lattice, lattice_places};
+use super::placing::{Area, kept, lattice_places, lattice_where};
 use super::random::Random;
-use super::{Start, area_of, boxed, side_for};
+use super::start::{Start, area_of, boxed, side_for};
 use jostle_world::forces::{Force, Thermostat};
 use jostle_world::particles::Particles;
 
@@ -89,14 +89,5 @@ fn around(
         let offset = [p[0] - x, p[1] - y];
         offset[0] * offset[0] + offset[1] * offset[1] > radius * radius
     };
-    let mut cells = count;
-    loop {
-        let mut places = lattice(cells, area, 0.5, random);
-        places.retain(free);
-        if places.len() >= count {
-            places.truncate(count);
-            return places;
-        }
-        cells += cells / 20 + 1;
-    }
+    lattice_where(count, area, 0.5, random, free)
 }

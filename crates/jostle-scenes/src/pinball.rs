@@ -3,7 +3,7 @@
 use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
-use super::{Start, boxed, direction};
+use super::start::{Start, boxed, direction};
 use jostle_world::forces::{Force, Motor};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;

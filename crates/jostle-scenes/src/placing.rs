@@ -44,6 +44,26 @@ pub(crate) fn lattice_places(
     (0..count).map(place)
 }
 
+/// The same, only positions for which `is_free` holds: the lattice gets finer until there are enough.
+pub(crate) fn lattice_where(
+    count: usize,
+    area: Area,
+    jitter: f32,
+    random: &mut Random,
+    is_free: impl Fn(&[f32; 2]) -> bool,
+) -> Vec<[f32; 2]> {
+    let mut cells = count;
+    loop {
+        let mut places = lattice(cells, area, jitter, random);
+        places.retain(&is_free);
+        if places.len() >= count {
+            places.truncate(count);
+            return places;
+        }
+        cells += cells / 20 + 1;
+    }
+}
+
 /// The values of the particles in `rows`. All values are made, so that random numbers do not depend
 /// on it.
 pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {

@@ -2,7 +2,7 @@
 
 use super::placing::Area;
 use super::random::Random;
-use super::{Start, boxed};
+use super::start::{Start, boxed};
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 

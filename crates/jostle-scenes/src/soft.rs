@@ -2,7 +2,7 @@
 
 use super::placing::Area;
 use super::random::Random;
-use super::{Start, boxed};
+use super::start::{Start, boxed};
 use jostle_base::ids::Id;
 use jostle_world::forces::{Force, Spring, Springs};
 use jostle_world::particles::Particles;

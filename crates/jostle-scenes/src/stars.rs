@@ -1,8 +1,8 @@
 //! Scene: a cloud of dust collapses under its gravitation, and grains that touch merge.
 
-use super::Start;
 use super::placing::Area;
 use super::random::Random;
+use super::start::Start;
 use jostle_world::forces::{Force, Gravitation};
 use jostle_world::particles::Particles;
 use jostle_world::world::{OnTouch, WorldSettings};

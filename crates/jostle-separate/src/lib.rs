@@ -90,12 +90,16 @@ pub struct Separated<T> {
 /// ignored, and shapes input as boxes are moved by their centres.
 ///
 /// ```
-/// use jostle_index::{Each, Shapes};
-/// use jostle_separate::{Separation, separate};
+/// # mod jostle {
+/// #     pub use jostle_base::error::Error;
+/// #     pub use jostle_index::{Each, Shapes};
+/// #     pub use jostle_separate::{Separation, separate};
+/// # }
+/// use jostle::{Each, Separation, Shapes, separate};
 /// let discs = Shapes::circles(vec![[0.0, 0.0], [1.0, 0.0]], Each::One(1.0))?;
 /// let apart = separate(&discs, &Separation::default())?;
 /// assert!(apart.overlaps == 0 && apart.centers[1][0] - apart.centers[0][0] >= 2.0);
-/// # Ok::<(), jostle_base::Error>(())
+/// # Ok::<(), jostle::Error>(())
 /// ```
 pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Separated<T>> {
     check(shapes, rules)?;

@@ -37,7 +37,6 @@ mod walks;
 mod walking;
 
 pub use events::Events;
-pub use jostle_base::ids::Id;
 pub use pairs::Wanted;
 pub use saved::Saved;
 pub use space::Space;

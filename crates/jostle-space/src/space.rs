@@ -20,14 +20,17 @@ use jostle_index::shapes::{
 /// Shapes that change.
 ///
 /// ```
-/// use jostle_base::Settings;
-/// use jostle_index::{Each, Shapes};
-/// use jostle_space::Space;
+/// # mod jostle {
+/// #     pub use jostle_base::{error::Error, settings::Settings};
+/// #     pub use jostle_index::{Each, Shapes};
+/// #     pub use jostle_space::Space;
+/// # }
+/// use jostle::{Each, Settings, Shapes, Space};
 /// let mut space = Space::new(Settings::default())?;
 /// let ids = space.add(&Shapes::circles(vec![[0.0, 0.0], [5.0, 0.0]], Each::One(1.0))?)?;
 /// space.move_to(&ids[1..], &[[1.0, 0.0]])?;
 /// assert_eq!(space.update(1000)?.entered, [[0, 1]]);
-/// # Ok::<(), jostle_base::Error>(())
+/// # Ok::<(), jostle::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Space<T> {

@@ -6,7 +6,7 @@ use jostle_index::geometry::{Shape, contact, overlap};
 use jostle_index::period::Period;
 use jostle_index::{Each, Shapes};
 use jostle_slide::SlideRules;
-use jostle_space::Id;
+use jostle_base::Id;
 use jostle_space::Space;
 use proptest::prelude::*;
 

@@ -8,7 +8,8 @@ use jostle_index::geometry::{Shape, overlap};
 use jostle_index::query::{self, Circle, Point, Ray, Region};
 use jostle_index::{Each, Scalar, Shapes};
 use jostle_space::Space;
-use jostle_space::{Events, Id};
+use jostle_base::ids::Id;
+use jostle_space::Events;
 use proptest::prelude::*;
 
 /// One call. Shapes are named by any number, taken modulo those that are there.

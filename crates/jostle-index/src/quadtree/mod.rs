@@ -79,13 +79,17 @@ impl Node {
 /// A quadtree over shapes that do not change.
 ///
 /// ```
-/// use jostle_base::Settings;
-/// use jostle_index::{Each, Quadtree, Shapes};
+/// # mod jostle {
+/// #     pub use jostle_base::{error::Error, settings::Settings};
+/// #     pub use jostle_index::query::{Rect, search};
+/// #     pub use jostle_index::{Each, Quadtree, Shapes};
+/// # }
+/// use jostle::{Each, Quadtree, Rect, Settings, Shapes, search};
 /// let discs = Shapes::circles(vec![[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]], Each::One(0.6))?;
 /// let tree = Quadtree::new(&discs, Settings::default())?;
-/// let found = jostle_index::pairs::within(&tree, None, jostle_base::settings::DEFAULT_MAX_PAIRS)?;
-/// assert_eq!(found.pairs.len(), 1);
-/// # Ok::<(), jostle_base::Error>(())
+/// let rects = Rect::all(&[[1.5, -1.0, 4.0, 1.0]])?;
+/// assert_eq!(search(&tree, &rects, None)?.of(0), [1]);
+/// # Ok::<(), jostle::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Quadtree<T> {

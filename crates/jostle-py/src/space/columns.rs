@@ -2,7 +2,8 @@
 
 use jostle_index::Scalar;
 use jostle_index::geometry::Shape;
-use jostle_space::{Id, Space};
+use jostle_base::ids::Id;
+use jostle_space::Space;
 use numpy::{Element, PyArray1};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

@@ -3,7 +3,8 @@
 use jostle_base::interrupt::Pulse;
 use jostle_base::sorting;
 use jostle_index::Scalar;
-use jostle_space::{Events, Id, Wanted};
+use jostle_base::ids::Id;
+use jostle_space::{Events, Wanted};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
