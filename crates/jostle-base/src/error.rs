@@ -145,6 +145,11 @@ impl Error {
         }
     }
 
+    /// The same error; a limit of pairs for a part of a search becomes that of the whole search.
+    pub fn with_max_pairs(self, max_pairs: usize) -> Self {
+        if let Self::TooManyPairs { .. } = self { Self::TooManyPairs { max_pairs } } else { self }
+    }
+
     /// The bytes that could not be allocated; 0 for other errors.
     pub fn bytes(&self) -> usize {
         if let Self::NoMemory { bytes } = self { *bytes } else { 0 }

@@ -108,6 +108,14 @@ impl<V: Copy> Each<V> {
         }
     }
 
+    /// The values of some rows, in that order.
+    fn select(&self, rows: &[u32]) -> Self {
+        match self {
+            Self::One(value) => Self::One(*value),
+            Self::Rows(_) => Self::Rows(rows.iter().map(|&row| self.at(row as usize)).collect()),
+        }
+    }
+
     /// The values of `len` rows.
     pub fn rows(self, len: usize) -> Vec<V> {
         match self {
@@ -135,22 +143,31 @@ impl<V: Copy> Each<V> {
     }
 }
 
-/// Rounded boxes with filters, one row each.
+/// Rounded boxes with filters, one row each. All values are valid, and the columns have equal
+/// lengths.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shapes<T> {
-    /// Centres.
-    pub centers: Vec<[T; 2]>,
+    pub(crate) centers: Vec<[T; 2]>,
+    pub(crate) radii: Each<T>,
+    pub(crate) half_sizes: Option<Each<[T; 2]>>,
+    pub(crate) boxes: Option<Vec<[T; 4]>>,
+    pub(crate) filters: Option<[Each<u32>; 2]>,
+    pub(crate) period: Period<T>,
+}
+
+/// The columns of [`Shapes`], for writing.
+#[derive(Debug)]
+pub struct ShapeColumns<'a, T> {
+    /// Centres. That of a box is its [`middle`], used only for the order of the tree.
+    pub centers: &'a mut Vec<[T; 2]>,
     /// Radii.
-    pub radii: Each<T>,
+    pub radii: &'a mut Each<T>,
     /// Half widths and half heights; None if every shape is a circle or given as a box.
-    pub half_sizes: Option<Each<[T; 2]>>,
+    pub half_sizes: &'a mut Option<Each<[T; 2]>>,
     /// Min x, min y, max x, max y of every shape; None if all are given by their centres.
-    /// The centre of a box is its [`middle`], used only for the order of the tree.
-    pub boxes: Option<Vec<[T; 4]>>,
+    pub boxes: &'a mut Option<Vec<[T; 4]>>,
     /// Categories and masks; None if all shapes may pair.
-    pub filters: Option<[Each<u32>; 2]>,
-    /// The period of the plane that they are in. Their centres are in the first period.
-    pub period: Period<T>,
+    pub filters: &'a mut Option<[Each<u32>; 2]>,
 }
 
 impl<T: Default> Default for Shapes<T> {
@@ -222,6 +239,22 @@ impl<T: Scalar> Shapes<T> {
         check_each_half_size("half_sizes", half_sizes)
     }
 
+    /// The shapes in some rows, in that order.
+    pub fn select(&self, rows: &[u32]) -> Self {
+        let boxes = self.boxes.as_ref();
+        Self {
+            centers: rows.iter().map(|&row| self.centers[row as usize]).collect(),
+            radii: self.radii.select(rows),
+            half_sizes: self.half_sizes.as_ref().map(|sizes| sizes.select(rows)),
+            boxes: boxes.map(|boxes| rows.iter().map(|&row| boxes[row as usize]).collect()),
+            filters: self
+                .filters
+                .as_ref()
+                .map(|pair| pair.each_ref().map(|each| each.select(rows))),
+            period: self.period,
+        }
+    }
+
     /// The same shapes in a periodic plane, with their centres in the first period.
     pub fn in_period(mut self, period: Period<T>) -> Self {
         self.period = period;
@@ -259,9 +292,58 @@ impl<T: Scalar> Shapes<T> {
         Ok(self)
     }
 
+    /// No shapes, in a periodic plane.
+    pub fn none_in(period: Period<T>) -> Self {
+        Self { period, ..Self::default() }
+    }
+
+    /// The columns, for callers that reuse their memory and write only values that they have checked:
+    /// with others the answers are wrong, and searches may panic.
+    #[doc(hidden)]
+    pub fn columns_mut(&mut self) -> ShapeColumns<'_, T> {
+        let Self { centers, radii, half_sizes, boxes, filters, .. } = self;
+        ShapeColumns { centers, radii, half_sizes, boxes, filters }
+    }
+
+    /// Centres; those of boxes are rounded.
+    pub fn centers(&self) -> &[[T; 2]] {
+        &self.centers
+    }
+
+    /// Radii.
+    pub fn radii(&self) -> &Each<T> {
+        &self.radii
+    }
+
+    /// Half widths and half heights; None if every shape is a circle or given as a box.
+    pub fn half_sizes(&self) -> Option<&Each<[T; 2]>> {
+        self.half_sizes.as_ref()
+    }
+
+    /// Min x, min y, max x, max y of every shape; None if all are given by their centres.
+    pub fn boxes(&self) -> Option<&[[T; 4]]> {
+        self.boxes.as_deref()
+    }
+
+    /// Whether there are categories and masks.
+    pub fn has_filters(&self) -> bool {
+        self.filters.is_some()
+    }
+
+    /// The period of the plane that they are in. Their centres are in the first period.
+    pub fn period(&self) -> Period<T> {
+        self.period
+    }
+
     /// Number of shapes.
     pub fn len(&self) -> usize {
         self.centers.len()
+    }
+
+    /// Allocated bytes, used or not, of centres, radii and boxes.
+    pub fn memory_bytes(&self) -> usize {
+        let boxes = self.boxes.as_ref().map_or(0, Vec::capacity);
+        (3 * self.centers.capacity() + 4 * boxes) * size_of::<T>()
     }
 
     /// Whether there is no shape.

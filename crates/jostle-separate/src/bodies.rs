@@ -71,7 +71,7 @@ impl<T: Scalar> Input<T> {
         };
         let all: Vec<Body<T>> = memory::collect((0..shapes.len()).map(body))?;
         let mean_extents = [0, 1].map(|axis| mean(all.iter().map(|body| body.extent(axis))));
-        Ok(Self { all, centers: memory::collect(shapes.centers.iter().copied())?, mean_extents })
+        Ok(Self { all, centers: memory::collect(shapes.centers().iter().copied())?, mean_extents })
     }
 
     /// Whether near pairs can be found in float32 without many more than in float64.

@@ -53,15 +53,16 @@ pub(crate) fn fill_wide<T: Scalar, K: Scalar>(
     // Both shapes of a pair are enlarged, so each by half of the distance.
     let more = wider.to_f64() * 0.5 + rounding::<T, K>(bodies, centers, wider);
     let key = |v: T| K::from_f64(v.to_f64());
-    shapes.centers.clear();
-    memory::reserve(&mut shapes.centers, centers.len())?;
-    shapes.centers.extend(centers.iter().map(|center| center.map(key)));
-    let radii = shapes.radii.rows_mut();
+    let columns = shapes.columns_mut();
+    columns.centers.clear();
+    memory::reserve(columns.centers, centers.len())?;
+    columns.centers.extend(centers.iter().map(|center| center.map(key)));
+    let radii = columns.radii.rows_mut();
     radii.clear();
     memory::reserve(radii, bodies.len())?;
     radii.extend(bodies.iter().map(|body| K::from_f64(body.radius.to_f64() + more)));
     if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
-        let halves = shapes.half_sizes.get_or_insert_default().rows_mut();
+        let halves = columns.half_sizes.get_or_insert_default().rows_mut();
         halves.clear();
         memory::reserve(halves, bodies.len())?;
         halves.extend(bodies.iter().map(|body| body.half.map(key)));

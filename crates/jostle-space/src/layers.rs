@@ -106,7 +106,7 @@ impl<T: Scalar> Layers<T> {
             fresh: Vec::new(),
             listed: Vec::new(),
             fresh_len: 0,
-            shapes: Shapes { period, ..Shapes::default() },
+            shapes: Shapes::none_in(period),
         }
     }
 
@@ -365,8 +365,8 @@ impl<T: Scalar> Layers<T> {
         {
             return Err(self.undo(rows, error));
         }
-        if self.shapes.centers.capacity() > 2 * RATIO * rows.len() {
-            self.shapes = Shapes { period: self.shapes.period, ..Shapes::default() };
+        if self.shapes.columns_mut().centers.capacity() > 2 * RATIO * rows.len() {
+            self.shapes = Shapes::none_in(self.shapes.period());
         }
         let index = self.layers.iter().position(|layer| layer.slots.is_empty());
         let index = index.unwrap_or_else(|| {
@@ -405,7 +405,7 @@ impl<T: Scalar> Layers<T> {
         } else {
             pairs::between(own, grown[1].as_ref().unwrap_or(&second.tree), mask, left)
         };
-        let rows = rows.map_err(|error| of_all(error, max_pairs))?;
+        let rows = rows.map_err(|error| error.with_max_pairs(max_pairs))?;
         let mut pulse = Pulse::current();
         for rows in rows.pairs.chunks(CHUNK) {
             pulse.check(rows.len())?;
@@ -437,7 +437,7 @@ impl<T: Scalar> Layers<T> {
             let (shift, filters) = ([T::ZERO; 2], Filters::Apply);
             pairs::indices_between(&first.tree, &second.tree, shift, filters, left, scratch)
         };
-        let mut pairs = indices.map_err(|error| of_all(error, max_pairs))?.pairs;
+        let mut pairs = indices.map_err(|error| error.with_max_pairs(max_pairs))?.pairs;
         // Then no copy is out of date, and two random reads for each pair are saved.
         let are_complete = first.is_complete() && second.is_complete();
         let mut pulse = Pulse::current();
@@ -475,9 +475,7 @@ impl<T: Scalar> Layers<T> {
     pub(super) fn memory_bytes(&self) -> usize {
         let bytes_of = |layer: &Layer<T>| layer.tree.memory_bytes() + 4 * layer.slots.capacity();
         let words = self.fresh.capacity() * 4 + self.layer_of.capacity() + self.listed.capacity();
-        let boxes = self.shapes.boxes.as_ref().map_or(0, Vec::capacity);
-        let shapes = (self.shapes.centers.capacity() * 3 + boxes * 4) * size_of::<T>();
-        self.layers.iter().map(bytes_of).sum::<usize>() + words + shapes
+        self.layers.iter().map(bytes_of).sum::<usize>() + words + self.shapes.memory_bytes()
     }
 
     /// Checks that every shape is in one layer or fresh, and that all counts are right.
@@ -506,13 +504,5 @@ impl<T: Scalar> Layers<T> {
         }
         seen += self.fresh_len;
         if seen == slots.len() { Ok(()) } else { Err(format!("layers hold {seen} shapes")) }
-    }
-}
-
-/// The error of a join as that of all.
-fn of_all(error: Error, max_pairs: usize) -> Error {
-    match error {
-        Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-        other => other,
     }
 }

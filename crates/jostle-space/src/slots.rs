@@ -11,7 +11,7 @@ use jostle_base::memory;
 use jostle_base::sorting;
 use jostle_index::geometry::{Scalar, Shape, middle};
 use jostle_index::shapes::{
-    DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, Shapes, corners, middle_of,
+    DEFAULT_CATEGORY, DEFAULT_MASK, Each, MAX_ROWS, ShapeColumns, Shapes, corners, middle_of,
 };
 
 /// The bit of a slot's generation that marks a vacant slot. No id has the bit, so no id refers to a
@@ -160,7 +160,7 @@ impl<T: Scalar> Slots<T> {
         memory::reserve(&mut self.radii, more)?;
         memory::reserve(&mut self.generations, more)?;
         memory::reserve(&mut self.last_call, more)?;
-        let (half_sizes, filters) = (shapes.half_sizes.is_some(), shapes.filters.is_some());
+        let (half_sizes, filters) = (shapes.half_sizes().is_some(), shapes.has_filters());
         self.reserve_columns(more, [half_sizes, filters])
     }
 
@@ -407,7 +407,7 @@ impl<T: Scalar> Slots<T> {
     /// Replaces the contents of `shapes` by the shapes in `slots`, in that order. A value that all
     /// have in common is stored once, so that a tree does not have to sort a column.
     pub(super) fn gather(&self, slots: &[u32], shapes: &mut Shapes<T>) -> Result<()> {
-        let Shapes { centers, radii, half_sizes, boxes, filters, .. } = shapes;
+        let ShapeColumns { centers, radii, half_sizes, boxes, filters } = shapes.columns_mut();
         let each = || slots.iter().map(|&slot| slot as usize);
         centers.clear();
         memory::reserve(centers, slots.len())?;

@@ -33,7 +33,7 @@ fn main() {
     }
     times.sort_by(f64::total_cmp);
     let way = |(a, b): (&[f64; 2], &[f64; 2])| (a[0] - b[0]).hypot(a[1] - b[1]);
-    let moved = last.centers.iter().zip(&shapes.centers).map(way).sum::<f64>() / discs as f64;
+    let moved = last.centers.iter().zip(shapes.centers()).map(way).sum::<f64>() / discs as f64;
     println!(
         "{discs} discs: {:.3} ms (least {:.3}), {} rounds, {} overlaps, mean displacement {moved:.5}",
         times[calls / 2],

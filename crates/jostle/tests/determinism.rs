@@ -214,7 +214,9 @@ fn crowd<T: Scalar>(count: usize, boxes: bool, filters: bool) -> Shapes<T> {
 
 /// Circles of one radius, which are searched by a grid.
 fn equal_circles<T: Scalar>(count: usize) -> Shapes<T> {
-    Shapes { radii: Each::One(T::from_f64(0.4)), ..crowd(count, false, false) }
+    let mut circles = crowd(count, false, false);
+    *circles.columns_mut().radii = Each::One(T::from_f64(0.4));
+    circles
 }
 
 /// Pairs and numbers of tests, by every way of finding them.

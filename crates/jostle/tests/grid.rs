@@ -172,7 +172,7 @@ fn many_shapes_of_different_sizes_agree_on_all_threads() {
 #[test]
 fn one_shape_may_reach_all_others() {
     let mut shapes = mixed::<f64>(9, 30_000, Sizes::Circles, 2.0, 500.0);
-    let Each::Rows(radii) = &mut shapes.radii else { panic!("radii differ") };
+    let Each::Rows(radii) = shapes.columns_mut().radii else { panic!("radii differ") };
     radii[12_345] = 1e4;
     let (by_tree, found) = find(&shapes, 1);
     assert!(!by_tree);
@@ -186,18 +186,21 @@ fn one_shape_may_reach_all_others() {
 fn shapes_that_no_grid_fits_agree() {
     let mut shapes = mixed::<f64>(11, 6_000, Sizes::Rectangles, 20.0, 600.0);
     for row in 0..3_000 {
-        shapes.centers[row] = [300.0 + 1e-9 * row as f64, 300.0];
+        shapes.columns_mut().centers[row] = [300.0 + 1e-9 * row as f64, 300.0];
     }
-    let Some(Each::Rows(halves)) = &mut shapes.half_sizes else { panic!("half sizes differ") };
+    let Some(Each::Rows(halves)) = shapes.columns_mut().half_sizes else {
+        panic!("half sizes differ")
+    };
     halves[..3_000].fill([1e-12; 2]);
     let small = Each::Rows(halves.clone());
     let (by_tree, found) = find(&shapes, 2);
     assert!(by_tree && found == brute(&shapes));
     let huge = |row: usize| [f64::MAX * 0.9, if row.is_multiple_of(9) { 50.0 } else { 1.0 }];
-    shapes.half_sizes = Some(Each::Rows((0..6_000).map(huge).collect()));
+    *shapes.columns_mut().half_sizes = Some(Each::Rows((0..6_000).map(huge).collect()));
     assert!(find(&shapes, 1).1 == brute(&shapes));
-    shapes.radii = Each::Rows((0..6_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
-    shapes.half_sizes = Some(small);
+    *shapes.columns_mut().radii =
+        Each::Rows((0..6_000).map(|row| f64::MAX / f64::from(row + 1)).collect());
+    *shapes.columns_mut().half_sizes = Some(small);
     assert!(find(&shapes, 1).1 == brute(&shapes));
 }
 
@@ -208,7 +211,7 @@ fn a_pattern_of_the_rows_does_not_matter() {
         let mut shapes =
             mixed::<f64>(2, count, Sizes::Rectangles, 2.0, 11.0 * (count as f32).sqrt());
         let half = |row: usize| if row.is_multiple_of(2) { [25.0, 0.5] } else { [0.5, 25.0] };
-        shapes.half_sizes = Some(Each::Rows((0..count).map(half).collect()));
+        *shapes.columns_mut().half_sizes = Some(Each::Rows((0..count).map(half).collect()));
         let found = pairs::find(&shapes, None, Some(1), DEFAULT_MAX_PAIRS).unwrap();
         assert!(found.tests < 200 * count as u64, "{count}: {}", found.tests);
     }
@@ -220,13 +223,13 @@ fn other_shapes_are_searched_by_a_tree() {
     let dense = circles::<f64>(1, 500, [40.0; 2], [0.0; 2], 1.0);
     assert!(!find(&dense, 1).0);
     let filters = Some([Each::One(1), Each::Rows(vec![1; 500])]);
-    let far = dense.centers.iter().map(|c| c.map(|v| 1e306 * (v - 20.0))).collect();
-    for shapes in [
-        circles::<f64>(1, 500, [4e3; 2], [0.0; 2], 1.0),
-        Shapes { radii: Each::One(0.0), ..dense.clone() },
-        Shapes { filters, ..dense.clone() },
-        Shapes { centers: far, ..dense.clone() },
-    ] {
+    let mut points = dense.clone();
+    *points.columns_mut().radii = Each::One(0.0);
+    let mut filtered = dense.clone();
+    *filtered.columns_mut().filters = filters;
+    let mut far = dense;
+    far.columns_mut().centers.iter_mut().for_each(|c| *c = c.map(|v| 1e306 * (v - 20.0)));
+    for shapes in [circles::<f64>(1, 500, [4e3; 2], [0.0; 2], 1.0), points, filtered, far] {
         let (by_tree, found) = find(&shapes, 1);
         assert!(by_tree);
         assert_eq!(found, brute(&shapes));
@@ -241,7 +244,7 @@ fn a_limit_stops_the_search() {
         let found = pairs::find(&shapes, None, None, max_pairs);
         assert_eq!(found, Err(Error::TooManyPairs { max_pairs }));
     }
-    let few = Shapes { centers: vec![[3.0, 4.0]; 500], ..shapes };
+    let few = shapes.select(&Vec::from_iter(0..500));
     let exact = 500 * 499 / 2;
     assert_eq!(pairs::find(&few, None, None, exact).unwrap().pairs.len(), exact);
     assert!(pairs::find(&few, None, None, exact - 1).is_err());

@@ -86,7 +86,7 @@ fn a_rebuilt_tree_is_usable_after_every_stop() {
 #[test]
 fn a_search_by_a_grid_stops() {
     let mut all = shapes(200_000);
-    all.radii = Each::One(8000.0);
+    *all.columns_mut().radii = Each::One(8000.0);
     let find = |scratch: &mut FindScratch<f64>| {
         let found = pairs::find_with(scratch, &all, None, Some(1), DEFAULT_MAX_PAIRS)?;
         assert!(scratch.tree.is_empty(), "the tree was used");
@@ -100,11 +100,12 @@ fn a_search_by_a_grid_stops() {
 fn queries_stop() {
     let all = shapes(40_000);
     let mut tree = Quadtree::new(&all, alone()).unwrap();
-    let circles = Circle::all(&Each::Rows(all.centers.clone()), &Each::One(1.0)).unwrap();
+    let circles = Circle::all(&Each::Rows(all.centers().to_vec()), &Each::One(1.0)).unwrap();
     let ways = Each::One([1.0, 0.5]);
-    let rays = Ray::all(&Each::Rows(all.centers[..5000].to_vec()), &ways, &Each::One(0.0), 9000.0)
-        .unwrap();
-    let points = &all.centers[..5000];
+    let rays =
+        Ray::all(&Each::Rows(all.centers()[..5000].to_vec()), &ways, &Each::One(0.0), 9000.0)
+            .unwrap();
+    let points = &all.centers()[..5000];
     let wanted = (3, f64::INFINITY);
     let found = at_every_poll(&mut tree, |tree| query::search(tree, &circles, None), |_| ());
     assert_eq!(found, query::search(&tree, &circles, None).unwrap());
@@ -152,10 +153,10 @@ fn polls<R>(call: impl FnOnce() -> R) -> u32 {
 fn queries_of_many_short_tasks_poll_often() {
     let all = shapes(40_000);
     let tree = Quadtree::new(&all, alone()).unwrap();
-    let points = &all.centers;
+    let points = all.centers();
     let nearest = polls(|| query::nearest(&tree, points, (1, f64::INFINITY), None).unwrap());
     assert!(nearest > 40, "{nearest}");
-    let circles = Circle::all(&Each::Rows(points.clone()), &Each::One(1.0)).unwrap();
+    let circles = Circle::all(&Each::Rows(points.to_vec()), &Each::One(1.0)).unwrap();
     let circles = polls(|| query::search(&tree, &circles, None).unwrap());
     assert!(circles > 40, "{circles}");
 }

@@ -45,7 +45,7 @@ fn gap<T: Scalar>(shapes: &Shapes<T>, [i, j]: [usize; 2], axis: usize, side: T) 
 
 /// The overlapping pairs `i < j`, sorted.
 fn brute_pairs<T: Scalar>(shapes: &Shapes<T>) -> Vec<[u32; 2]> {
-    let sides = shapes.period.sides();
+    let sides = shapes.period().sides();
     let mut pairs = Vec::new();
     for i in 0..shapes.len() {
         for j in i + 1..shapes.len() {
@@ -136,9 +136,9 @@ fn spaces_agree<T: Scalar>(
     let shapes = raw.typed::<T>();
     let ids = space.add(&shapes).expect("room");
     space.update(DEFAULT_MAX_PAIRS).expect("few pairs");
-    if shapes.boxes.is_none() {
+    if shapes.boxes().is_none() {
         let third: Vec<_> = ids.iter().copied().step_by(3).collect();
-        let places: Vec<[T; 2]> = shapes.centers.iter().copied().step_by(3).collect();
+        let places: Vec<[T; 2]> = shapes.centers().iter().copied().step_by(3).collect();
         let elsewhere: Vec<[T; 2]> = places.iter().map(|_| [T::ONE; 2]).collect();
         space.move_to(&third, &elsewhere).expect("valid");
         space.update(DEFAULT_MAX_PAIRS).expect("few pairs");
@@ -172,29 +172,11 @@ struct Both<T> {
 impl<T: Scalar> Both<T> {
     fn new(raw: &Raw, sides: [f64; 2], settings: Settings) -> Self {
         let shapes = periodic::<T>(raw, sides);
-        let mut space = Space::with_period(settings, shapes.period).expect("valid");
+        let mut space = Space::with_period(settings, shapes.period()).expect("valid");
         let raw = raw.typed::<T>();
-        let first = raw.len() / 2;
-        for rows in [0..first, first..raw.len()] {
-            let part = Shapes {
-                centers: raw.centers[rows.clone()].to_vec(),
-                radii: match &raw.radii {
-                    Each::One(radius) => Each::One(*radius),
-                    Each::Rows(radii) => Each::Rows(radii[rows.clone()].to_vec()),
-                },
-                half_sizes: raw
-                    .half_sizes
-                    .as_ref()
-                    .map(|sizes| Each::Rows(rows.clone().map(|row| sizes.at(row)).collect())),
-                boxes: raw.boxes.as_ref().map(|boxes| boxes[rows.clone()].to_vec()),
-                filters: raw.filters.as_ref().map(|filters| {
-                    [0, 1].map(|which| {
-                        Each::Rows(rows.clone().map(|row| filters[which].at(row)).collect())
-                    })
-                }),
-                period: Period::default(),
-            };
-            space.add(&part).expect("room");
+        let first = raw.len() as u32 / 2;
+        for rows in [0..first, first..raw.len() as u32] {
+            space.add(&raw.select(&Vec::from_iter(rows))).expect("room");
             space.pairs(Some(0), DEFAULT_MAX_PAIRS).expect("none");
         }
         let tree = built(&shapes, settings);
@@ -204,7 +186,7 @@ impl<T: Scalar> Both<T> {
     fn regions_agree<R: Region<T>>(&mut self, regions: &[R]) {
         let hits = query::search(&self.tree, regions, None).expect("few answers");
         let of_space = self.space.search(regions, None).expect("few answers");
-        let period = self.shapes.period;
+        let period = self.shapes.period();
         for (index, region) in regions.iter().enumerate() {
             let images: Vec<R> =
                 period.images().map(|shift| region.wrapped(&period).moved(shift)).collect();
@@ -220,7 +202,7 @@ impl<T: Scalar> Both<T> {
     }
 
     fn nearest_agree(&mut self, points: &[[T; 2]], k: usize) {
-        let period = self.shapes.period;
+        let period = self.shapes.period();
         let reaches: Vec<T> = (0..points.len()).map(|row| T::from_f64(3.0 * row as f64)).collect();
         let reach = Each::Rows(reaches.clone());
         let found = query::nearest(&self.tree, points, (k, reach.clone()), None).expect("valid");
@@ -253,7 +235,7 @@ impl<T: Scalar> Both<T> {
         sizes: (&[[T; 2]], &[T]),
         turns: f64,
     ) {
-        let period = self.shapes.period;
+        let period = self.shapes.period();
         let sides = period.sides().map(T::to_f64);
         let shorter = sides.into_iter().filter(|&side| side > 0.0).fold(f64::INFINITY, f64::min);
         let length = T::from_f64(if shorter.is_finite() { turns * shorter } else { 1e3 });
@@ -388,7 +370,7 @@ fn queries_agree<T: Scalar>(
         let corners = [[*x, *y], [x + w, y - h], [x + w + p.abs(), y + q], [x + w, y + h]];
         Polygon::new(&typed::<T>(&corners)).ok()
     });
-    let period = both.shapes.period;
+    let period = both.shapes.period();
     let (fitting, large): (Vec<_>, Vec<_>) =
         polygons.partition(|polygon| polygon.check_period(0, &period).is_ok());
     both.regions_agree(&fitting);

@@ -1,12 +1,12 @@
 //! `move_and_slide` against brute force: never inside, never through, and in any order.
 
+use jostle_base::Id;
 use jostle_base::Settings;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_index::geometry::{Shape, contact, overlap};
 use jostle_index::period::Period;
 use jostle_index::{Each, Shapes};
 use jostle_slide::SlideRules;
-use jostle_base::Id;
 use jostle_space::Space;
 use proptest::prelude::*;
 

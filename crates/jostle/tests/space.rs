@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use jostle_base::ids::Id;
 use jostle_base::settings::DEFAULT_MAX_PAIRS;
 use jostle_base::{Error, Settings};
 use jostle_index::geometry::{Shape, overlap};
 use jostle_index::query::{self, Circle, Point, Ray, Region};
 use jostle_index::{Each, Scalar, Shapes};
-use jostle_space::Space;
-use jostle_base::ids::Id;
 use jostle_space::Events;
+use jostle_space::Space;
 use proptest::prelude::*;
 
 /// One call. Shapes are named by any number, taken modulo those that are there.

@@ -110,7 +110,7 @@ proptest! {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             order.swap(last, (state >> 33) as usize % (last + 1));
         }
-        let mixed_up = permuted(&given, &order);
+        let mixed_up = given.select(&order);
         let straight = built(&given, Settings::default());
         let mixed_up = built(&mixed_up, Settings::default());
         // The same shapes stand at the same places, so pairs come in the same order.
@@ -121,27 +121,6 @@ proptest! {
             pairs::indices_within(&straight, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap(),
             pairs::indices_within(&mixed_up, DEFAULT_MAX_PAIRS, &mut JoinScratch::default()).unwrap()
         );
-    }
-}
-
-/// The shapes in another order.
-fn permuted(shapes: &Shapes<f32>, order: &[u32]) -> Shapes<f32> {
-    fn pick<V: Copy>(from: &Each<V>, order: &[u32]) -> Each<V> {
-        Each::Rows(order.iter().map(|&row| from.at(row as usize)).collect())
-    }
-    fn rows<V: Copy>(from: &[V], order: &[u32]) -> Vec<V> {
-        order.iter().map(|&row| from[row as usize]).collect()
-    }
-    Shapes {
-        centers: rows(&shapes.centers, order),
-        radii: pick(&shapes.radii, order),
-        half_sizes: shapes.half_sizes.as_ref().map(|sizes| pick(sizes, order)),
-        boxes: shapes.boxes.as_ref().map(|boxes| rows(boxes, order)),
-        filters: shapes
-            .filters
-            .as_ref()
-            .map(|filters| filters.each_ref().map(|each| pick(each, order))),
-        period: shapes.period,
     }
 }
 
@@ -164,10 +143,11 @@ fn tiles_touch<T: Scalar>() {
     }
     // A hair more, and each overlaps its right neighbour, and those beside that.
     let grown: Vec<[T; 4]> = tiles
-        .boxes
+        .boxes()
         .unwrap()
-        .into_iter()
-        .map(|mut row| {
+        .iter()
+        .map(|&row| {
+            let mut row = row;
             row[2] = row[2] + row[2] * T::EPSILON;
             row
         })
@@ -227,9 +207,9 @@ fn discs(places: impl Iterator<Item = [f64; 2]>, radius: f64) -> Shapes<f64> {
 
 /// The shapes with another radius in one row.
 fn with_radius(shapes: Shapes<f64>, row: usize, radius: f64) -> Shapes<f64> {
-    let mut radii = shapes.radii.rows(shapes.centers.len());
+    let mut radii = shapes.radii().clone().rows(shapes.len());
     radii[row] = radius;
-    Shapes { radii: Each::Rows(radii), ..shapes }
+    Shapes::circles(shapes.centers().to_vec(), Each::Rows(radii)).unwrap()
 }
 
 /// Low-discrepancy points of the unit square.

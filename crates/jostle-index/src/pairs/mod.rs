@@ -23,7 +23,7 @@ pub use contacts::{Overlaps, overlaps};
 use grid::Grid;
 use join::Join;
 pub use join::JoinScratch;
-use jostle_base::error::{Error, Result};
+use jostle_base::error::Result;
 use jostle_base::interrupt::Pulse;
 use jostle_base::memory;
 use jostle_base::parallel;
@@ -79,10 +79,7 @@ impl Found {
 
     /// Adds the result of a search that had the rest of `max_pairs`; returns its memory for pairs.
     fn append(&mut self, more: Result<Self>, max_pairs: usize) -> Result<Vec<[u32; 2]>> {
-        let more = more.map_err(|error| match error {
-            Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-            other => other,
-        })?;
+        let more = more.map_err(|error| error.with_max_pairs(max_pairs))?;
         memory::reserve(&mut self.pairs, more.pairs.len())?;
         self.pairs.extend_from_slice(&more.pairs);
         self.tests += more.tests;
@@ -181,29 +178,15 @@ fn add_rest<T: Scalar>(
     if rest.len() < 2 {
         return Ok(());
     }
-    let of = |row: &u32| *row as usize;
-    let centers = rest.iter().map(|row| shapes.centers[of(row)]).collect();
-    let radii = match &shapes.radii {
-        Each::One(radius) => Each::One(*radius),
-        Each::Rows(radii) => Each::Rows(rest.iter().map(|row| radii[of(row)]).collect()),
-    };
-    let half_sizes = shapes.half_sizes.as_ref().map(|sizes| match sizes {
-        Each::One(size) => Each::One(*size),
-        Each::Rows(sizes) => Each::Rows(rest.iter().map(|row| sizes[of(row)]).collect()),
-    });
-    let some = Shapes { centers, radii, half_sizes, ..Shapes::default() };
     // Never the grid again: it has just said that it does not suit these shapes.
     let method = (rest.len() > DIFFERENT_CIRCLES_LIMIT).then_some(Method::Quadtree);
     let method = method.or(Some(Method::Brute));
     let left = max_pairs - found.pairs.len();
-    let more = find(&some, method, threads, left).map_err(|error| match error {
-        Error::TooManyPairs { .. } => Error::TooManyPairs { max_pairs },
-        other => other,
-    })?;
-    memory::reserve(&mut found.pairs, more.pairs.len())?;
-    found.pairs.extend(more.pairs.iter().map(|pair| pair.map(|row| rest[row as usize])));
-    found.tests += more.tests;
-    Ok(())
+    let mut more = find(&shapes.select(rest), method, threads, left);
+    if let Ok(more) = &mut more {
+        more.pairs.iter_mut().for_each(|pair| *pair = pair.map(|row| rest[row as usize]));
+    }
+    found.append(more, max_pairs).map(drop)
 }
 
 /// Number of brute force tests that take as long as inserting one shape into a tree.

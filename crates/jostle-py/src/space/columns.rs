@@ -1,8 +1,8 @@
 //! Reading the shapes of a space.
 
+use jostle_base::ids::Id;
 use jostle_index::Scalar;
 use jostle_index::geometry::Shape;
-use jostle_base::ids::Id;
 use jostle_space::Space;
 use numpy::{Element, PyArray1};
 use pyo3::IntoPyObjectExt;

@@ -1,9 +1,9 @@
 //! The pairs of a space.
 
+use jostle_base::ids::Id;
 use jostle_base::interrupt::Pulse;
 use jostle_base::sorting;
 use jostle_index::Scalar;
-use jostle_base::ids::Id;
 use jostle_space::{Events, Wanted};
 use numpy::PyArray2;
 use pyo3::prelude::*;

@@ -33,9 +33,10 @@ impl Sorted {
         most: usize,
         tie: &dyn Fn(usize, usize) -> Ordering,
     ) {
-        self.shapes.centers.clear();
-        self.shapes.centers.extend_from_slice(bodies.positions);
-        self.shapes.radii = Each::One(0.0);
+        let columns = self.shapes.columns_mut();
+        columns.centers.clear();
+        columns.centers.extend_from_slice(bodies.positions);
+        *columns.radii = Each::One(0.0);
         let settings =
             Settings { leaf_capacity: LEAF, max_depth: DEFAULT_MAX_DEPTH, threads: bodies.threads };
         // Not interrupted: the caller cannot undo a part of a step.

@@ -210,8 +210,7 @@ impl World {
         let (starts, ids) = read_records(&starts);
         let tie = |a: usize, b: usize| starts.compare(a, b).then_with(|| ids[a].cmp(&ids[b]));
         let centers = starts.positions.clone();
-        let shapes =
-            Shapes { centers, radii: Each::Rows(vec![0.0; ids.len()]), ..Shapes::default() };
+        let shapes = Shapes::circles(centers, Each::One(0.0))?;
         let mut tree = Quadtree::default();
         tree.set_extent(self.scratch.tree.extent());
         tree.set_nested();

@@ -191,13 +191,13 @@ impl Asleep {
         let Particles { positions, radii, .. } = old;
         let centers = [&positions[first..], &added.positions].concat();
         let radii = Each::Rows([&radii[first..], &added.radii].concat());
-        let mut shapes = Shapes { centers, radii, ..Shapes::default() };
+        let mut shapes = Shapes::circles(centers, radii)?;
         if !old.filters.is_empty() || !added.filters.is_empty() {
             let filter = |at: usize| match at.checked_sub(old.len()) {
                 None => old.filter(at),
                 Some(at) => added.filter(at),
             };
-            fill_filters((first..end).map(filter), &mut shapes.filters);
+            fill_filters((first..end).map(filter), shapes.columns_mut().filters);
         }
         let tree = Quadtree::new(&shapes, settings)?;
         self.layers.truncate(kept);

@@ -74,10 +74,11 @@ impl World {
         let longest =
             if is_merging { f32::INFINITY } else { settings.container.max_displacement() };
         let len = particles.len();
-        shapes.centers.clone_from(&particles.positions);
-        shapes.half_sizes = None;
-        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
-        let radii = shapes.radii.rows_mut();
+        let columns = shapes.columns_mut();
+        columns.centers.clone_from(&particles.positions);
+        *columns.half_sizes = None;
+        fill_filters(particles.filters.iter().copied(), columns.filters);
+        let radii = columns.radii.rows_mut();
         radii.resize(len, 0.0);
         max_displacements.resize(len, 0.0);
         let is_cut = AtomicBool::new(false);
@@ -412,15 +413,16 @@ impl Bounds for StepBounds<'_> {
         }
         // The step's tree has the old bounds of particles whose bounds have grown.
         let Grown { circles, shapes, tree, .. } = &mut *self.grown;
-        shapes.centers.clear();
-        shapes.centers.extend(circles.iter().map(|circle| circle.center));
-        let radii = shapes.radii.rows_mut();
+        let columns = shapes.columns_mut();
+        columns.centers.clear();
+        columns.centers.extend(circles.iter().map(|circle| circle.center));
+        let radii = columns.radii.rows_mut();
         radii.clear();
         radii.extend(circles.iter().map(|circle| circle.radius));
         let all = self.particles;
         let filtered = if all.filters.is_empty() { &[][..] } else { &circles[..] };
         let filters = filtered.iter().map(|circle| all.filter(circle.index as usize));
-        fill_filters(filters, &mut shapes.filters);
+        fill_filters(filters, columns.filters);
         tree.rebuild_unchecked(shapes, self.tree.settings(), &|_, _| cmp::Ordering::Equal)?;
         let mut stack = std::mem::take(&mut self.grown.stack);
         let found = self.find_pairs(known, &mut stack, pairs);

@@ -38,9 +38,9 @@ impl World {
     /// A quadtree of the particles as they are now; its rows are those of the particles.
     pub fn quadtree(&self) -> Result<Quadtree<f32>> {
         let radii = Each::Rows(self.radii());
-        let mut shapes = Shapes { centers: self.positions(), radii, ..Shapes::default() };
+        let mut shapes = Shapes::circles(self.positions(), radii)?;
         if self.has_filters() {
-            fill_filters(self.filters().into_iter(), &mut shapes.filters);
+            fill_filters(self.filters().into_iter(), shapes.columns_mut().filters);
         }
         Quadtree::new(&shapes, self.settings.tree)
     }

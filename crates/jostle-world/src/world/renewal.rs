@@ -209,14 +209,15 @@ impl Renewed {
             let least = if of.is_movable { usual } else { 0.0 };
             *to = (distance_at(of.velocity, seconds).max(least) + fall).min(longest);
         }
-        shapes.centers.clone_from(centers);
-        let radii = shapes.radii.rows_mut();
+        let columns = shapes.columns_mut();
+        columns.centers.clone_from(centers);
+        let radii = columns.radii.rows_mut();
         radii.clear();
         let all = now.iter().zip(max_displacements.iter());
         radii.extend(
             all.map(|(of, by)| of.radius + by + 2.0 * rounding(of.position, of.radius, container)),
         );
-        fill_filters(particles.filters.iter().copied(), &mut shapes.filters);
+        fill_filters(particles.filters.iter().copied(), columns.filters);
         tree.rebuild(shapes, settings.tree, &|_, _| cmp::Ordering::Equal)
     }
 

@@ -87,8 +87,8 @@ impl World {
         let (all, settings) = (&self.particles, &self.settings);
         let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());
-        let mut shapes = Shapes { centers, radii, ..Shapes::default() };
-        fill_filters(all.filters.iter().copied(), &mut shapes.filters);
+        let mut shapes = Shapes::circles(centers, radii)?;
+        fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters);
         let mut tree = Quadtree::default();
         tree.rebuild(&shapes, settings.tree, &|_, _| Ordering::Equal)?;
         let mut lists = Vec::new();
@@ -99,7 +99,7 @@ impl World {
                 let indices = pair.map(|index| tree.rows()[index as usize]);
                 let [a, b] = indices.map(|index| index as usize);
                 if all.may_touch(a, b) {
-                    let [from, to] = [a, b].map(|index| shapes.centers[index]);
+                    let [from, to] = [a, b].map(|index| shapes.centers()[index]);
                     let offset = [0, 1].map(|k| to[k] - from[k] + image[k]);
                     let radius_sum = all.radii[a] + all.radii[b];
                     found.push(Overlap { indices, offset, radius_sum });

@@ -22,8 +22,8 @@ impl World {
             }
             Stage::Bounds => {
                 let shapes = &self.scratch.shapes;
-                hash.mix_all(&shapes.centers);
-                (0..shapes.len()).for_each(|row| hash.mix_value(shapes.radii.at(row)));
+                hash.mix_all(shapes.centers());
+                (0..shapes.len()).for_each(|row| hash.mix_value(shapes.radii().at(row)));
                 hash.mix_all(&self.scratch.max_displacements);
             }
             Stage::Build => hash.mix_all(self.scratch.tree.rows()),

@@ -70,14 +70,15 @@ impl World {
     ) -> Result<impl Iterator<Item = [u32; 2]> + use<'a>> {
         let container = self.settings.container;
         let Scratch { shapes, tree, listing, lists } = scratch;
-        shapes.centers.clear();
-        shapes.centers.extend(all.positions.iter().map(|&position| container.wrap(position)));
-        let radii = shapes.radii.rows_mut();
+        let columns = shapes.columns_mut();
+        columns.centers.clear();
+        columns.centers.extend(all.positions.iter().map(|&position| container.wrap(position)));
+        let radii = columns.radii.rows_mut();
         radii.clear();
         radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
             radius * (1.0 + 2.0 * COARSE as f32) + 2.0 * rounding(position, radius, &container)
         }));
-        fill_filters(all.filters.iter().copied(), &mut shapes.filters);
+        fill_filters(all.filters.iter().copied(), columns.filters);
         tree.rebuild_unchecked(shapes, self.settings.tree, &|_, _| Ordering::Equal)?;
         search::list(tree, &self.settings, false, listing, lists)?;
         let touch = move |[a, b]: [u32; 2]| {

@@ -112,9 +112,10 @@ impl World {
         }
         let Scratch { shapes, tree, .. } = &mut scratch.waking;
         let index = |&(index, _): &(u32, f64)| index as usize;
-        shapes.centers.clear();
-        shapes.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
-        let radii = shapes.radii.rows_mut();
+        let columns = shapes.columns_mut();
+        columns.centers.clear();
+        columns.centers.extend(outside_limits.iter().map(|of| particles.positions[index(of)]));
+        let radii = columns.radii.rows_mut();
         radii.clear();
         radii.extend(outside_limits.iter().map(|of| {
             let (position, radius) = (particles.positions[index(of)], particles.radii[index(of)]);
@@ -123,7 +124,7 @@ impl World {
         }));
         let filters = if particles.filters.is_empty() { &[][..] } else { &outside_limits[..] };
         let filters = filters.iter().map(|of| particles.filter(index(of)));
-        fill_filters(filters, &mut shapes.filters);
+        fill_filters(filters, columns.filters);
         tree.rebuild_unchecked(shapes, settings.tree, &|_, _| Ordering::Equal)?;
         Ok(true)
     }
