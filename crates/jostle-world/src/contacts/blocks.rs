@@ -3,101 +3,212 @@
 use std::ops::Range;
 
 use super::{COLOURS, Contact, FAR_KIND, KINDS, NEAR_KIND, UNEVEN_KIND};
-use crate::tolerance::{are_uneven, gap};
-use crate::trajectory::{Vector, vector};
+use crate::particles::Particles;
+use crate::tolerance::{are_uneven, gap, size_of};
+use crate::trajectory::{Vector, rest_speeds, vector};
 use jostle_simd::{LANES, PairIndices, for_each_lane};
 
-/// Up to [`LANES`] contacts of one colour, one column for each quantity. Unused lanes have the index
-/// behind those of all particles.
+/// Relaxation factor of a contact of equal masses, or with something that does not move.
+pub const RELAXATION: f32 = 1.9;
+
+/// The same, for one particle that is much lighter than the other. A light particle between heavy
+/// ones gets large velocities if the impulses are not exact, so its factor is smaller.
+const LEAST_RELAXATION: f32 = 1.7;
+
+/// The relaxation factor of a contact of particles with these inverse masses.
+fn relaxation([a, b]: [f32; 2]) -> f32 {
+    let (small, large) = (a.min(b), a.max(b));
+    let ratio = if small == 0.0 { 1.0 } else { small / large };
+    LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
+}
+
+/// Up to [`LANES`] contacts of one colour, one column for each quantity, from the candidate pairs of a
+/// step until [`Contact`] keeps what lasts. Resting, friction and position correction share the
+/// columns. Unused lanes have the index behind those of all particles, and no impulses.
+///
+/// Each column is in a cache line of its own. Those that the iterations over resting contacts read
+/// come last, one after the other, so that these iterations load no others.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))] // Each column in a cache line of its own.
+#[repr(C, align(64))]
 pub struct Block {
-    /// Offsets that are added to the second (torus).
-    pub images: [[f32; LANES]; 2],
-    /// Sums of the radii.
-    pub contact_distances: [f32; LANES],
+    /// Offsets from the first to the second when position correction begins.
+    pub offset: [[f32; LANES]; 2],
     /// The smaller diameters.
     pub sizes: [f32; LANES],
-    /// One over the masses; 0 for particles that do not move in the step.
-    pub inverse_masses: [[f32; LANES]; 2],
+    /// Sums of the radii.
+    pub contact_distances: [f32; LANES],
+    /// Offsets that are added to the second (torus).
+    pub images: [[f32; LANES]; 2],
     /// Coefficients of restitution.
     pub restitutions: [f32; LANES],
+    /// See [`rest_speeds`]; 0 for contacts that cannot rest.
+    pub rest_speeds: [[f32; LANES]; 2],
+    /// Sums of the impulses along the normal and of friction in the sub-steps that have ended.
+    pub totals: [[f32; LANES]; 2],
     /// Coefficients of friction.
     pub frictions: [f32; LANES],
-    /// Impulses at rest, along the normal and of friction: those of the step before, and from the end
-    /// of the sub-steps on those of the last.
+    /// Change of the surface speed by an impulse along the surface: r²/I, 0 for points.
+    pub softness: [[f32; LANES]; 2],
+    /// Impulse along the surfaces for a change of the sliding speed by one.
+    pub sliding_masses: [f32; LANES],
+    /// Impulses of friction on the second along the normal after a quarter turn, see `impulses`.
+    pub friction_impulses: [[f32; LANES]; 2],
+    /// Impulses along the normal: of the impacts at the beginning of the sub-step, and at rest. Those
+    /// at rest begin a sub-step as those of the sub-step before, or of the step before.
     pub impulses: [[f32; LANES]; 2],
-    /// Sums of the impulses of this step, likewise.
-    pub totals: [[f32; LANES]; 2],
+    /// Minimum normal speeds after the impacts, and at the end of the sub-step.
+    pub least_speeds: [[f32; LANES]; 2],
+    /// Impulse along the normal for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
+    pub effective_masses: [f32; LANES],
+    /// The same times the factor of over-relaxation.
+    pub relaxed_masses: [f32; LANES],
+    /// One over the masses; 0 for particles that do not move in the step.
+    pub inverse_masses: [[f32; LANES]; 2],
+    /// Unit vectors from the first to the second as the sub-step begins.
+    pub normal: [[f32; LANES]; 2],
     /// The indices of the first and of the second particles.
     pub indices: PairIndices,
+    /// A bit for each contact that rests in this sub-step. The others have no impulses.
+    pub resting: u32,
     /// A bit for each lane in use.
     pub lanes: u32,
     /// A bit for each contact whose radii are so different that float32 is too coarse for the gap.
     pub uneven_sizes: u32,
-    /// A bit for each contact whose particles touched or pushed each other during this step.
-    pub touched: u32,
+    /// A bit for each pair whose first, and whose second does not move.
+    pub fixed: [u32; 2],
+    /// A bit for each pair that is near enough for position correction.
+    pub near: u32,
+    /// A bit for each pair that has overlapped at the end of a flight of this step.
+    pub overlapped: u32,
+    /// Whether any pair touches across the boundary of a torus.
+    pub has_images: bool,
 }
 
 impl Default for Block {
     fn default() -> Self {
         let zeros = [0.0; LANES];
         Self {
-            images: [zeros; 2],
-            contact_distances: zeros,
+            offset: [zeros; 2],
             sizes: zeros,
+            contact_distances: zeros,
+            images: [zeros; 2],
+            restitutions: zeros,
+            rest_speeds: [zeros; 2],
+            totals: [zeros; 2],
+            frictions: zeros,
+            softness: [zeros; 2],
+            sliding_masses: zeros,
+            friction_impulses: [zeros; 2],
+            impulses: [zeros; 2],
+            least_speeds: [[f32::MIN; LANES]; 2],
+            effective_masses: zeros,
+            relaxed_masses: zeros,
             // Not 0, so that effective masses are finite.
             inverse_masses: [[1.0; LANES]; 2],
-            restitutions: zeros,
-            frictions: zeros,
-            impulses: [zeros; 2],
-            totals: [zeros; 2],
+            // That of coincident centres.
+            normal: [[1.0; LANES], zeros],
             indices: PairIndices::new([[0; LANES]; 2]),
+            resting: 0,
             lanes: 0,
             uneven_sizes: 0,
-            touched: 0,
+            fixed: [0; 2],
+            near: 0,
+            overlapped: 0,
+            has_images: false,
         }
     }
 }
 
+/// What the contacts of a step are made from.
+pub struct Materials<'a> {
+    pub particles: &'a Particles,
+    /// Which of them may rest, of a world in which some may not; else empty.
+    pub lossy: &'a [bool],
+    /// Coefficient of restitution of the world.
+    pub restitution: f32,
+}
+
 impl Block {
-    /// Replaces all contacts; `get` gives that of each lane.
-    pub fn fill(&mut self, spare: u32, get: impl Fn(usize) -> Option<Contact>) {
+    /// Replaces all contacts; `get` gives the pair of each lane, the offset of its second, and the
+    /// impulses at rest of the step before.
+    pub fn fill(
+        &mut self,
+        of: &Materials<'_>,
+        get: impl Fn(usize) -> Option<([u32; 2], [f32; 2], [f32; 2])>,
+    ) {
+        let Materials { particles, lossy, restitution } = *of;
         *self = Self::default();
-        let mut indices = [[spare; LANES]; 2];
-        for (lane, contact) in (0..LANES).filter_map(|lane| Some((lane, get(lane)?))) {
-            [indices[0][lane], indices[1][lane]] = contact.indices;
-            for k in [0, 1] {
-                self.images[k][lane] = contact.image[k];
-                self.inverse_masses[k][lane] = contact.inverse_masses[k];
+        let mut indices = [[particles.len() as u32; LANES]; 2];
+        let mut last = (f32::NAN, [0.0; 2]);
+        for lane in 0..LANES {
+            let Some((pair, image, impulses)) = get(lane) else { continue };
+            let [i, j] = pair.map(|index| index as usize);
+            let radii = [particles.radii[i], particles.radii[j]];
+            for (k, index) in [i, j].into_iter().enumerate() {
+                indices[k][lane] = pair[k];
+                self.images[k][lane] = image[k];
+                let inverse_mass = particles.inverse_mass(index);
+                self.inverse_masses[k][lane] = inverse_mass;
+                self.fixed[k] |= u32::from(inverse_mass == 0.0) << lane;
+                self.softness[k][lane] = if radii[k] == 0.0 { 0.0 } else { 2.0 * inverse_mass };
             }
-            self.contact_distances[lane] = contact.contact_distance;
-            self.sizes[lane] = contact.size;
-            let is_uneven = are_uneven(contact.size, contact.contact_distance);
+            self.has_images |= image != [0.0; 2];
+            self.contact_distances[lane] = radii[0] + radii[1];
+            self.sizes[lane] = size_of(radii[0], radii[1]);
+            let is_uneven = are_uneven(self.sizes[lane], self.contact_distances[lane]);
             self.uneven_sizes |= u32::from(is_uneven) << lane;
-            self.restitutions[lane] = contact.restitution;
-            self.frictions[lane] = contact.friction;
-            self.impulses[0][lane] = contact.impulse;
-            self.impulses[1][lane] = contact.friction_impulse;
+            let restitution = restitution * (particles.restitutions[i] * particles.restitutions[j]);
+            self.restitutions[lane] = restitution;
+            if lossy.is_empty() || lossy[i] || lossy[j] {
+                // Most contacts have the same.
+                if restitution != last.0 {
+                    last = (restitution, rest_speeds(f64::from(restitution)).map(|v| v as f32));
+                }
+                [self.rest_speeds[0][lane], self.rest_speeds[1][lane]] = last.1;
+            }
+            self.frictions[lane] = particles.pair_friction(i, j);
+            self.impulses[1][lane] = impulses[0];
+            self.friction_impulses[1][lane] = impulses[1];
             self.lanes |= 1 << lane;
         }
         self.indices = PairIndices::new(indices);
+        for lane in 0..LANES {
+            let masses = [self.inverse_masses[0][lane], self.inverse_masses[1][lane]];
+            let softness = self.softness[0][lane] + self.softness[1][lane];
+            self.effective_masses[lane] = 1.0 / (masses[0] + masses[1]);
+            self.relaxed_masses[lane] = self.effective_masses[lane] * relaxation(masses);
+            self.sliding_masses[lane] = 1.0 / ((masses[0] + masses[1]) + softness);
+        }
     }
 
-    /// The contact of a lane, if its particles touched or it has an impulse.
+    /// Adds the impulses of a sub-step to the sums of the step.
+    #[inline(always)]
+    pub fn count(&mut self, has_friction: bool) {
+        if self.resting == 0 {
+            return;
+        }
+        let Self { totals, impulses, friction_impulses, .. } = self;
+        for lane in 0..LANES {
+            totals[0][lane] += impulses[0][lane] + impulses[1][lane];
+        }
+        if has_friction {
+            for lane in 0..LANES {
+                totals[1][lane] += friction_impulses[0][lane] + friction_impulses[1][lane];
+            }
+        }
+    }
+
+    /// The contact of a lane, if its particles overlapped or an impulse pushed them in this step, or if
+    /// the next step begins with an impulse.
     #[inline(always)]
     pub fn lasting(&self, lane: usize) -> Option<Contact> {
-        let touched = self.touched >> lane & 1 == 1;
-        (touched || self.impulses[0][lane] > 0.0).then(|| Contact {
+        let touched = self.overlapped >> lane & 1 == 1 || self.totals[0][lane] > 0.0;
+        (touched || self.impulses[1][lane] > 0.0).then(|| Contact {
             indices: [0, 1].map(|k| self.indices.of(k)[lane]),
             image: [0, 1].map(|k| self.images[k][lane]),
-            contact_distance: self.contact_distances[lane],
-            size: self.sizes[lane],
             inverse_masses: [0, 1].map(|k| self.inverse_masses[k][lane]),
-            restitution: self.restitutions[lane],
-            friction: self.frictions[lane],
-            impulse: self.impulses[0][lane],
-            friction_impulse: self.impulses[1][lane],
+            impulse: self.impulses[1][lane],
+            friction_impulse: self.friction_impulses[1][lane],
             totals: [0, 1].map(|k| self.totals[k][lane]),
             touched,
             ..Contact::default()

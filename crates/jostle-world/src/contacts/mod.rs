@@ -9,8 +9,8 @@ mod sequence;
 
 use crate::motion::Motions;
 use crate::particles::Particles;
-use crate::tolerance::{gap, size_of};
-pub use blocks::{Block, Blocks, Colour};
+use crate::tolerance::gap;
+pub use blocks::{Block, Blocks, Colour, Materials, RELAXATION};
 use colouring::{Colouring, Edge, prioritize};
 use jostle_base::parallel;
 use jostle_base::sorting;
@@ -24,21 +24,14 @@ pub const COLOURS: usize = 64;
 /// Masses are uneven if the larger is more than this times the smaller.
 const UNEVEN: f32 = 6.0;
 
-/// Two particles whose contact may rest or be corrected.
+/// Two particles that touched in the last step, or that it left with an impulse at rest: what is left
+/// of a contact between steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Indices of the two particles in the world's order.
     pub indices: [u32; 2],
     /// Offset that is added to the second (torus).
     pub image: [f32; 2],
-    /// Sum of the radii.
-    pub contact_distance: f32,
-    /// The smaller diameter, see [`size_of`].
-    pub size: f32,
-    /// Coefficient of restitution.
-    pub restitution: f32,
-    /// Coefficient of friction.
-    pub friction: f32,
     /// One over the masses; 0 for particles that do not move in the step.
     pub inverse_masses: [f32; 2],
     /// Unit vector from the first to the second.
@@ -88,10 +81,6 @@ impl Default for Contact {
         Self {
             indices: [0; 2],
             image: [0.0; 2],
-            contact_distance: 0.0,
-            size: 0.0,
-            restitution: 0.0,
-            friction: 0.0,
             inverse_masses: [0.0; 2],
             normal: [1.0, 0.0],
             gap: 0.0,
@@ -246,14 +235,11 @@ impl Contacts {
     pub fn collect(
         &mut self,
         lists: &[([f32; 2], Vec<[u32; 2]>)],
-        particles: &Particles,
-        restitution: f32,
+        materials: &Materials<'_>,
         before: &[u32],
         rounds: usize,
         threads: Option<usize>,
     ) {
-        let movable = &particles.movable;
-        let inverse_mass = |at: usize| if movable[at] { particles.inverse_mass(at) } else { 0.0 };
         let rounds = self.sequence.arrange(rounds, &self.colours, &mut self.kinds);
         let mut next = self.blocks.arrange(&self.counts, rounds);
         let mut in_sequence = self.sequence.blocks(&self.blocks);
@@ -277,32 +263,20 @@ impl Contacts {
             }
         }
         let Self { blocks, sources, previous, .. } = self;
-        let contact = |[which, pair]: [u32; 2]| {
+        let source = |[which, pair]: [u32; 2]| {
             let (image, pairs) = lists.get(which as usize)?;
-            let indices = pairs[pair as usize];
-            let [i, j] = indices.map(|index| index as usize);
-            let own = particles.restitutions[i] * particles.restitutions[j];
+            let pair = pairs[pair as usize];
             let here = *image == [0.0; 2];
-            let previous = if here { previous.impulses(before[i], before[j]) } else { [0.0; 2] };
-            Some(Contact {
-                indices,
-                image: *image,
-                contact_distance: particles.radii[i] + particles.radii[j],
-                size: size_of(particles.radii[i], particles.radii[j]),
-                restitution: restitution * own,
-                inverse_masses: [inverse_mass(i), inverse_mass(j)],
-                friction: particles.pair_friction(i, j),
-                impulse: previous[0],
-                friction_impulse: previous[1],
-                ..Contact::default()
-            })
+            let [i, j] = pair.map(|index| before[index as usize]);
+            let impulses = if here { previous.impulses(i, j) } else { [0.0; 2] };
+            Some((pair, *image, impulses))
         };
-        let (size, spare) = (BLOCKS_OF_A_THREAD, movable.len() as u32);
+        let size = BLOCKS_OF_A_THREAD;
         let threads = if blocks.list.len() <= size { Some(1) } else { threads };
         let parts = blocks.list.chunks_mut(size).zip(sources.chunks(size * LANES));
         parallel::for_each(threads, parts, |(blocks, sources)| {
             for (block, sources) in blocks.iter_mut().zip(sources.chunks(LANES)) {
-                block.fill(spare, |lane| contact(sources[lane]));
+                block.fill(materials, |lane| source(sources[lane]));
             }
         });
     }
@@ -311,6 +285,16 @@ impl Contacts {
     /// [`Contacts::collect`].
     pub fn sequential(&mut self) -> &mut Vec<Sequential> {
         self.sequence.contacts()
+    }
+
+    /// Ends the sub-steps of a step in which contacts may rest: adds the impulses of the last one.
+    pub fn end_resting(&mut self, has_friction: bool) {
+        for block in &mut self.blocks.list {
+            block.count(has_friction);
+            if !has_friction {
+                block.friction_impulses[1] = [0.0; LANES];
+            }
+        }
     }
 
     /// Finds the particles that have contacts of uneven masses.
@@ -488,7 +472,6 @@ impl Contacts {
             Contact {
                 indices: pair,
                 image,
-                contact_distance: particles.radii[i] + particles.radii[j],
                 inverse_masses: [particles.inverse_mass(i), particles.inverse_mass(j)],
                 totals,
                 touched: true,

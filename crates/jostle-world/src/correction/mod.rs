@@ -9,7 +9,7 @@ mod pairs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use crate::contacts::{Colour, Contacts};
+use crate::contacts::{Block, Blocks, Colour, Contacts};
 use crate::container::Container;
 use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Vectors};
@@ -18,7 +18,7 @@ use crate::walls::Around;
 use enclosure::Enclosure;
 use jostle_base::error::Result;
 use jostle_base::parallel::{self, Member, locked};
-use pairs::{Block, Measure, Separate};
+use pairs::{Measure, Separate};
 
 /// Overlap to which positions are corrected, as a share of the smaller diameter, so that resting
 /// contacts persist.
@@ -85,32 +85,16 @@ pub struct Correction {
     free_squares: Scalars,
     /// Whether many particles were moved in the last sub-step.
     moved_many: bool,
-    /// The contacts of the step.
-    blocks: Vec<Block>,
     /// For each colour, whether any pairs are near, on any process.
     near: Vec<u8>,
 }
 
 impl Correction {
-    /// Begins a step.
-    pub fn begin_step(&mut self, contacts: &Contacts) {
-        let all = contacts.blocks.list.iter();
-        self.blocks.clear();
-        self.blocks.extend(all.map(Block::new));
-    }
-
-    /// Notes in the contacts which of them have overlapped in the step.
-    pub fn end_step(&self, contacts: &mut Contacts) {
-        for (block, to) in self.blocks.iter().zip(&mut contacts.blocks.list) {
-            block.store(to);
-        }
-    }
-
     /// Corrects the positions of the particles of `contacts`, and of particles that overlap the
     /// container or a wall.
     pub fn run(
         &mut self,
-        contacts: &Contacts,
+        contacts: &mut Contacts,
         motions: &Motions,
         particles: &Particles,
         (container, walls): (&Container, Around<'_>),
@@ -122,15 +106,16 @@ impl Correction {
         if colours == 0 {
             return Ok(());
         }
-        self.measure(contacts, motions, &particles.radii, threads);
+        let pairs = &mut contacts.blocks;
+        self.measure(&mut pairs.list, motions, &particles.radii, threads);
         self.free_squares.resize(particles.len() + 1);
-        self.list_near_colours(contacts);
+        self.list_near_colours(pairs);
         halo.any_bits(&mut self.near)?;
         if self.near.iter().all(|&is_near| is_near == 0) {
             self.moved_many = false;
             return Ok(());
         }
-        if !self.separate_all(contacts, &enclosure, (colours, halo), threads)? {
+        if !self.separate_all(pairs, &enclosure, (colours, halo), threads)? {
             return Ok(());
         }
         let displacements = &self.displacements;
@@ -149,13 +134,13 @@ impl Correction {
     /// Finds the pairs that are near.
     fn measure(
         &mut self,
-        contacts: &Contacts,
+        blocks: &mut [Block],
         motions: &Motions,
         radii: &[f32],
         threads: Option<usize>,
     ) {
         let len = radii.len();
-        let Self { displacements, positions, residuals, blocks, .. } = self;
+        let Self { displacements, positions, residuals, .. } = self;
         // One more for lanes without a pair.
         for vectors in [displacements, &mut *positions, &mut *residuals] {
             vectors.resize(len + 1);
@@ -167,26 +152,24 @@ impl Correction {
             positions.set(index, motions.position(index));
             residuals.set(index, motions.residual(index));
         });
-        let of = &contacts.blocks.list;
-        let threads = if of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { threads };
-        let parts = blocks.chunks_mut(BLOCKS_OF_A_THREAD).zip(of.chunks(BLOCKS_OF_A_THREAD));
-        parallel::for_each(threads, parts, |(blocks, of)| {
-            Measure { of, blocks, positions, residuals, radii }.run();
+        let size = BLOCKS_OF_A_THREAD;
+        let threads = if blocks.len() <= size { Some(1) } else { threads };
+        parallel::for_each(threads, blocks.chunks_mut(size), |blocks| {
+            Measure { blocks, positions, residuals, radii }.run();
         });
     }
 
     /// Finds for each colour whether any pairs are near.
-    fn list_near_colours(&mut self, contacts: &Contacts) {
-        let Self { near, blocks, .. } = self;
-        let any = |colour: &Colour| blocks[colour.all()].iter().any(Block::is_near);
-        near.clear();
-        near.extend(contacts.blocks.colours.iter().map(|colour| u8::from(any(colour))));
+    fn list_near_colours(&mut self, pairs: &Blocks) {
+        let is_near = |colour: &Colour| pairs.list[colour.all()].iter().any(|of| of.near != 0);
+        self.near.clear();
+        self.near.extend(pairs.colours.iter().map(|colour| u8::from(is_near(colour))));
     }
 
     /// Moves all overlapping pairs apart, in iterations. Returns whether there were any.
     fn separate_all(
         &mut self,
-        contacts: &Contacts,
+        pairs: &Blocks,
         enclosure: &Enclosure<'_>,
         (colours, halo): (usize, &dyn Halo),
         threads: Option<usize>,
@@ -195,10 +178,9 @@ impl Correction {
         let many = len / WORTH_LISTING;
         let moved: [AtomicUsize; ITERATIONS] = Default::default();
         let count_of = |iteration: usize| moved[iteration].load(Ordering::Relaxed);
-        let Self { displacements, free_squares, blocks, moved_many, near, .. } = &*self;
+        let Self { displacements, free_squares, moved_many, near, .. } = &*self;
         let inside = |index: u32, by: [f32; 2]| enclosure.allowed(index, by);
-        let stages =
-            Stages { contacts, blocks, displacements, inside: &inside, colours, halo, near };
+        let stages = Stages { pairs, displacements, inside: &inside, colours, halo, near };
         let failed = Mutex::new(Ok(()));
         let run = |member: &Member<'_>| -> Result<()> {
             let mut knows_free = false;
@@ -220,7 +202,7 @@ impl Correction {
         };
         // Other processes are waited for after each colour, by one thread.
         let threads = if halo.is_alone() { threads } else { Some(1) };
-        let lengths = contacts.blocks.colours.iter().map(|colour| colour.all().len());
+        let lengths = pairs.colours.iter().map(|colour| colour.all().len());
         let most = lengths.max().unwrap_or(0).div_ceil(BLOCKS);
         parallel::together(threads, most.max(1), |member| {
             if let Err(error) = run(member) {
@@ -235,8 +217,7 @@ impl Correction {
 
 /// What the iterations have in common.
 struct Stages<'a, I> {
-    contacts: &'a Contacts,
-    blocks: &'a [Block],
+    pairs: &'a Blocks,
     displacements: &'a Vectors,
     /// The displacement of a particle that the walls allow.
     inside: &'a I,
@@ -255,14 +236,14 @@ impl<I: Fn(u32, [f32; 2]) -> [f32; 2] + Sync> Stages<'_, I> {
         count: &AtomicUsize,
         member: &Member<'_>,
     ) -> Result<()> {
-        let Self { contacts, displacements, inside, .. } = *self;
+        let Self { pairs, displacements, inside, .. } = *self;
         for number in 0..self.colours {
             if self.near.get(number) == Some(&0) {
                 continue;
             }
             // Another process may have more colours.
-            if let Some(colour) = contacts.blocks.colours.get(number) {
-                let blocks = &self.blocks[colour.all()];
+            if let Some(colour) = pairs.colours.get(number) {
+                let blocks = &pairs.list[colour.all()];
                 let parts = member.share(blocks.len().div_ceil(BLOCKS));
                 let own = match colour.is_serial {
                     true if member.is_first() => 0..blocks.len(),

@@ -1,77 +1,28 @@
 //! Moving the pairs of a colour apart, sixteen at a time.
 
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
-use crate::contacts;
+use crate::contacts::Block;
 use crate::motion::{Scalars, Vectors, exact};
 use crate::trajectory::Vector;
-use jostle_simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
+use jostle_simd::{LANES, Number, Simd, Work, for_each_lane};
 
 /// A disc acts near a much smaller one like a disc of this share of the smaller diameter, so that
 /// float32 is fine enough.
 const LARGEST: f32 = 64.0;
 
-/// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Few columns,
-/// because many iterations read them from the cache; what is computed from them is not stored.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))] // Each column in a cache line of its own.
-pub struct Block {
-    /// Offsets from the first to the second, before the correction.
-    offset: [[f32; LANES]; 2],
-    /// Sums of the radii, at most [`LARGEST`] of the smaller diameter.
-    contact_distances: [f32; LANES],
-    /// The smaller diameters.
-    sizes: [f32; LANES],
-    indices: PairIndices,
-    /// A bit for each pair whose first, and whose second does not move.
-    fixed: [u32; 2],
-    /// A bit for each pair that is near.
-    near: u32,
-    /// A bit for each pair that has overlapped in the step.
-    overlapped: u32,
-    /// Whether any pair touches across the boundary of a torus.
-    has_images: bool,
-}
-
 impl Block {
-    /// The constants of some contacts.
-    pub fn new(of: &contacts::Block) -> Self {
-        let zeros = [0.0; LANES];
-        let mut block = Self {
-            offset: [zeros; 2],
-            contact_distances: of.contact_distances,
-            sizes: of.sizes,
-            indices: of.indices,
-            fixed: [0; 2],
-            near: 0,
-            overlapped: 0,
-            has_images: of.images != [zeros; 2],
-        };
-        of.each_lane(|lane| {
-            let most = LARGEST * of.sizes[lane];
-            block.contact_distances[lane] = block.contact_distances[lane].min(most);
-            for k in [0, 1] {
-                block.fixed[k] |= u32::from(of.inverse_masses[k][lane] == 0.0) << lane;
-            }
-        });
-        block
-    }
-
-    /// Whether any pair is near.
-    pub fn is_near(&self) -> bool {
-        self.near > 0
-    }
-
-    /// Notes in the contacts which overlapped.
-    pub fn store(&self, to: &mut contacts::Block) {
-        to.touched |= self.overlapped;
+    /// Sums of the radii, at most [`LARGEST`] of the smaller diameter.
+    #[inline(always)]
+    fn limited_distances<S: Simd<f32>>(&self, simd: S) -> S::Block {
+        let most = simd.mul(simd.splat(LARGEST), simd.load(&self.sizes));
+        simd.min(simd.load(&self.contact_distances), most)
     }
 
     /// Updates the offsets to the positions, and which pairs are near.
     #[inline(always)]
-    fn measure<S: Simd<f32>>(
+    fn update_offsets<S: Simd<f32>>(
         &mut self,
         simd: S,
-        of: &contacts::Block,
         positions: &Vectors,
         residuals: &Vectors,
         radii: &[f32],
@@ -82,21 +33,21 @@ impl Block {
         let [dx, dy] = simd.gather(residuals.words(), &self.indices, 1);
         let [mut x, mut y] = [simd.sub(bx, ax), simd.sub(by, ay)];
         if self.has_images {
-            x = simd.add(x, simd.load(&of.images[0]));
-            y = simd.add(y, simd.load(&of.images[1]));
+            x = simd.add(x, simd.load(&self.images[0]));
+            y = simd.add(y, simd.load(&self.images[1]));
         }
         let [x, y] = [simd.add(x, simd.sub(dx, cx)), simd.add(y, simd.sub(dy, cy))];
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let contact_distance = simd.load(&self.contact_distances);
+        let contact_distance = self.limited_distances(simd);
         let before = self.overlapped;
         self.overlapped |= simd.less(square, simd.mul(contact_distance, contact_distance));
         let far = simd.mul(simd.splat(1.0 + NEAR), contact_distance);
         self.near = simd.less(square, simd.mul(far, far));
         simd.store(x, &mut self.offset[0]);
         simd.store(y, &mut self.offset[1]);
-        if of.uneven_sizes != 0 {
+        if self.uneven_sizes != 0 {
             let at = |index| exact(positions.get(index), residuals.get(index));
-            self.measure_exactly(of, before, |lane| of.measure(lane, radii, at));
+            self.measure_exactly(before, |block, lane| block.measure(lane, radii, at));
         }
     }
 
@@ -106,14 +57,14 @@ impl Block {
     #[cold]
     fn measure_exactly(
         &mut self,
-        of: &contacts::Block,
         before: u32,
-        contact: impl Fn(usize) -> (Option<Vector>, f64),
+        contact: impl Fn(&Self, usize) -> (Option<Vector>, f64),
     ) {
-        for_each_lane(of.uneven_sizes, |lane| {
+        for_each_lane(self.uneven_sizes, |lane| {
             let lane = lane % LANES;
-            let (Some(normal), gap) = contact(lane) else { return };
-            let contact_distance = f64::from(self.contact_distances[lane]);
+            let (Some(normal), gap) = contact(self, lane) else { return };
+            let most = LARGEST * self.sizes[lane];
+            let contact_distance = f64::from(self.contact_distances[lane].min(most));
             // A disc deep inside the other is moved out of it all the same.
             let length = (contact_distance + gap).max(f64::from(SLOP * self.sizes[lane]));
             for k in [0, 1] {
@@ -141,7 +92,7 @@ impl Block {
         let x = simd.add(simd.load(&self.offset[0]), simd.sub(bx, ax));
         let y = simd.add(simd.load(&self.offset[1]), simd.sub(by, ay));
         let square = simd.add(simd.mul(x, x), simd.mul(y, y));
-        let (contact_distance, size) = (simd.load(&self.contact_distances), simd.load(&self.sizes));
+        let (contact_distance, size) = (self.limited_distances(simd), simd.load(&self.sizes));
         let least = simd.sub(contact_distance, simd.mul(simd.splat(SLOP + TOLERANCE), size));
         let overlapping = self.near & simd.less(square, simd.mul(least, least));
         if overlapping == 0 {
@@ -205,7 +156,6 @@ impl Block {
 
 /// Updates the offsets of pairs, and which are near.
 pub struct Measure<'a> {
-    pub of: &'a [contacts::Block],
     pub blocks: &'a mut [Block],
     /// The state of all particles.
     pub positions: &'a Vectors,
@@ -225,8 +175,8 @@ impl Work<f32> for Measure<'_> {
 
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
-        for (block, of) in self.blocks.iter_mut().zip(self.of) {
-            block.measure(simd, of, self.positions, self.residuals, self.radii);
+        for block in self.blocks {
+            block.update_offsets(simd, self.positions, self.residuals, self.radii);
         }
     }
 }

@@ -35,7 +35,7 @@ pub(crate) struct SleepingContact {
 
 impl SleepingContact {
     /// Bytes of a contact.
-    pub(crate) const SIZE: usize = 66;
+    pub(crate) const SIZE: usize = 62;
 
     /// A contact whose indices have these ids.
     pub(crate) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
@@ -56,32 +56,19 @@ impl SleepingContact {
         [first, second, self.island as u64].store(&mut to[start..start + 24]);
         let Contact { image: [x, y], normal: [u, v], totals: [n, t], .. } = self.contact;
         let Contact { gap, impulse, friction_impulse, touched, .. } = self.contact;
-        let numbers =
-            [x, y, u, v, gap, impulse, friction_impulse, n, t, self.contact.contact_distance];
-        numbers.store(&mut to[start + 24..start + 64]);
-        [u8::from(touched), u8::from(self.is_near)].store(&mut to[start + 64..]);
+        let numbers = [x, y, u, v, gap, impulse, friction_impulse, n, t];
+        numbers.store(&mut to[start + 24..start + 60]);
+        [u8::from(touched), u8::from(self.is_near)].store(&mut to[start + 60..]);
     }
 
     /// Reads one.
     pub(crate) fn get(from: &[u8]) -> Self {
         let [first, second, island] = <[u64; 3]>::load(&from[..24]).map(|id| id as Id);
-        let [x, y, u, v, gap, impulse, friction_impulse, n, t, contact_distance] =
-            <[f32; 10]>::load(&from[24..64]);
-        let [touched, is_near] = <[u8; 2]>::load(&from[64..]).map(|flag| flag > 0);
-        let contact = Contact {
-            indices: [0, 1],
-            image: [x, y],
-            normal: [u, v],
-            totals: [n, t],
-            ..Contact {
-                gap,
-                impulse,
-                friction_impulse,
-                contact_distance,
-                touched,
-                ..Contact::default()
-            }
-        };
+        let [x, y, u, v, gap, impulse, friction_impulse, n, t] = <[f32; 9]>::load(&from[24..60]);
+        let [touched, is_near] = <[u8; 2]>::load(&from[60..]).map(|flag| flag > 0);
+        let (indices, image, normal, totals) = ([0, 1], [x, y], [u, v], [n, t]);
+        let contact = Contact { indices, image, normal, totals, ..Contact::default() };
+        let contact = Contact { gap, impulse, friction_impulse, touched, ..contact };
         Self { island, ids: [first, second], contact, is_near }
     }
 }
@@ -286,7 +273,6 @@ mod tests {
             impulse: 3.0,
             friction_impulse: -4.0,
             totals: [5.0, 6.0],
-            contact_distance: 7.0,
             touched: true,
             ..Contact::default()
         };

@@ -21,7 +21,7 @@ mod walls;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::contacts::{ContactShape, Contacts};
+use crate::contacts::{Block, ContactShape, Contacts};
 use crate::container::{Container, MAX_WALLS};
 use crate::flow::{Flow, Kick};
 use crate::forces::springs::{Place, SpringSolver};
@@ -33,8 +33,7 @@ use crate::walls::{self as segments, Around};
 use jostle_base::error::Result;
 use jostle_base::parallel;
 use jostle_simd::LANES;
-use pairs::Block;
-use start::{Counts, Limits, Starts};
+use start::Starts;
 use sweeps::{State, Sweeps};
 use walls::Walls;
 
@@ -44,13 +43,6 @@ const TOUCHING: f32 = 0.003;
 /// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
 /// forces give in the sub-step.
 const FARTHEST: f32 = MAX_REST_SPEED as f32 + 2.01;
-
-/// Relaxation factor of a contact of equal masses, or with something that does not move.
-const RELAXATION: f32 = 1.9;
-
-/// The same, for one particle that is much lighter than the other. A light particle between heavy
-/// ones gets large velocities if the impulses are not exact, so its factor is smaller.
-const LEAST_RELAXATION: f32 = 1.7;
 
 /// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 64;
@@ -87,13 +79,6 @@ pub struct Support<'a> {
     pub threads: Option<usize>,
 }
 
-/// The relaxation factor of a contact of particles with these inverse masses.
-fn relaxation([a, b]: [f32; 2]) -> f32 {
-    let (small, large) = (a.min(b), a.max(b));
-    let ratio = if small == 0.0 { 1.0 } else { small / large };
-    LEAST_RELAXATION + (RELAXATION - LEAST_RELAXATION) * ratio
-}
-
 /// Scratch.
 #[derive(Debug, Default)]
 pub struct Resting {
@@ -110,11 +95,6 @@ pub struct Resting {
     speeds: Vectors,
     /// That speed if it is the same for all that move.
     speed_of_all: Option<f32>,
-    /// The contacts of the step.
-    blocks: Vec<Block>,
-    limits: Vec<Limits>,
-    /// The friction of each block; empty if there is none.
-    frictions: Vec<friction::Block>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
     /// Scratch of the sweeps.
@@ -285,38 +265,9 @@ impl Surfaces {
 }
 
 impl Resting {
-    /// Begins a step with the impulses of the step before. See [`Support::lossy`].
-    pub fn begin_step(
-        &mut self,
-        contacts: &Contacts,
-        particles: &Particles,
-        lossy: &[bool],
-        has_friction: bool,
-    ) {
-        let Self { blocks, limits, frictions, knows_pushed, .. } = self;
-        *knows_pushed = false;
-        let all = &contacts.blocks.list;
-        blocks.clear();
-        blocks.extend(all.iter().map(Block::new));
-        limits.clear();
-        limits.extend(all.iter().map(|of| Limits::new(of, lossy)));
-        frictions.clear();
-        if has_friction {
-            frictions.extend(all.iter().map(|of| friction::Block::new(of, &particles.radii)));
-        }
-    }
-
-    /// Stores the impulses of the step in the contacts.
-    pub fn end_step(&mut self, contacts: &mut Contacts) {
-        let Self { limits, blocks, frictions, .. } = self;
-        Counts { limits, blocks, frictions }.run();
-        let all = &mut contacts.blocks.list;
-        for ((limits, block), to) in self.limits.iter().zip(&self.blocks).zip(&mut *all) {
-            limits.store(block, to);
-        }
-        for (friction, to) in self.frictions.iter().zip(all) {
-            friction.store(to);
-        }
+    /// Begins a step.
+    pub fn begin_step(&mut self) {
+        self.knows_pushed = false;
     }
 
     /// Finds the impulses of the resting contacts, and changes the kicks of the particles that they
@@ -324,26 +275,26 @@ impl Resting {
     pub fn support(
         &mut self,
         scene: &Support<'_>,
-        contacts: &Contacts,
+        contacts: &mut Contacts,
         mut wall_pushes: WallPushes<'_>,
         springs: &mut SpringSolver,
         kicks: &mut [Kick],
     ) -> Result<()> {
         self.begin(scene, kicks);
         self.begin_held(scene, springs, kicks);
-        self.find_starts(scene, contacts);
+        self.find_starts(scene, &mut contacts.blocks.list);
         self.list_walls(scene, contacts, &mut wall_pushes, kicks);
+        let pairs = &mut contacts.blocks;
         if springs.holds_any() {
-            springs.add_pushes(self.pushes(scene));
-            self.forgo_impacts(springs);
+            springs.add_pushes(self.pushes(scene, &pairs.list));
+            self.forgo_impacts(springs, &mut pairs.list);
         }
         let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
         let all = State { scene, velocities, after_impacts, changes, surface_speeds };
-        let Self { blocks, frictions, walls, work, .. } = self;
+        let Self { walls, work, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         let springs = springs.holds_any().then_some(springs);
-        Sweeps { all, contacts, blocks, frictions, walls, uneven_walls, springs, has_fast, work }
-            .run()?;
+        Sweeps { all, pairs, walls, uneven_walls, springs, has_fast, work }.run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.index as usize];
@@ -415,11 +366,11 @@ impl Resting {
 
     /// Leaves out the impacts of contacts that are solved together with springs: springs press
     /// their surfaces together anew in each sub-step, and a bounce would add energy to them.
-    fn forgo_impacts(&mut self, springs: &SpringSolver) {
+    fn forgo_impacts(&mut self, springs: &SpringSolver, blocks: &mut [Block]) {
         for place in springs.places() {
             match place {
                 Place::Pair { block, lane } => {
-                    self.blocks[block as usize].forgo_impact(lane as usize);
+                    blocks[block as usize].forgo_impact(lane as usize);
                 }
                 Place::Wall { particle, contact } => {
                     self.walls[particle as usize].forgo_impact(contact as usize);
@@ -429,8 +380,12 @@ impl Resting {
     }
 
     /// All resting contacts, for springs that are solved together with them.
-    fn pushes(&self, scene: &Support<'_>) -> impl Iterator<Item = (Place, [u32; 2], [f32; 2])> {
-        let pairs = (0..).zip(&self.blocks).flat_map(|(block, of)| {
+    fn pushes(
+        &self,
+        scene: &Support<'_>,
+        blocks: &[Block],
+    ) -> impl Iterator<Item = (Place, [u32; 2], [f32; 2])> {
+        let pairs = (0..).zip(blocks).flat_map(|(block, of)| {
             let lanes = (0..LANES).filter(move |lane| of.resting >> lane & 1 == 1);
             lanes.map(move |lane| {
                 let pair = [0, 1].map(|k| of.indices.of(k)[lane]);
@@ -448,38 +403,24 @@ impl Resting {
     }
 
     /// Finds the contacts of two particles that rest.
-    fn find_starts(&mut self, scene: &Support<'_>, contacts: &Contacts) {
-        let Self { blocks, limits, frictions, positions, velocities, speeds, is_fast, .. } = self;
-        let speed_of_all = self.speed_of_all;
-        let (positions, velocities, speeds) = (&*positions, &*velocities, &*speeds);
-        let duration = scene.flow.duration as f32;
-        let all_of = &contacts.blocks.list;
-        let threads = if all_of.len() <= BLOCKS_OF_A_THREAD { Some(1) } else { scene.threads };
+    fn find_starts(&mut self, scene: &Support<'_>, blocks: &mut [Block]) {
+        let starts = Starts {
+            positions: &self.positions,
+            velocities: &self.velocities,
+            motions: scene.motions,
+            radii: &scene.particles.radii,
+            speeds: &self.speeds,
+            speed_of_all: self.speed_of_all,
+            duration: scene.flow.duration as f32,
+            has_friction: scene.has_friction,
+        };
         let size = BLOCKS_OF_A_THREAD;
-        let mut frictions = &mut frictions[..];
-        let blocks = blocks.chunks_mut(size).map(|blocks| {
-            let count = blocks.len().min(frictions.len());
-            (blocks, frictions.split_off_mut(..count).unwrap_or_default())
-        });
-        let parts = blocks.zip(limits.chunks_mut(size)).zip(all_of.chunks(size));
+        let threads = if blocks.len() <= size { Some(1) } else { scene.threads };
         let any = AtomicBool::new(false);
-        parallel::for_each(threads, parts, |(((blocks, frictions), limits), of)| {
-            let starts = Starts {
-                of,
-                limits,
-                blocks,
-                frictions,
-                positions,
-                velocities,
-                motions: scene.motions,
-                radii: &scene.particles.radii,
-                speeds,
-                speed_of_all,
-                duration,
-            };
-            any.fetch_or(starts.run(), Ordering::Relaxed);
+        parallel::for_each(threads, blocks.chunks_mut(size), |blocks| {
+            any.fetch_or(starts.run(blocks), Ordering::Relaxed);
         });
-        *is_fast = any.into_inner();
+        self.is_fast = any.into_inner();
     }
 
     /// Lists the particles that rest on walls, those with contacts of uneven masses first.

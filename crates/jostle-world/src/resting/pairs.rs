@@ -1,31 +1,10 @@
 //! Impulses of resting contacts of two particles, in blocks of contacts that share no particle that
 //! moves.
 
-use super::{friction, relaxation};
-use crate::contacts;
+use crate::contacts::Block;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
-use jostle_simd::{LANES, Number, PairIndices, Simd, Work};
-
-/// The contacts of a [`contacts::Block`] in the same lanes, one column for each quantity. Lanes whose
-/// contact does not rest have impulses of 0, which stay 0.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))] // Each column in a cache line of its own.
-pub struct Block {
-    pub normal: [[f32; LANES]; 2],
-    pub inverse_masses: [[f32; LANES]; 2],
-    /// Impulse for a change of the normal speed by one: 1 / (1/m₁ + 1/m₂).
-    effective_masses: [f32; LANES],
-    /// The same times the relaxation factor.
-    relaxed_masses: [f32; LANES],
-    /// Minimum normal speeds after the impacts, and at the end of the sub-step.
-    least_speeds: [[f32; LANES]; 2],
-    /// Impulses of the impacts and of the resting contacts.
-    pub impulses: [[f32; LANES]; 2],
-    pub indices: PairIndices,
-    /// A bit for each contact that rests in this sub-step.
-    pub resting: u32,
-}
+use jostle_simd::{Number, Simd, Work};
 
 /// What the impulses of a sweep belong to: the first or the second of [`Block::impulses`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,27 +48,6 @@ impl Block {
     /// Leaves out the impact of a lane.
     pub fn forgo_impact(&mut self, lane: usize) {
         self.least_speeds[Phase::Impact as usize][lane] = f32::MIN;
-    }
-
-    /// The contacts, with the impulses of the step before.
-    pub fn new(of: &contacts::Block) -> Self {
-        let mut block = Self {
-            // That of coincident centres.
-            normal: [[1.0; LANES], [0.0; LANES]],
-            inverse_masses: of.inverse_masses,
-            effective_masses: [0.0; LANES],
-            relaxed_masses: [0.0; LANES],
-            least_speeds: [[f32::MIN; LANES]; 2],
-            impulses: [[0.0; LANES], of.impulses[0]],
-            indices: of.indices,
-            resting: 0,
-        };
-        for lane in 0..LANES {
-            let masses = [of.inverse_masses[0][lane], of.inverse_masses[1][lane]];
-            block.effective_masses[lane] = 1.0 / (masses[0] + masses[1]);
-            block.relaxed_masses[lane] = block.effective_masses[lane] * relaxation(masses);
-        }
-        block
     }
 
     /// Begins a sub-step with the contacts that rest in it.
@@ -186,11 +144,9 @@ impl Block {
 pub struct Sweep<'a> {
     /// The blocks.
     pub blocks: &'a mut [Block],
-    /// The friction of each block; empty if there is none.
-    pub frictions: &'a mut [friction::Block],
     /// The velocities of all particles.
     pub velocities: &'a Vectors,
-    /// Angular velocity times radius of all particles.
+    /// Angular velocity times radius of all particles; empty if there is no friction.
     pub surface_speeds: &'a Scalars,
     /// What it does.
     pub pass: Pass,
@@ -208,17 +164,12 @@ impl Work<f32> for Sweep<'_> {
 
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
-        let mut frictions = self.frictions.iter_mut();
-        for block in self.blocks {
-            if block.resting == 0 {
-                frictions.next();
-                continue;
-            }
+        let has_friction = !self.surface_speeds.words().is_empty();
+        for block in self.blocks.iter_mut().filter(|block| block.resting != 0) {
             let mut velocities = block.velocities(simd, self.velocities);
             velocities = block.solve(simd, velocities, self.pass);
-            if let Some(friction) = frictions.next() {
-                velocities =
-                    friction.solve(simd, block, velocities, self.surface_speeds, self.pass);
+            if has_friction {
+                velocities = block.rub(simd, velocities, self.surface_speeds, self.pass);
             }
             block.set_velocities(simd, velocities, self.velocities);
         }

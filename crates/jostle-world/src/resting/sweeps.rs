@@ -4,10 +4,10 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
-use super::pairs::{Block, Pass, Phase, Sweep};
+use super::pairs::{Pass, Phase, Sweep};
 use super::walls::Walls;
-use super::{Support, friction, sum};
-use crate::contacts::Contacts;
+use super::{Support, sum};
+use crate::contacts::{Block, Blocks};
 use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
 use crate::motion::{Scalars, Vectors};
 use jostle_base::error::Result;
@@ -51,10 +51,8 @@ enum Task {
 /// What the iterations need.
 pub struct Sweeps<'a> {
     pub all: State<'a>,
-    pub contacts: &'a Contacts,
-    /// The contacts of two particles, and their friction; none if there is none.
-    pub blocks: &'a mut [Block],
-    pub frictions: &'a mut [friction::Block],
+    /// The contacts of two particles.
+    pub pairs: &'a mut Blocks,
     /// The particles with wall contacts. Those with contacts of uneven masses come first.
     pub walls: &'a mut [Walls],
     pub uneven_walls: usize,
@@ -85,9 +83,9 @@ impl Sweeps<'_> {
         let any = |blocks: &[Block]| u8::from(blocks.iter().any(|block| block.resting > 0));
         self.work.clear();
         self.work.push(u8::from(has_fast));
-        self.work.extend(self.contacts.blocks.colours.iter().map(|colour| {
-            any(&self.blocks[colour.all()]) | any(&self.blocks[colour.uneven()]) << 1
-        }));
+        let Blocks { list, colours } = &*self.pairs;
+        self.work
+            .extend(colours.iter().map(|of| any(&list[of.all()]) | any(&list[of.uneven()]) << 1));
     }
 
     /// The tasks in their order.
@@ -125,7 +123,8 @@ impl Sweeps<'_> {
 
     /// Solves all contacts on this thread, together with other processes.
     fn run_on_one(self) -> Result<()> {
-        let Self { all, contacts, blocks, frictions, walls, uneven_walls, mut springs, .. } = self;
+        let Self { all, pairs, walls, uneven_walls, mut springs, .. } = self;
+        let Blocks { list: blocks, colours } = pairs;
         let (&has_fast, work) = self.work.split_first().unwrap_or((&0, &[]));
         let State { scene, .. } = all;
         let has_springs = springs.is_some();
@@ -149,11 +148,10 @@ impl Sweeps<'_> {
                         if !std::mem::replace(&mut is_current, false) {
                             all.refresh()?;
                         }
-                        if let Some(colour) = contacts.blocks.colours.get(number) {
+                        if let Some(colour) = colours.get(number) {
                             let is_all = which == Which::All;
                             let range = if is_all { colour.all() } else { colour.uneven() };
-                            let frictions = frictions.get_mut(range.clone()).unwrap_or_default();
-                            all.sweep(&mut blocks[range], frictions, pass);
+                            all.sweep(&mut blocks[range], pass);
                         }
                     }
                     Ok(())
@@ -166,7 +164,7 @@ impl Sweeps<'_> {
                 }
                 Task::Springs(pass) => {
                     if let Some(springs) = &mut springs {
-                        let pushes = &mut Alone { blocks: &mut *blocks, walls: &mut *walls };
+                        let pushes = &mut Alone { blocks: &mut blocks[..], walls: &mut *walls };
                         springs.take_turn(all.velocities, pushes, pass == Pass::Start);
                     }
                     Ok(())
@@ -187,14 +185,14 @@ impl Sweeps<'_> {
     /// Solves all contacts on this thread and on others.
     fn run_together(self, has_fast: bool) -> Result<()> {
         let stop = Stop::current();
-        let Self { all, contacts, blocks, mut frictions, walls, uneven_walls, springs, .. } = self;
+        let Self { all, pairs, walls, uneven_walls, springs, .. } = self;
         let State { scene, .. } = all;
         let traits = [has_fast, scene.shape.has_uneven, springs.is_some()];
         let springs = Mutex::new(springs);
         let (mut parts, mut colours) = (Vec::new(), Vec::new());
         let mut of_block = Vec::new();
-        let mut rest = blocks;
-        for colour in &contacts.blocks.colours {
+        let mut rest = &mut pairs.list[..];
+        for colour in &pairs.colours {
             let first = parts.len();
             let uneven = colour.uneven().len();
             let mut cut = |blocks: usize| {
@@ -203,9 +201,7 @@ impl Sweeps<'_> {
                     if traits[2] {
                         of_block.extend((0..blocks.len()).map(|at| [parts.len(), at]));
                     }
-                    let count = blocks.len().min(frictions.len());
-                    let frictions = frictions.split_off_mut(..count).unwrap_or_default();
-                    parts.push(Mutex::new((blocks, frictions)));
+                    parts.push(Mutex::new(blocks));
                 }
                 parts.len()
             };
@@ -220,8 +216,7 @@ impl Sweeps<'_> {
                 for colour in &colours {
                     let own = if stop.is_set() { 0..0 } else { colour.share(member, which) };
                     for part in &parts[own] {
-                        let (blocks, frictions) = &mut *locked(part);
-                        all.sweep(blocks, frictions, pass);
+                        all.sweep(&mut locked(part), pass);
                     }
                     member.wait();
                 }
@@ -290,12 +285,9 @@ impl Pushes for Alone<'_> {
     }
 }
 
-/// Blocks with their friction.
-type Part<'a> = Mutex<(&'a mut [Block], &'a mut [friction::Block])>;
-
 /// The same of several threads, which wait.
 struct Together<'a, 'b, 'w> {
-    parts: &'a [Part<'b>],
+    parts: &'a [Mutex<&'b mut [Block]>],
     /// The part of each block, and its number there.
     of_block: &'a [[usize; 2]],
     walls: &'a [Mutex<&'w mut [Walls]>],
@@ -306,7 +298,7 @@ impl Pushes for Together<'_, '_, '_> {
         match place {
             Place::Pair { block, lane } => {
                 let [part, at] = self.of_block[block as usize];
-                locked(&self.parts[part]).0[at].push(lane as usize)
+                locked(&self.parts[part])[at].push(lane as usize)
             }
             Place::Wall { particle, contact } => {
                 let particle = particle as usize;
@@ -320,7 +312,7 @@ impl Pushes for Together<'_, '_, '_> {
         match place {
             Place::Pair { block, lane } => {
                 let [part, at] = self.of_block[block as usize];
-                let impulses = &mut locked(&self.parts[part]).0[at].impulses;
+                let impulses = &mut locked(&self.parts[part])[at].impulses;
                 impulses[Phase::Rest as usize][lane as usize] = impulse;
             }
             Place::Wall { particle, contact } => {
@@ -368,9 +360,9 @@ pub struct State<'a> {
 }
 
 impl State<'_> {
-    fn sweep(&self, blocks: &mut [Block], frictions: &mut [friction::Block], pass: Pass) {
+    fn sweep(&self, blocks: &mut [Block], pass: Pass) {
         let Self { velocities, surface_speeds, .. } = *self;
-        Sweep { blocks, frictions, velocities, surface_speeds, pass }.run();
+        Sweep { blocks, velocities, surface_speeds, pass }.run();
     }
 
     /// Gives ghosts the velocities that their own processes have computed.

@@ -1,7 +1,8 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{FARTHEST, RELAXATION, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
+use super::{FARTHEST, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
+use crate::contacts::RELAXATION;
 use crate::container::{MAX_WALLS, Wall};
 use crate::flow::Kick;
 use crate::forces::springs::Push;

@@ -7,6 +7,7 @@ use super::bounds::{FreeDisplacements, reach};
 use super::plan::Plan;
 use super::search::Lists;
 use super::{OnTouch, StepScratch, World, merge};
+use crate::contacts::Materials;
 use crate::halo::Halo;
 use crate::motion::exact;
 use crate::particles::Particles;
@@ -65,7 +66,9 @@ impl World {
         let Self { particles, settings, scratch, contacts, .. } = self;
         let lists = &scratch.overlaps;
         let before = scratch.tree.rows();
-        contacts.collect(lists, particles, settings.restitution, before, shape.rounds, threads);
+        let StepScratch { lossy, .. } = &*scratch;
+        let materials = Materials { particles, lossy, restitution: settings.restitution };
+        contacts.collect(lists, &materials, before, shape.rounds, threads);
         scratch.contact_shape = shape;
         Ok(refinement)
     }

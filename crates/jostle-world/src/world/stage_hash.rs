@@ -88,7 +88,7 @@ impl World {
             for lane in (0..LANES).filter(|lane| block.lanes >> lane & 1 == 1) {
                 hash.mix_value([0, 1].map(|k| block.indices.of(k)[lane]));
                 hash.mix_value([0, 1].map(|k| block.images[k][lane]));
-                hash.mix_value([0, 1].map(|k| block.impulses[k][lane]));
+                hash.mix_value([block.impulses[1][lane], block.friction_impulses[1][lane]]);
             }
         }
     }

@@ -56,7 +56,9 @@ impl World {
             self.correct_positions(&common, substep)?;
             watch(Stage::Correction, self);
         }
-        self.end_substeps(plan);
+        if plan.may_rest {
+            self.contacts.end_resting(plan.has_friction);
+        }
         self.stats.substeps += plan.substeps;
         Ok(())
     }
@@ -73,7 +75,7 @@ impl World {
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
         self.halo.protocol().limit(self);
-        let Self { particles, persistent, contacts, scratch, settings, .. } = self;
+        let Self { particles, persistent, scratch, settings, .. } = self;
         scratch.grown.begin_step();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
@@ -84,11 +86,10 @@ impl World {
         persistent.warm_start.normal.resize(on_walls, Default::default());
         persistent.warm_start.friction.resize(with_friction, Default::default());
         if plan.may_rest {
-            scratch.resting.begin_step(contacts, particles, &scratch.lossy, plan.has_friction);
+            scratch.resting.begin_step();
         } else {
             scratch.wall_pushes.clear();
         }
-        scratch.correction.begin_step(contacts);
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
         Substeps { plan, flow, smallest_radius: smallest(&particles.radii) }
     }
@@ -191,7 +192,7 @@ impl World {
         let WarmStart { normal, friction } = &mut self.persistent.warm_start;
         new.clear();
         let pushes = WallPushes { normal, friction, walls: new, impulses: wall_impulses };
-        scratch.resting.support(&scene, &self.contacts, pushes, springs, kicks)?;
+        scratch.resting.support(&scene, &mut self.contacts, pushes, springs, kicks)?;
         new.sort_unstable_by_key(|of| (of.row, of.wall));
         std::mem::swap(new, wall_pushes);
         Ok(())
@@ -248,24 +249,10 @@ impl World {
         let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
         let boundaries = (&settings.container, walls);
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
-        correction.run(
-            &self.contacts,
-            motions,
-            particles,
-            boundaries,
-            shared,
-            common.plan.threads,
-        )?;
-        merge::mark_touching(candidate_merges, motions, common.plan.threads);
+        let threads = common.plan.threads;
+        correction.run(&mut self.contacts, motions, particles, boundaries, shared, threads)?;
+        merge::mark_touching(candidate_merges, motions, threads);
         Ok(())
-    }
-
-    /// Stores the impulses in the contacts.
-    fn end_substeps(&mut self, plan: &Plan) {
-        if plan.may_rest {
-            self.scratch.resting.end_step(&mut self.contacts);
-        }
-        self.scratch.correction.end_step(&mut self.contacts);
     }
 }
 
