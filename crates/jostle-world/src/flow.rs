@@ -39,6 +39,14 @@ pub struct Kick {
     pub speed: f32,
 }
 
+impl Kick {
+    /// Whether it changes the velocity of a free particle.
+    #[inline(always)]
+    pub fn has_changes(&self) -> bool {
+        self.before != [0.0; 2] || self.after != [0.0; 2]
+    }
+}
+
 impl Flow {
     /// A sub-step of `h` seconds.
     pub fn new(h: f64, gravity: [f32; 2], drag: f32) -> Self {

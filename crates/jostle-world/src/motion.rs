@@ -16,19 +16,16 @@ pub struct Motion {
     pub residual: [f32; 2],
     /// Velocity.
     pub velocity: [f32; 2],
-    /// Displacement during the last window, without position correction.
-    pub displacement: [f32; 2],
 }
 
 impl Motion {
-    /// The motion of a particle from its columns, without a displacement.
+    /// The motion of a particle from its columns.
     #[inline(always)]
     pub fn of(particles: &Particles, index: usize) -> Self {
         Self {
             position: particles.positions[index],
             residual: particles.residuals[index],
             velocity: particles.velocities[index],
-            ..Self::default()
         }
     }
 }
@@ -45,88 +42,54 @@ pub fn residual(position: [f64; 2], rounded: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| (position[k] - f64::from(rounded[k])) as f32)
 }
 
-/// Two numbers in one word, so that they are read and written together.
+/// The motions of all particles, a column for each quantity, so that contacts gather from them
+/// without a copy. Contacts of one colour share no movable particle, so plain (relaxed) loads and
+/// stores are enough, and safe. A row more, of zeros, is for the lanes of blocks without a contact.
 #[derive(Debug, Default)]
-struct Two(AtomicU64);
-
-impl Two {
-    #[inline(always)]
-    fn get(&self) -> [u32; 2] {
-        let word = self.0.load(Ordering::Relaxed);
-        [word as u32, (word >> 32) as u32]
-    }
-
-    #[inline(always)]
-    fn set(&self, [a, b]: [u32; 2]) {
-        self.0.store(u64::from(a) | u64::from(b) << 32, Ordering::Relaxed);
-    }
-
-    #[inline(always)]
-    fn vector(&self) -> [f32; 2] {
-        self.get().map(f32::from_bits)
-    }
-
-    #[inline(always)]
-    fn set_vector(&self, vector: [f32; 2]) {
-        self.set(vector.map(f32::to_bits));
-    }
+pub struct Motions {
+    /// Centres.
+    pub positions: Vectors,
+    /// What rounding to float32 removed from the centres.
+    pub residuals: Vectors,
+    velocities: Vectors,
+    /// Displacements in the last flight, without position correction. Only merging reads them; empty
+    /// if nothing merges.
+    displacements: Vectors,
 }
-
-/// A motion's numbers in memory.
-#[derive(Debug, Default)]
-struct Row {
-    position: Two,
-    residual: Two,
-    velocity: Two,
-    displacement: Two,
-}
-
-impl Row {
-    #[inline(always)]
-    fn set_exact(&self, position: [f64; 2]) {
-        let rounded = position.map(|v| v as f32);
-        self.position.set_vector(rounded);
-        self.residual.set_vector(residual(position, rounded));
-    }
-}
-
-/// The motions of all particles. Contacts of one colour share no movable particle, so plain
-/// (relaxed) loads and stores are enough, and safe.
-#[derive(Debug, Default)]
-pub struct Motions(Vec<Row>);
 
 impl Motions {
-    /// Resizes to `len` motions; their values are unspecified.
-    pub fn resize(&mut self, len: usize) {
-        self.0.resize_with(len, Default::default);
+    /// Resizes to `len` motions; their values are unspecified. Displacements are 0, if any are kept.
+    pub fn resize(&mut self, len: usize, keeps_displacements: bool) {
+        let Self { positions, residuals, velocities, displacements } = self;
+        for column in [positions, residuals, velocities] {
+            column.resize_with_spare(len);
+        }
+        displacements.resize(0);
+        displacements.resize(if keeps_displacements { len } else { 0 });
     }
 
     /// The motion of the particle at `index`.
     #[inline(always)]
     pub fn get(&self, index: u32) -> Motion {
-        let row = &self.0[index as usize];
         Motion {
-            position: row.position.vector(),
-            residual: row.residual.vector(),
-            velocity: row.velocity.vector(),
-            displacement: row.displacement.vector(),
+            position: self.position(index),
+            residual: self.residual(index),
+            velocity: self.velocity(index),
         }
     }
 
     /// Replaces the motion of the particle at `index`.
     #[inline(always)]
     pub fn set(&self, index: u32, motion: Motion) {
-        let row = &self.0[index as usize];
-        row.position.set_vector(motion.position);
-        row.residual.set_vector(motion.residual);
-        row.velocity.set_vector(motion.velocity);
-        row.displacement.set_vector(motion.displacement);
+        self.positions.set(index, motion.position);
+        self.residuals.set(index, motion.residual);
+        self.velocities.set(index, motion.velocity);
     }
 
     /// Its position alone.
     #[inline(always)]
     pub fn position(&self, index: u32) -> [f32; 2] {
-        self.0[index as usize].position.vector()
+        self.positions.get(index)
     }
 
     /// Its position with what rounding removed from it.
@@ -138,44 +101,48 @@ impl Motions {
     /// What rounding removed from its position.
     #[inline(always)]
     pub fn residual(&self, index: u32) -> [f32; 2] {
-        self.0[index as usize].residual.vector()
+        self.residuals.get(index)
     }
 
     /// Its velocity alone.
     #[inline(always)]
     pub fn velocity(&self, index: u32) -> [f32; 2] {
-        self.0[index as usize].velocity.vector()
+        self.velocities.get(index)
     }
 
-    /// Its displacement in the last window.
+    /// Its displacement in the last flight, if displacements are kept.
     #[inline(always)]
     pub fn displacement(&self, index: u32) -> [f32; 2] {
-        self.0[index as usize].displacement.vector()
+        self.displacements.get(index)
     }
 
     /// Replaces its position, and chooses the float32 of it.
     #[inline(always)]
     pub fn place(&self, index: u32, exact: [f64; 2], rounded: [f32; 2]) {
-        let row = &self.0[index as usize];
-        row.residual.set_vector(residual(exact, rounded));
-        row.position.set_vector(rounded);
+        self.residuals.set(index, residual(exact, rounded));
+        self.positions.set(index, rounded);
     }
 
     /// Adds a displacement to its position.
     #[inline(always)]
     pub fn displace(&self, index: u32, by: [f32; 2]) {
-        let row = &self.0[index as usize];
-        let old = exact(row.position.vector(), row.residual.vector());
-        row.set_exact([0, 1].map(|k| old[k] + f64::from(by[k])));
+        let old = self.exact(index);
+        self.place_exactly(index, [0, 1].map(|k| old[k] + f64::from(by[k])));
     }
 
     /// Replaces position and velocity; the displacement is that from the `old` position.
     #[inline(always)]
     pub fn advance(&self, index: u32, old: [f64; 2], position: [f64; 2], velocity: [f64; 2]) {
-        let row = &self.0[index as usize];
-        row.displacement.set_vector([0, 1].map(|k| (position[k] - old[k]) as f32));
-        row.set_exact(position);
-        row.velocity.set_vector(velocity.map(|v| v as f32));
+        if !self.displacements.words().is_empty() {
+            self.displacements.set(index, [0, 1].map(|k| (position[k] - old[k]) as f32));
+        }
+        self.place_exactly(index, position);
+        self.velocities.set(index, velocity.map(|v| v as f32));
+    }
+
+    #[inline(always)]
+    fn place_exactly(&self, index: u32, position: [f64; 2]) {
+        self.place(index, position, position.map(|v| v as f32));
     }
 }
 
@@ -187,6 +154,12 @@ impl Vectors {
     /// Resizes to `len` vectors; new ones are 0.
     pub fn resize(&mut self, len: usize) {
         self.0.resize_with(len, Default::default);
+    }
+
+    /// The same, with one more for the lanes of blocks without a contact, which is 0.
+    pub fn resize_with_spare(&mut self, len: usize) {
+        self.resize(len + 1);
+        self.set(len as u32, [0.0; 2]);
     }
 
     /// The vector of the particle at `index`.

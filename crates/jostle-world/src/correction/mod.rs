@@ -78,9 +78,6 @@ const DIRECTIONS: [[f32; 2]; 16] = [
 pub struct Correction {
     /// Displacements by the correction; 0 before and after it.
     displacements: Vectors,
-    /// The state before the correction.
-    positions: Vectors,
-    residuals: Vectors,
     /// Scratch: squares of displacements that walls certainly allow, one more for lanes without a pair.
     free_squares: Scalars,
     /// Whether many particles were moved in the last sub-step.
@@ -107,7 +104,8 @@ impl Correction {
             return Ok(());
         }
         let pairs = &mut contacts.blocks;
-        self.measure(&mut pairs.list, motions, &particles.radii, threads);
+        measure(&mut pairs.list, motions, &particles.radii, threads);
+        self.displacements.resize_with_spare(particles.len());
         self.free_squares.resize(particles.len() + 1);
         self.list_near_colours(pairs);
         halo.any_bits(&mut self.near)?;
@@ -129,34 +127,6 @@ impl Correction {
             }
         });
         Ok(())
-    }
-
-    /// Finds the pairs that are near.
-    fn measure(
-        &mut self,
-        blocks: &mut [Block],
-        motions: &Motions,
-        radii: &[f32],
-        threads: Option<usize>,
-    ) {
-        let len = radii.len();
-        let Self { displacements, positions, residuals, .. } = self;
-        // One more for lanes without a pair.
-        for vectors in [displacements, &mut *positions, &mut *residuals] {
-            vectors.resize(len + 1);
-            vectors.set(len as u32, [0.0; 2]);
-        }
-        let (positions, residuals) = (&*positions, &*residuals);
-        parallel::for_rows(threads, len, |index| {
-            let index = index as u32;
-            positions.set(index, motions.position(index));
-            residuals.set(index, motions.residual(index));
-        });
-        let size = BLOCKS_OF_A_THREAD;
-        let threads = if blocks.len() <= size { Some(1) } else { threads };
-        parallel::for_each(threads, blocks.chunks_mut(size), |blocks| {
-            Measure { blocks, positions, residuals, radii }.run();
-        });
     }
 
     /// Finds for each colour whether any pairs are near.
@@ -213,6 +183,15 @@ impl Correction {
         self.moved_many = count_of(0) >= many;
         Ok(count_of(0) > 0 || !halo.is_alone())
     }
+}
+
+/// Finds the pairs that are near.
+fn measure(blocks: &mut [Block], motions: &Motions, radii: &[f32], threads: Option<usize>) {
+    let size = BLOCKS_OF_A_THREAD;
+    let threads = if blocks.len() <= size { Some(1) } else { threads };
+    parallel::for_each(threads, blocks.chunks_mut(size), |blocks| {
+        Measure { blocks, motions, radii }.run();
+    });
 }
 
 /// What the iterations have in common.

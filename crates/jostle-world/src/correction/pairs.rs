@@ -2,7 +2,7 @@
 
 use super::{DIRECTIONS, MOST, NEAR, SLOP, SOFTNESS, TOLERANCE};
 use crate::contacts::Block;
-use crate::motion::{Scalars, Vectors, exact};
+use crate::motion::{Motions, Scalars, Vectors};
 use crate::trajectory::Vector;
 use jostle_simd::{LANES, Number, Simd, Work, for_each_lane};
 
@@ -20,13 +20,8 @@ impl Block {
 
     /// Updates the offsets to the positions, and which pairs are near.
     #[inline(always)]
-    fn update_offsets<S: Simd<f32>>(
-        &mut self,
-        simd: S,
-        positions: &Vectors,
-        residuals: &Vectors,
-        radii: &[f32],
-    ) {
+    fn update_offsets<S: Simd<f32>>(&mut self, simd: S, motions: &Motions, radii: &[f32]) {
+        let Motions { positions, residuals, .. } = motions;
         let [ax, ay] = simd.gather(positions.words(), &self.indices, 0);
         let [bx, by] = simd.gather(positions.words(), &self.indices, 1);
         let [cx, cy] = simd.gather(residuals.words(), &self.indices, 0);
@@ -46,7 +41,7 @@ impl Block {
         simd.store(x, &mut self.offset[0]);
         simd.store(y, &mut self.offset[1]);
         if self.uneven_sizes != 0 {
-            let at = |index| exact(positions.get(index), residuals.get(index));
+            let at = |index| motions.exact(index);
             self.measure_exactly(before, |block, lane| block.measure(lane, radii, at));
         }
     }
@@ -157,9 +152,7 @@ impl Block {
 /// Updates the offsets of pairs, and which are near.
 pub struct Measure<'a> {
     pub blocks: &'a mut [Block],
-    /// The state of all particles.
-    pub positions: &'a Vectors,
-    pub residuals: &'a Vectors,
+    pub motions: &'a Motions,
     pub radii: &'a [f32],
 }
 
@@ -176,7 +169,7 @@ impl Work<f32> for Measure<'_> {
     #[inline(always)]
     fn run<S: Simd<f32>>(self, simd: S) {
         for block in self.blocks {
-            block.update_offsets(simd, self.positions, self.residuals, self.radii);
+            block.update_offsets(simd, self.motions, self.radii);
         }
     }
 }

@@ -83,17 +83,14 @@ pub struct Support<'a> {
 #[derive(Debug, Default)]
 pub struct Resting {
     velocities: Vectors,
-    /// The velocities after the impacts at the beginning of the sub-step.
+    /// The velocities after the impacts at the beginning of the sub-step, if there are any.
     after_impacts: Vectors,
-    /// The changes of velocity by gravity and forces in the sub-step.
-    changes: Vectors,
     /// Angular velocity times radius; empty if there is no friction.
     surface_speeds: Scalars,
-    /// Positions at the beginning of the sub-step.
-    positions: Vectors,
-    /// The speeds that gravity and forces give to the particles in the sub-step, and 0.
+    /// The speeds that gravity and forces give to the particles in the sub-step, and 0; where there
+    /// are forces.
     speeds: Vectors,
-    /// That speed if it is the same for all that move.
+    /// That speed if there are none, the same for all that move.
     speed_of_all: Option<f32>,
     /// Whether particles touch and approach too fast to rest.
     is_fast: bool,
@@ -194,8 +191,11 @@ impl Support<'_> {
         &near[..count]
     }
 
-    fn change(&self, kick: &Kick, k: usize) -> f64 {
-        kick.before[k] + self.flow.gravity[k] * self.flow.duration + kick.after[k]
+    /// The change of velocity that gravity and forces give to a free particle in the sub-step.
+    #[inline(always)]
+    fn change(&self, kick: &Kick) -> [f64; 2] {
+        let Flow { gravity, duration, .. } = self.flow;
+        [0, 1].map(|k| kick.before[k] + gravity[k] * duration + kick.after[k])
     }
 }
 
@@ -289,64 +289,66 @@ impl Resting {
             springs.add_pushes(self.pushes(scene, &pairs.list));
             self.forgo_impacts(springs, &mut pairs.list);
         }
-        let Self { velocities, after_impacts, changes, surface_speeds, .. } = self;
-        let all = State { scene, velocities, after_impacts, changes, surface_speeds };
+        let Self { velocities, after_impacts, surface_speeds, .. } = self;
+        let all = State { scene, kicks, velocities, after_impacts, surface_speeds };
         let Self { walls, work, .. } = self;
         let (uneven_walls, has_fast) = (self.uneven_walls, self.is_fast);
         let springs = springs.holds_any().then_some(springs);
-        Sweeps { all, pairs, walls, uneven_walls, springs, has_fast, work }.run()?;
+        let had_impacts =
+            Sweeps { all, pairs, walls, uneven_walls, springs, has_fast, work }.run()?;
         for walls in &*walls {
             walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
             let mass = scene.particles.masses[walls.index as usize];
             let impulses = walls.impulses(mass);
             wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.index, wall, of)));
         }
-        self.end(scene, kicks);
+        self.end(scene, had_impacts, kicks);
         Ok(())
     }
 
-    /// Writes the velocities without contacts, and the changes that gravity and forces give.
+    /// Writes the velocities without contacts, and the speeds that gravity and forces give.
     fn begin(&mut self, scene: &Support<'_>, kicks: &mut [Kick]) {
-        // One more for lanes without a pair.
-        let Self { velocities, after_impacts, changes, positions, speeds, .. } = self;
-        for vectors in [velocities, after_impacts, changes, positions, speeds] {
-            vectors.resize(kicks.len() + 1);
-            vectors.set(kicks.len() as u32, [0.0; 2]);
-        }
-        let turning = if scene.has_friction { kicks.len() } else { 0 };
+        let count = kicks.len();
+        self.velocities.resize_with_spare(count);
+        self.after_impacts.resize(count);
+        let turning = if scene.has_friction { count } else { 0 };
         self.surface_speeds.resize(if scene.has_friction { turning + 1 } else { 0 });
-        let surface_speeds = &self.surface_speeds;
+        let Self { velocities, surface_speeds, .. } = &*self;
         parallel::for_rows(scene.threads, turning, |index| {
             surface_speeds.set(index as u32, scene.surface_speed(index));
         });
-        let Self { velocities, changes, positions, speeds, .. } = self;
-        let (velocities, changes) = (&*velocities, &*changes);
-        let (positions, speeds) = (&*positions, &*speeds);
-        let change_of = |kick: &Kick| {
-            let change = [0, 1].map(|k| scene.change(kick, k));
-            let speed = (change[0] * change[0] + change[1] * change[1]).sqrt() as f32;
-            (change.map(|v| v as f32), speed)
+        let speed_of = |kick: &Kick| {
+            let [x, y] = scene.change(kick);
+            (x * x + y * y).sqrt() as f32
         };
         // Without forces all particles have the same.
-        let without_kick = change_of(&Kick::default());
+        let without_kick = speed_of(&Kick::default());
         let any_kick = AtomicBool::new(false);
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             let mut any = false;
             for (kick, index) in kicks.iter_mut().zip(first..) {
                 velocities.set(index as u32, scene.motions.velocity(index as u32));
-                positions.set(index as u32, scene.motions.position(index as u32));
-                let mut change = [0.0; 2];
                 if scene.particles.movable[index] {
-                    let has_kick = kick.before != [0.0; 2] || kick.after != [0.0; 2];
+                    let has_kick = kick.has_changes();
                     any |= has_kick;
-                    (change, kick.speed) = if has_kick { change_of(kick) } else { without_kick };
+                    kick.speed = if has_kick { speed_of(kick) } else { without_kick };
                 }
-                changes.set(index as u32, change);
-                speeds.set(index as u32, [kick.speed, 0.0]);
             }
             any_kick.fetch_or(any, Ordering::Relaxed);
         });
-        self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick.1);
+        self.speed_of_all = (!any_kick.into_inner()).then_some(without_kick);
+        if self.speed_of_all.is_none() {
+            self.list_speeds(scene, kicks);
+        }
+    }
+
+    /// Lists the speeds that gravity and forces give.
+    fn list_speeds(&mut self, scene: &Support<'_>, kicks: &[Kick]) {
+        self.speeds.resize_with_spare(kicks.len());
+        let speeds = &self.speeds;
+        parallel::for_rows(scene.threads, kicks.len(), |index| {
+            speeds.set(index as u32, [kicks[index].speed, 0.0]);
+        });
     }
 
     /// Begins a sub-step of springs that are solved together with contacts. They count as forces
@@ -355,13 +357,11 @@ impl Resting {
         if !springs.holds_any() {
             return;
         }
-        let speeds = &self.speeds;
         springs.begin_held(scene.flow, scene.motions, &scene.particles.movable, |index, by| {
-            let kick = &mut kicks[index as usize];
-            kick.speed += (by[0] * by[0] + by[1] * by[1]).sqrt() as f32;
-            speeds.set(index, [kick.speed, 0.0]);
+            kicks[index as usize].speed += (by[0] * by[0] + by[1] * by[1]).sqrt() as f32;
         });
         self.speed_of_all = None;
+        self.list_speeds(scene, kicks);
     }
 
     /// Leaves out the impacts of contacts that are solved together with springs: springs press
@@ -405,7 +405,6 @@ impl Resting {
     /// Finds the contacts of two particles that rest.
     fn find_starts(&mut self, scene: &Support<'_>, blocks: &mut [Block]) {
         let starts = Starts {
-            positions: &self.positions,
             velocities: &self.velocities,
             motions: scene.motions,
             radii: &scene.particles.radii,
@@ -486,7 +485,7 @@ impl Resting {
     /// Gives all of its change of velocity to each particle that resting contacts support before
     /// the flight, which is straight. One that has impacts alone gets the change that these give, and
     /// falls.
-    fn end(&self, scene: &Support<'_>, kicks: &mut [Kick]) {
+    fn end(&self, scene: &Support<'_>, had_impacts: bool, kicks: &mut [Kick]) {
         parallel::for_chunks(scene.threads, kicks, |first, kicks| {
             for (kick, index) in kicks.iter_mut().zip(first..) {
                 if !scene.particles.movable[index] {
@@ -497,9 +496,9 @@ impl Resting {
                 }
                 let index = index as u32;
                 let (new, old) = (self.velocities.get(index), scene.motions.velocity(index));
-                let impacted = self.after_impacts.get(index);
+                let impacted = if had_impacts { self.after_impacts.get(index) } else { old };
                 let from_old = |v: [f32; 2]| [0, 1].map(|k| f64::from(v[k]) - f64::from(old[k]));
-                if new == sum(impacted, self.changes.get(index)) {
+                if new == sum(impacted, scene.change(kick).map(|v| v as f32)) {
                     if impacted != old {
                         let by = from_old(impacted);
                         kick.before = [0, 1].map(|k| kick.before[k] + by[k]);

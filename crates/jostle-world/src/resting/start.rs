@@ -11,7 +11,6 @@ use jostle_simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
 #[derive(Clone, Copy)]
 pub struct Starts<'a> {
     /// The state of all particles at the beginning of the sub-step.
-    pub positions: &'a Vectors,
     pub velocities: &'a Vectors,
     pub motions: &'a Motions,
     pub radii: &'a [f32],
@@ -59,7 +58,7 @@ impl Work<f32> for StartsOfBlocks<'_> {
 fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
     let h = simd.splat(all.duration);
     let zero = simd.splat(0.0);
-    let [x, y] = difference(simd, all.positions, &block.indices);
+    let [x, y] = difference(simd, &all.motions.positions, &block.indices);
     let x = simd.add(x, simd.load(&block.images[0]));
     let y = simd.add(y, simd.load(&block.images[1]));
     let length = simd.sqrt(simd.add(simd.mul(x, x), simd.mul(y, y)));

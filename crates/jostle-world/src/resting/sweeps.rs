@@ -8,6 +8,7 @@ use super::pairs::{Pass, Phase, Sweep};
 use super::walls::Walls;
 use super::{Support, sum};
 use crate::contacts::{Block, Blocks};
+use crate::flow::Kick;
 use crate::forces::springs::{Place, Push, Pushes, SpringSolver};
 use crate::motion::{Scalars, Vectors};
 use jostle_base::error::Result;
@@ -65,8 +66,8 @@ pub struct Sweeps<'a> {
 }
 
 impl Sweeps<'_> {
-    /// Finds the impulses, and the velocities with them.
-    pub fn run(mut self) -> Result<()> {
+    /// Finds the impulses, and the velocities with them. Returns whether there were impacts.
+    pub fn run(mut self) -> Result<bool> {
         let Support { threads, halo, .. } = *self.all.scene;
         let has_fast = self.has_fast || self.walls.iter().any(Walls::is_fast);
         if halo.is_alone() && parallel::is_parallel(threads) {
@@ -122,7 +123,7 @@ impl Sweeps<'_> {
     }
 
     /// Solves all contacts on this thread, together with other processes.
-    fn run_on_one(self) -> Result<()> {
+    fn run_on_one(self) -> Result<bool> {
         let Self { all, pairs, walls, uneven_walls, mut springs, .. } = self;
         let Blocks { list: blocks, colours } = pairs;
         let (&has_fast, work) = self.work.split_first().unwrap_or((&0, &[]));
@@ -173,17 +174,18 @@ impl Sweeps<'_> {
                     if !std::mem::replace(&mut is_current, true) {
                         all.refresh()?;
                     }
-                    all.accelerate(0..scene.particles.len());
+                    all.accelerate(0..scene.particles.len(), has_fast > 0);
                     Ok(())
                 }
             }
         };
         Self::each_task([has_fast > 0, shape.has_uneven, has_springs], &mut act)?;
-        all.refresh()
+        all.refresh()?;
+        Ok(has_fast > 0)
     }
 
     /// Solves all contacts on this thread and on others.
-    fn run_together(self, has_fast: bool) -> Result<()> {
+    fn run_together(self, has_fast: bool) -> Result<bool> {
         let stop = Stop::current();
         let Self { all, pairs, walls, uneven_walls, springs, .. } = self;
         let State { scene, .. } = all;
@@ -241,7 +243,7 @@ impl Sweeps<'_> {
                 member.wait();
             }
             Task::Accelerate => {
-                all.accelerate(member.share(scene.particles.len()));
+                all.accelerate(member.share(scene.particles.len()), has_fast);
                 member.wait();
             }
         };
@@ -253,7 +255,8 @@ impl Sweeps<'_> {
             };
             let _ = Self::each_task(traits, act);
         });
-        stop.check()
+        stop.check()?;
+        Ok(has_fast)
     }
 }
 
@@ -351,10 +354,9 @@ impl Colour {
 pub struct State<'a> {
     pub scene: &'a Support<'a>,
     pub velocities: &'a Vectors,
-    /// The velocities after the impacts at the beginning of the sub-step.
+    /// The velocities after the impacts at the beginning of the sub-step, if there are any.
     pub after_impacts: &'a Vectors,
-    /// The changes of velocity by gravity and forces in the sub-step.
-    pub changes: &'a Vectors,
+    pub kicks: &'a [Kick],
     /// Angular velocity times radius.
     pub surface_speeds: &'a Scalars,
 }
@@ -390,11 +392,17 @@ impl State<'_> {
         }
     }
 
-    fn accelerate(&self, indices: Range<usize>) {
+    /// Adds gravity and forces to the velocities. Those after impacts are kept for what falls freely.
+    fn accelerate(&self, indices: Range<usize>, had_impacts: bool) {
         for index in indices {
             let velocity = self.velocities.get(index as u32);
-            self.after_impacts.set(index as u32, velocity);
-            self.velocities.set(index as u32, sum(velocity, self.changes.get(index as u32)));
+            if had_impacts {
+                self.after_impacts.set(index as u32, velocity);
+            }
+            if self.scene.particles.movable[index] {
+                let change = self.scene.change(&self.kicks[index]).map(|v| v as f32);
+                self.velocities.set(index as u32, sum(velocity, change));
+            }
         }
     }
 }

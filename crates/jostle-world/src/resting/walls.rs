@@ -219,7 +219,8 @@ impl WallContact {
         let velocity = scene.walls.walls.velocity(number);
         let [u, v] = [0, 1].map(|k| own[k] - velocity[k]);
         // On a wall from which gravity and forces move it away it rests only if other particles push it.
-        let away = [0, 1].map(|k| wall.inward[k] * scene.change(kick, k) as f32);
+        let change = scene.change(kick);
+        let away = [0, 1].map(|k| wall.inward[k] * change[k] as f32);
         let is_pushed = pushes[0] > 0.0 || are_touching(wall.gap, scene.particles.radii[index]);
         if away[0] + away[1] > 0.0 && !is_pushed {
             return None;

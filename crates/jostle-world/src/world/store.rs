@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::World;
 use super::plan::Plan;
+use super::{OnTouch, World};
 use crate::container::MAX_WALLS;
 use crate::motion::Motion;
 use crate::particles::{FARTHEST, Particles, wrap_angle};
@@ -21,7 +21,7 @@ impl World {
         let threads = plan.threads;
         let are_read = plan.has_kicks() || !self.particles.spins.is_empty();
         let Self { particles, scratch, .. } = self;
-        scratch.motions.resize(particles.len());
+        scratch.motions.resize(particles.len(), self.settings.on_touch == OnTouch::Merge);
         let motions = &scratch.motions;
         if are_read {
             parallel::for_rows(threads, particles.len(), |index| {

@@ -106,9 +106,8 @@ impl World {
                 [x, y, a, b, u, v]
             },
             |index, [x, y, a, b, u, v]| {
-                let displacement = motions.displacement(index);
                 let (position, residual, velocity) = ([x, y], [a, b], [u, v]);
-                motions.set(index, Motion { position, residual, velocity, displacement });
+                motions.set(index, Motion { position, residual, velocity });
             },
         )?;
         if !plan.has_friction {
