@@ -11,6 +11,13 @@ use jostle_base::error::{Error, Result};
 /// A number of periods along each axis.
 pub type Turns = [i32; 2];
 
+/// A position and its eight nearest images.
+pub const NINE_IMAGES: [Turns; 9] =
+    [[-1, -1], [0, -1], [1, -1], [-1, 0], [0, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+
+/// One of each two opposite images in [`NINE_IMAGES`], without the position itself.
+const HALF_OF_IMAGES: [Turns; 4] = [[-1, 0], [0, -1], [-1, -1], [-1, 1]];
+
 /// Width and height of the period; 0 on an axis that is not periodic.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Period<T>([T; 2]);
@@ -29,9 +36,28 @@ impl<T: Scalar> Period<T> {
         }
     }
 
+    /// The period with sides that are known to be in range.
+    #[inline(always)]
+    pub fn unchecked(sides: [T; 2]) -> Self {
+        Self(sides)
+    }
+
+    /// The same in float64.
+    #[inline(always)]
+    pub fn exact(&self) -> Period<f64> {
+        Period(self.0.map(T::to_f64))
+    }
+
     /// Width and height; 0 on an axis that is not periodic.
+    #[inline(always)]
     pub fn sides(&self) -> [T; 2] {
         self.0
+    }
+
+    /// The shortest side; infinite if no axis is periodic.
+    pub fn shortest(&self) -> T {
+        let side = |axis: usize| if self.is_along(axis) { self.0[axis] } else { T::INFINITY };
+        side(0).min(side(1))
     }
 
     /// Whether no axis is periodic.
@@ -41,11 +67,13 @@ impl<T: Scalar> Period<T> {
     }
 
     /// Whether an axis is periodic.
+    #[inline(always)]
     pub fn is_along(&self, axis: usize) -> bool {
         self.0[axis] > T::ZERO
     }
 
     /// The same position in the first period: in `[0, p)` on a periodic axis of length p.
+    #[inline]
     pub fn wrap(&self, point: [T; 2]) -> [T; 2] {
         [0, 1].map(
             |axis| if self.is_along(axis) { wrap(point[axis], self.0[axis]) } else { point[axis] },
@@ -77,13 +105,34 @@ impl<T: Scalar> Period<T> {
         })
     }
 
-    /// The minimum image of a displacement: that between the nearest images of two positions.
+    /// The minimum image of a displacement: that between the nearest images of two positions. It is at
+    /// most half a period long along each axis.
+    #[inline(always)]
     pub fn minimum_image(&self, displacement: [T; 2]) -> [T; 2] {
+        if self.is_none() {
+            return displacement;
+        }
+        self.minimum_image_within([0, 1].map(|axis| {
+            let (side, along) = (self.0[axis], displacement[axis]);
+            // The remainder is exact, so that the result does not depend on the number of periods.
+            if along.abs() > side && side > T::ZERO { along.remainder(side) } else { along }
+        }))
+    }
+
+    /// The same for a displacement of at most one period along each axis. Loops over it are
+    /// vectorized, because it neither divides nor branches.
+    #[inline(always)]
+    pub fn minimum_image_within(&self, displacement: [T; 2]) -> [T; 2] {
         [0, 1].map(|axis| {
             let (side, along) = (self.0[axis], displacement[axis]);
-            let turns = if self.is_along(axis) { (along / side).to_f64().round() } else { 0.0 };
-            // Most displacements are shorter than half a period. They keep their bits.
-            if turns == 0.0 { along } else { along - T::from_f64(turns) * side }
+            let half = T::from_f64(0.5) * side;
+            if along > half {
+                along - side
+            } else if along < -half {
+                along + side
+            } else {
+                along
+            }
         })
     }
 
@@ -105,6 +154,7 @@ impl<T: Scalar> Period<T> {
     }
 
     /// The displacement of a number of periods.
+    #[inline]
     pub fn span(&self, turns: Turns) -> [T; 2] {
         [0, 1].map(|axis| T::from_f64(f64::from(turns[axis])) * self.0[axis])
     }
@@ -139,6 +189,14 @@ impl<T: Scalar> Period<T> {
             }
         }
         [low, high]
+    }
+
+    /// The displacements to the nearest images of a position, one of each two opposite ones: a pair of
+    /// shapes whose centres are in the first period is near with one of them, if not as it is.
+    pub fn half_of_images(&self) -> impl Iterator<Item = [T; 2]> + use<T> {
+        let period = *self;
+        let exists = move |turns: &Turns| (0..2).all(|k| turns[k] == 0 || period.is_along(k));
+        HALF_OF_IMAGES.into_iter().filter(exists).map(move |turns| period.span(turns))
     }
 
     /// The displacements to the images of a region that may overlap shapes whose centres are in the
@@ -267,6 +325,8 @@ mod tests {
         }
         assert_eq!(period.minimum_image([2.0, 2.0]), [-1.0, 2.0]);
         assert_eq!(period.minimum_image([-1.25, 1e9]), [-1.25, 1e9]);
+        assert_eq!(period.minimum_image([1.5, 0.0]), [1.5, 0.0]);
+        assert_eq!(period.minimum_image([-31.0, -1e9]), [-1.0, -1e9]);
         let near: Vec<Turns> = period.images_near([-1.0, -9.0], [4.0, 9.0]).collect();
         assert_eq!(near, [[-2, 0], [-1, 0], [0, 0], [1, 0], [2, 0]]);
     }

@@ -6,6 +6,7 @@
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use crate::particles::{Particles, Spin};
+use jostle_index::period::Period;
 
 /// The state of a particle during a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,6 +43,28 @@ pub fn residual(position: [f64; 2], rounded: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| (position[k] - f64::from(rounded[k])) as f32)
 }
 
+/// The same position in the first period. On an axis that is not periodic nothing changes.
+#[inline(always)]
+pub fn wrapped(
+    position: [f32; 2],
+    residual: [f32; 2],
+    period: &Period<f32>,
+) -> ([f32; 2], [f32; 2]) {
+    if period.is_none() {
+        return (position, residual);
+    }
+    let mut inside = period.exact().wrap(exact(position, residual));
+    let mut rounded = inside.map(|v| v as f32);
+    for (k, &side) in period.sides().iter().enumerate() {
+        // A position that rounds to the far side is at the near one.
+        if period.is_along(k) && rounded[k] >= side {
+            (inside[k], rounded[k]) = (inside[k] - f64::from(side), 0.0);
+        }
+    }
+    (rounded, self::residual(inside, rounded))
+}
+
+/// Two numbers in one word, so that they are read and written together.
 /// The motions of all particles, a column for each quantity, so that contacts gather from them
 /// without a copy. Contacts of one colour share no movable particle, so plain (relaxed) loads and
 /// stores are enough, and safe. A row more, of zeros, is for the lanes of blocks without a contact.

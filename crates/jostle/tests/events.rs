@@ -418,7 +418,8 @@ fn passing_by_brute_force(before: &Particles, dt: f64, settings: &WorldSettings)
             let touches = |moment: usize| {
                 let t = dt * moment as f64 / MOMENTS as f64;
                 let (p, q) = (place(i, t), place(j, t));
-                let [x, y] = settings.container.minimum_image([q[0] - p[0], q[1] - p[1]]);
+                let [x, y] =
+                    settings.container.period().exact().minimum_image([q[0] - p[0], q[1] - p[1]]);
                 x * x + y * y < reach * reach
             };
             if before.may_touch(i, j) && (0..=MOMENTS).any(touches) {

@@ -113,7 +113,7 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
         for j in (0..state.positions.len()).filter(|&j| j != i) {
             let offset =
                 [0, 1].map(|k| f64::from(state.positions[j][k]) - f64::from(state.positions[i][k]));
-            let [x, y] = container.minimum_image(offset);
+            let [x, y] = container.period().exact().minimum_image(offset);
             let [u, v] = [0, 1]
                 .map(|k| f64::from(state.velocities[j][k]) - f64::from(state.velocities[i][k]));
             let distance = (x * x + y * y).sqrt();

@@ -701,7 +701,7 @@ fn slow_discs_far_from_the_origin_collide_as_near_it() {
             let steps = (120.0 / speed) as usize;
             run(&mut world, steps);
             let time = world.time();
-            let inside = container.wrap([origin, -origin]);
+            let inside = container.period().wrap([origin, -origin]);
             let expected = [1.0, 2.0 + f64::from(speed) * time];
             for (k, expected) in expected.into_iter().enumerate() {
                 let [x, y] = world.positions()[k];

@@ -50,8 +50,8 @@ impl Window<'_> {
 /// The end of the window, halved until no disc travels further than around a torus in it, but not
 /// shorter than `shortest`. Refuses a sub-step in which forces make one too fast.
 pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
-    let container = &window.flight.container;
-    if container.period().is_none() {
+    let period = window.flight.container.period();
+    if period.is_none() {
         return Ok(window.end);
     }
     let speed = |start: &Start| start.velocity.map(f32::abs).into_iter().sum::<f32>();
@@ -59,7 +59,7 @@ pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64
     let own = (0..).zip(window.now).filter(|(index, _)| halo.owns(*index));
     let fastest = own.map(|(_, start)| speed(start)).fold(0.0, f32::max);
     let fastest = halo.largest([f64::from(fastest)])?[0] as f32;
-    let tours = |seconds: f64| container.tours(fastest * seconds as f32);
+    let tours = |seconds: f64| fastest * seconds as f32 / period.shortest();
     let left = window.end - window.begin;
     if tours(left) > 2.0 * MAX_TOURS {
         let rule = "forces would make a particle circle the torus too often; take smaller steps";

@@ -77,7 +77,7 @@ pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32
         let rows = bodies.positions[first..].iter().zip(&bodies.radii[first..]);
         for (acceleration, (position, &radius)) in chunk.iter_mut().zip(rows) {
             let offset =
-                bodies.container.minimum_image_within([0, 1].map(|k| pole[k] - position[k]));
+                bodies.container.period().minimum_image([0, 1].map(|k| pole[k] - position[k]));
             let pull = pull(attractor, offset, radius);
             *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
         }

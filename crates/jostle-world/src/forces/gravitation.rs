@@ -18,12 +18,12 @@ use std::sync::Mutex;
 
 use super::sorted::Sorted;
 use super::{Bodies, check_number};
-use crate::container::{Container, minimum_image_within};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
 use jostle_index::columns::Columns;
+use jostle_index::period::Period;
 use jostle_index::quadtree::Quadtree;
 use jostle_simd::{LANES, Number, Simd, Work};
 
@@ -98,7 +98,7 @@ pub fn add(
     let direct = prepare(gravitation, bodies, scratch);
     let Scratch { sorted, all, moments, pulls, lists } = scratch;
     let tree = &sorted.tree;
-    let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
+    let walk = Walk { gravitation, tree, all, moments, period: bodies.container.period() };
     pulls.clear();
     pulls.resize(tree.len(), [0.0; 2]);
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
@@ -127,7 +127,7 @@ pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
     let mut scratch = Scratch::default();
     let direct = prepare(gravitation, bodies, &mut scratch);
     let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
-    let walk = Walk { gravitation, tree, all, moments, container: bodies.container };
+    let walk = Walk { gravitation, tree, all, moments, period: bodies.container.period() };
     let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
     let stop = Stop::current();
     let parts = parallel::map(threads, groups.len(), |index| {
@@ -265,10 +265,10 @@ impl Sources {
 
 impl Sources {
     /// Sum of mass divided by distance from `position`.
-    fn potential(&self, [px, py]: [f32; 2], soft: f64, container: &Container) -> f64 {
+    fn potential(&self, [px, py]: [f32; 2], soft: f64, period: &Period<f32>) -> f64 {
         let mut sum = 0.0;
         for ((x, y), &mass) in self.x.iter().zip(&self.y).zip(&self.mass) {
-            let [dx, dy] = container.minimum_image_within([x - px, y - py]).map(f64::from);
+            let [dx, dy] = period.minimum_image([x - px, y - py]).map(f64::from);
             let square = dx * dx + dy * dy + soft * soft;
             if square > 0.0 {
                 sum += f64::from(mass) / square.sqrt();
@@ -291,7 +291,7 @@ struct Walk<'a> {
     tree: &'a Quadtree<f32>,
     all: &'a Sources,
     moments: &'a [Moment],
-    container: Container,
+    period: Period<f32>,
 }
 
 impl Walk<'_> {
@@ -312,7 +312,7 @@ impl Walk<'_> {
         let energy = |index: usize| {
             let mass = f64::from(self.all.mass[index]);
             let at = [self.all.x[index], self.all.y[index]];
-            mass * (sources.potential(at, soft, &self.container) - mass * own)
+            mass * (sources.potential(at, soft, &self.period) - mass * own)
         };
         self.tree.nodes()[group as usize].range().map(energy).sum()
     }
@@ -347,13 +347,12 @@ impl Walk<'_> {
         if width == 0.0 {
             return true;
         }
-        let offset = self.container.minimum_image_within([0, 1].map(|k| center[k] - middle[k]));
-        if let Container::Torus { size } = self.container {
-            // The minimum image must be the same for all bodies of the group.
-            let same = |k: usize| offset[k].abs() + half[k] + width < 0.5 * size[k];
-            if !same(0) || !same(1) {
-                return false;
-            }
+        let offset = self.period.minimum_image([0, 1].map(|k| center[k] - middle[k]));
+        // The minimum image must be the same for all bodies of the group.
+        let [w, h] = self.period.sides();
+        let same = |k: usize, side: f32| offset[k].abs() + half[k] + width < 0.5 * side;
+        if !self.period.is_none() && !(same(0, w) && same(1, h)) {
+            return false;
         }
         let [x, y] = [0, 1].map(|k| (offset[k].abs() - half[k]).max(0.0));
         let theta = self.gravitation.theta;
@@ -379,12 +378,11 @@ impl Work<f32> for Pull<'_> {
         let soft_square = softening * softening;
         for (pull, index) in pulls.iter_mut().zip(bodies) {
             let position = [walk.all.x[index], walk.all.y[index]];
-            *pull = match walk.container {
-                Container::Torus { size: [w, h] } => {
-                    sources
-                        .pull(position, soft_square, |offset| minimum_image_within([w, h], offset))
-                }
-                _ => sources.pull(position, soft_square, |offset| offset),
+            *pull = if walk.period.is_none() {
+                sources.pull(position, soft_square, |offset| offset)
+            } else {
+                sources
+                    .pull(position, soft_square, |offset| walk.period.minimum_image_within(offset))
             };
         }
     }

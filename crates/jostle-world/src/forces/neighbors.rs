@@ -10,10 +10,10 @@ use std::sync::Mutex;
 
 use super::Bodies;
 use super::sorted::Sorted;
-use crate::container::{Container, NINE_IMAGES};
 use jostle_base::interrupt::Stop;
 use jostle_base::parallel::{self, locked};
 use jostle_base::settings::Method;
+use jostle_index::period::{NINE_IMAGES, Period};
 use jostle_index::quadtree::Quadtree;
 use jostle_simd::{LANES, Number, Simd, Work, block, block_mut};
 
@@ -178,7 +178,7 @@ impl Scratch {
             x: &self.x,
             y: &self.y,
             columns: &self.columns[..count],
-            container: bodies.container,
+            period: bodies.container.period(),
             square: cutoff * cutoff,
             is_brute: bodies.method == Method::Brute,
         }
@@ -197,7 +197,7 @@ struct Search<'a> {
     x: &'a [f32],
     y: &'a [f32],
     columns: &'a [Vec<f32>],
-    container: Container,
+    period: Period<f32>,
     /// Of the cutoff.
     square: f32,
     is_brute: bool,
@@ -207,9 +207,9 @@ impl Search<'_> {
     /// Lists the blocks that may have neighbours of a group.
     fn list(&self, group: u32, list: &mut List) {
         list.near.clear();
-        if let Container::Torus { size: [w, h] } = self.container {
-            for [x, y] in NINE_IMAGES {
-                self.list_image(group, [f32::from(x) * w, f32::from(y) * h], list);
+        if !self.period.is_none() {
+            for turns in NINE_IMAGES {
+                self.list_image(group, self.period.span(turns), list);
             }
             // Stable, so that the images of a block stay in order.
             if !list.near.is_sorted_by_key(|near| near.block) {

@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::scale::{CELLS, Scale};
 use crate::container::Container;
 use jostle_base::sorting;
+use jostle_index::period::Period;
 
 /// The first and the last coordinate along each axis.
 type Aabb = [[f64; 2]; 2];
@@ -25,7 +26,7 @@ pub struct Grid<'a> {
     shift: u32,
     /// Cells along each axis.
     count: usize,
-    period: Option<[f32; 2]>,
+    period: Period<f64>,
 }
 
 impl<'a> Grid<'a> {
@@ -33,7 +34,7 @@ impl<'a> Grid<'a> {
     pub fn new(container: &Container, scales: &'a [Scale; 2], total: usize) -> Self {
         let wanted = (total as f64 / IN_A_CELL).sqrt().clamp(1.0, CELLS as f64) as usize;
         let shift = (CELLS / wanted).next_power_of_two().trailing_zeros();
-        Self { scales, shift, count: CELLS >> shift, period: container.period() }
+        Self { scales, shift, count: CELLS >> shift, period: container.period().exact() }
     }
 
     /// The number of cells.
@@ -56,14 +57,15 @@ impl<'a> Grid<'a> {
     /// The same of an AABB, from the ends of both sides.
     #[inline(always)]
     fn range_of(&self, sides: Aabb) -> [[u16; 2]; 2] {
+        let corners = [0, 1].map(|end| self.period.wrap([sides[0][end], sides[1][end]]));
         [0, 1].map(|axis| {
             let ends = sides[axis];
-            let Some(size) = self.period else {
+            if !self.period.is_along(axis) {
                 return ends.map(|end| self.cell(axis, end));
-            };
-            let (side, all) = (f64::from(size[axis]), [0, (self.count - 1) as u16]);
-            if ends[1] - ends[0] < side {
-                let [first, last] = ends.map(|end| end - side * (end / side).floor());
+            }
+            let all = [0, (self.count - 1) as u16];
+            if ends[1] - ends[0] < self.period.sides()[axis] {
+                let [first, last] = corners.map(|corner| corner[axis]);
                 let cells = [first, last].map(|end| self.cell(axis, end));
                 // Not around the torus, from a cell to itself.
                 if cells[0] != cells[1] || first <= last {

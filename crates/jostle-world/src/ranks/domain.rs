@@ -377,7 +377,7 @@ impl Domain {
                 0.0
             } else {
                 let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
-                let [x, y] = container.minimum_image(offset);
+                let [x, y] = container.period().exact().minimum_image(offset);
                 ((x * x + y * y).sqrt() * 1.000_01) as f32
             };
             let left = of.distance - moved;

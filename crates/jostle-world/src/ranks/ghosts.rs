@@ -115,7 +115,7 @@ impl World {
             announced[row as usize] = Announced { position, distance };
         }
         let circle = |index: usize| {
-            let center = settings.container.wrap(particles.positions[index]);
+            let center = settings.container.period().wrap(particles.positions[index]);
             let radius = f64::from(particles.radii[index]) + f64::from(distances[index]);
             let rounding = f64::from(rounding(
                 particles.positions[index],
@@ -156,7 +156,7 @@ impl World {
         let Self { halo, particles, settings, scratch, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         // There are no ghosts yet.
-        let wrapped = particles.positions.iter().map(|&at| settings.container.wrap(at));
+        let wrapped = particles.positions.iter().map(|&at| settings.container.period().wrap(at));
         let own = wrapped.fold([f32::MIN; 4], |most, [x, y]| {
             [most[0].max(x), most[1].max(y), most[2].max(-x), most[3].max(-y)]
         });
@@ -169,7 +169,7 @@ impl World {
         // In the order of ranks, so that all have the same sum.
         let radius = number(4).sum::<f64>() / domain.awake.max(1) as f64;
         // The first step moves particles that are outside of a torus.
-        let is_torus = settings.container.period().is_some();
+        let is_torus = !settings.container.period().is_none();
         let area = [[-left, -top], [right, bottom]].map(|at| at.map(|v| v as f32));
         domain.extent = (!is_torus).then_some(area);
         let extent = (right + left).max(bottom + top).max(0.0);

@@ -16,6 +16,7 @@ use jostle_base::bytes::Plain;
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 use jostle_base::table::Table;
+use jostle_index::period::Period;
 
 /// What leaves this rank for each other one, as bytes.
 #[derive(Debug)]
@@ -116,7 +117,8 @@ impl World {
             return Ok(());
         }
         let container = settings.container;
-        let wrapped: Vec<_> = particles.positions.iter().map(|&at| container.wrap(at)).collect();
+        let wrapped: Vec<_> =
+            particles.positions.iter().map(|&at| container.period().wrap(at)).collect();
         domain.scales = scales_of_all(&domain.group, &wrapped, container.period())?;
         let keys: Vec<u64> = wrapped.iter().map(|&at| key(&domain.scales, at)).collect();
         let cuts = cuts_of_all(&domain.group, &keys, domain.work)?;
@@ -265,7 +267,7 @@ fn cuts_of_all(group: &Mutex<Group>, keys: &[u64], work: f64) -> Result<Vec<u64>
 fn scales_of_all(
     group: &Mutex<Group>,
     positions: &[[f32; 2]],
-    period: Option<[f32; 2]>,
+    period: Period<f32>,
 ) -> Result<[Scale; 2]> {
     let mut group = locked(group);
     let own = sample_positions(positions, group.size());
@@ -273,5 +275,6 @@ fn scales_of_all(
     let all = group.share(&own)?;
     let ranks = all.iter().zip(amounts).map(|(bytes, [count])| (&bytes[..], count as f64));
     let samples = read_samples(ranks);
-    Ok([0, 1].map(|k| Scale::new(&samples[k], period.map(|size| f64::from(size[k])))))
+    let side = |k: usize| period.is_along(k).then(|| period.exact().sides()[k]);
+    Ok([0, 1].map(|k| Scale::new(&samples[k], side(k))))
 }

@@ -274,7 +274,7 @@ impl World {
         for (&position, &row) in force.halfway.iter().zip(&*rows) {
             let Some(of) = domain.announced.get(row as usize) else { continue };
             let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));
-            let [x, y] = settings.container.minimum_image(offset);
+            let [x, y] = settings.container.period().exact().minimum_image(offset);
             let distance = (x * x + y * y).sqrt() as f32 * 1.000_01 + half_cutoff;
             if distance > of.distance {
                 domain.far.push((row, distance));

@@ -40,7 +40,7 @@ impl Asleep {
                 let (position, radius) = (all.positions[at], all.radii[at]);
                 let half_width =
                     f64::from(radius) * 1.000_01 + f64::from(rounding(position, radius, container));
-                near.list_ranks(grid, container.wrap(position), half_width, &mut ranks);
+                near.list_ranks(grid, container.period().wrap(position), half_width, &mut ranks);
                 for &rank in &ranks {
                     put_circle(&mut to[rank as usize], *name, all, at);
                 }

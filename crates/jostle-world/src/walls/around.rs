@@ -110,7 +110,7 @@ impl Around<'_> {
     /// The wall with a number, if a disc that bounces off it may count as having left it: one that
     /// stands still and has no images.
     pub fn left(&self, wall: u32) -> Option<u32> {
-        (self.walls.torus.is_none() && !self.walls.any_moves).then_some(wall)
+        (self.walls.period.is_none() && !self.walls.any_moves).then_some(wall)
     }
 
     /// Calls `act` with the number and the offset of each wall that a disc may touch, or whose
@@ -383,14 +383,14 @@ impl Walls {
         stack: &mut Vec<u32>,
         mut act: impl FnMut(u32, Vector),
     ) {
-        match self.torus {
-            None => self.each_in(area, margin, stack, act),
-            Some(sides) => each_tile(area, sides, |part, tile| {
-                self.each_in(part, margin, stack, |wall, offset| {
-                    act(wall, vector(|k| offset[k] + tile[k]));
-                });
-            }),
+        if self.period.is_none() {
+            return self.each_in(area, margin, stack, act);
         }
+        each_tile(area, self.period.sides(), |part, tile| {
+            self.each_in(part, margin, stack, |wall, offset| {
+                act(wall, vector(|k| offset[k] + tile[k]));
+            });
+        });
     }
 
     /// The same for a box on the torus.

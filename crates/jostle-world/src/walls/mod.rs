@@ -26,11 +26,12 @@ pub use contact::Contact;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Settings;
 use jostle_index::pairs::{LineSegment, LineSegments};
+use jostle_index::period::Period;
 use jostle_index::quadtree::Quadtree;
 use jostle_index::shapes::{Each, Shapes};
 pub use moving::Clock;
 pub use near::Near;
-use torus::{Image, check_torus, each_image, less, sides, torus_offset};
+use torus::{Image, check_torus, each_image, less, torus_offset};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
 pub const FIRST: u32 = MAX_WALLS as u32;
@@ -130,8 +131,8 @@ impl Default for Sides {
 #[derive(Debug, Default)]
 pub struct Walls {
     all: Vec<Wall>,
-    /// Width and height of the torus, if the container is one.
-    torus: Option<Vector>,
+    /// The period of the container.
+    period: Period<f64>,
     /// The walls, and on a torus their images near it, by the row of the tree.
     images: Vec<Image>,
     /// In the order of the tree, so that discs near each other find their walls near each other.
@@ -220,28 +221,29 @@ impl Walls {
     /// length.
     pub fn new(all: Vec<Wall>, container: Container, settings: Settings) -> Result<Self> {
         validate(&all)?;
-        check_torus(container, &all)?;
+        let period = container.period().exact();
+        check_torus(&period, &all)?;
         let any_moves = all.iter().any(Wall::moves);
-        let (torus, are_elastic) = (sides(container), are_elastic(&all));
-        let mut walls = Self { all, any_moves, torus, are_elastic, ..Self::default() };
+        let are_elastic = are_elastic(&all);
+        let mut walls = Self { all, any_moves, period, are_elastic, ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, torus, images, lines, segments, indices, tree, .. } = self;
+        let Self { all, period, images, lines, segments, indices, tree, .. } = self;
         images.clear();
         images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
         let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
-        if let Some(sides) = *torus {
-            add_images(all, sides, images, &mut bounds);
+        if !period.is_none() {
+            add_images(all, period, images, &mut bounds);
         }
         let line = |image: &Image| {
             let wall = &all[image.wall as usize];
             Line {
                 displacement_length: wall.displacement_length(dt),
-                ..Line::of(wall, torus_offset(wall.exact_ends(), *torus))
+                ..Line::of(wall, torus_offset(wall.exact_ends(), period))
             }
         };
         let radii = images.iter().map(|image| line(image).rounding.max(1e-18) as f32).collect();
@@ -380,9 +382,14 @@ impl Walls {
 
 /// Appends the images of walls on a torus that discs near it may touch, and moves the bounds of the
 /// walls to the torus.
-fn add_images(all: &[Wall], sides: Vector, images: &mut Vec<Image>, bounds: &mut Vec<[f32; 4]>) {
+fn add_images(
+    all: &[Wall],
+    period: &Period<f64>,
+    images: &mut Vec<Image>,
+    bounds: &mut Vec<[f32; 4]>,
+) {
     for (wall, index) in (0..).zip(0..all.len()) {
-        let torus_offset = torus_offset(all[index].exact_ends(), Some(sides));
+        let torus_offset = torus_offset(all[index].exact_ends(), period);
         let moved = |[a, b, c, d]: [f32; 4], by: Vector| {
             let add = |v: f32, by: f64| (f64::from(v) + by) as f32;
             [add(a, by[0]), add(b, by[1]), add(c, by[0]), add(d, by[1])]
@@ -390,7 +397,7 @@ fn add_images(all: &[Wall], sides: Vector, images: &mut Vec<Image>, bounds: &mut
         let own = moved(bounds[index], torus_offset);
         bounds[index] = own;
         let [a, b, c, d] = own.map(f64::from);
-        each_image([[a, b], [c, d]], sides, |offset| {
+        each_image([[a, b], [c, d]], period, |offset| {
             images.push(Image { wall, offset });
             bounds.push(moved(own, offset));
         });

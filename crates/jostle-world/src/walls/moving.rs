@@ -115,11 +115,7 @@ impl Walls {
             let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
             return Err(Error::of("dt", dt, &rule));
         }
-        let Some(sides) = self.torus else { return Ok(()) };
-        let circles = |wall: &Wall| {
-            let by = wall.displacement(dt);
-            (0..2).any(|k| by[k].abs() > sides[k])
-        };
+        let circles = |wall: &Wall| self.period.is_exceeded_by(wall.displacement(dt));
         match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {

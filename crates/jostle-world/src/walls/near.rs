@@ -58,7 +58,7 @@ impl Near {
             return Ok(());
         }
         // The tree has the images that discs may touch in their bounds.
-        let usual = if walls.torus.is_some() { 0.0 } else { usual };
+        let usual = if !walls.period.is_none() { 0.0 } else { usual };
         let is_near = |[wall, index]: [u32; 2]| {
             let circle = bounds.columns().shape(index as usize);
             let line = &walls.lines[wall as usize];
@@ -109,7 +109,7 @@ impl Near {
             let image = &walls.images[walls.tree.rows()[wall as usize] as usize];
             let (number, segment) = (FIRST + image.wall, walls.segments.at(wall));
             near.push(NearWall { number, segment });
-            if walls.torus.is_some() {
+            if !walls.period.is_none() {
                 offsets.push(image.offset);
             }
             let (line, at) = (&walls.lines[wall as usize], index as usize);
@@ -137,7 +137,7 @@ impl Walls {
     /// The offset of the wall at an index of the tree.
     #[inline(always)]
     fn offset_at(&self, index: u32) -> Vector {
-        if self.torus.is_none() {
+        if self.period.is_none() {
             return [0.0; 2];
         }
         self.images[self.tree.rows()[index as usize] as usize].offset

@@ -4,10 +4,11 @@
 //! its bounds. The position of a disc farther away is moved to the torus first.
 
 use super::{Contact, FIRST, Wall, Walls};
-use crate::container::{Container, NINE_IMAGES, size};
+use crate::container::size;
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
 use jostle_base::error::{Error, Result};
+use jostle_index::period::{NINE_IMAGES, Period, Turns};
 
 /// Maximum distance from the torus of a disc in its bounds, with its radius, as a share of the
 /// shorter side: a quarter for the radius, an eighth for the displacement, and a reserve.
@@ -27,20 +28,11 @@ pub(super) fn less(position: Vector, offset: Vector) -> Vector {
     vector(|k| position[k] - offset[k])
 }
 
-/// The sides of a torus.
-pub(super) fn sides(container: Container) -> Option<Vector> {
-    match container {
-        Container::Torus { size } => Some(size.map(f64::from)),
-        _ => None,
-    }
-}
-
 /// Refuses the first wall that does not fit on a torus.
-pub fn check_torus(container: Container, walls: &[Wall]) -> Result<()> {
-    let Some(sides) = sides(container) else { return Ok(()) };
+pub fn check_torus(period: &Period<f64>, walls: &[Wall]) -> Result<()> {
     let is_long = |wall: &Wall| {
         let [a, b] = wall.exact_ends();
-        (0..2).any(|k| (b[k] - a[k]).abs() > sides[k])
+        period.is_exceeded_by(vector(|k| b[k] - a[k]))
     };
     match walls.iter().position(is_long) {
         None => Ok(()),
@@ -54,21 +46,24 @@ pub fn check_torus(container: Container, walls: &[Wall]) -> Result<()> {
 }
 
 /// The offset that moves the middle of a wall to the torus.
-pub(super) fn torus_offset([a, b]: [Vector; 2], torus: Option<Vector>) -> Vector {
-    let Some(sides) = torus else { return [0.0; 2] };
-    vector(|k| -(0.5 * (a[k] + b[k]) / sides[k]).floor() * sides[k])
+pub(super) fn torus_offset([a, b]: [Vector; 2], period: &Period<f64>) -> Vector {
+    period.turns(vector(|k| 0.5 * (a[k] + b[k]))).map(|v| -v)
 }
 
 /// Calls `act` with the offset of each image, apart from the wall itself, of a wall in a box given
 /// by two corners, that a disc on the torus may touch.
-pub(super) fn each_image([min, max]: [Vector; 2], sides: Vector, mut act: impl FnMut(Vector)) {
-    let margin = NEAR * sides[0].min(sides[1]);
+pub(super) fn each_image(
+    [min, max]: [Vector; 2],
+    period: &Period<f64>,
+    mut act: impl FnMut(Vector),
+) {
+    let (sides, margin) = (period.sides(), NEAR * period.shortest());
     let first = [0, 1].map(|k| ((-margin - max[k]) / sides[k]).ceil() as i32);
     let last = [0, 1].map(|k| ((sides[k] + margin - min[k]) / sides[k]).floor() as i32);
     for y in first[1]..=last[1] {
         for x in first[0]..=last[0] {
             if [x, y] != [0, 0] {
-                act([f64::from(x) * sides[0], f64::from(y) * sides[1]]);
+                act(period.span([x, y]));
             }
         }
     }
@@ -103,11 +98,14 @@ impl Walls {
         radius: f64,
     ) -> Contact {
         let own = |offset| self.contact(wall, less(position, offset), radius);
-        let Some(sides) = self.torus else { return own([0.0; 2]) };
+        if self.period.is_none() {
+            return own([0.0; 2]);
+        }
+        let sides = self.period.sides();
         let [a, b] = self.line(wall - FIRST).ends;
         // No image of a wall is farther than one from that whose middle is nearest.
         let tile = |k: usize| ((position[k] - 0.5 * (a[k] + b[k])) / sides[k]).round();
-        let offset = |image: &[i8; 2]| vector(|k| (tile(k) + f64::from(image[k])) * sides[k]);
+        let offset = |image: &Turns| vector(|k| (tile(k) + f64::from(image[k])) * sides[k]);
         let all = NINE_IMAGES.iter().map(|image| own(offset(image)));
         let least = all.clone().map(|of| of.gap).fold(f64::INFINITY, f64::min);
         let most = least + ROUNDING * size(position, radius);

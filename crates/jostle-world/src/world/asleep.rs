@@ -222,7 +222,8 @@ impl Asleep {
         (join, islands): (&mut JoinScratch, &mut Vec<u32>),
     ) -> Result<()> {
         islands.clear();
-        let images = settings.container.images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
+        let images =
+            settings.container.period().half_of_images().flat_map(|[x, y]| [[x, y], [-x, -y]]);
         for image in iter::once([0.0; 2]).chain(images) {
             for Layer { first, tree } in &self.layers {
                 let max = MAX_CANDIDATES;

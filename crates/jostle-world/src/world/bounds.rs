@@ -205,7 +205,8 @@ fn rounding_of([x, y]: [f32; 2], radius: f32, sides: f32) -> f32 {
 
 /// Sum of the sides of a torus; 0 for other containers.
 fn torus_sides(container: &Container) -> f32 {
-    container.period().map_or(0.0, |[width, height]| width + height)
+    let [width, height] = container.period().sides();
+    width + height
 }
 
 /// A circle in which a particle may be at some time of the step.
@@ -351,11 +352,12 @@ impl<'a> StepBounds<'a> {
         let interval = (end - time) / count;
         let radius = self.particles.radii[index as usize];
         let radius = (f64::from(radius) + 0.5 * displacement / count) as f32 * 1.001;
+        let period = self.container.period().exact();
         for number in 0..count as usize {
             let times = [number, number + 1].map(|number| time + number as f64 * interval);
             let middle = segment.position_at(0.5 * (times[0] + times[1]), gravity);
-            let tile = self.container.tile(middle);
-            let offset = self.container.offset(tile);
+            let tile = period.turns_of(middle);
+            let offset = period.span(tile);
             let center = [0, 1].map(|k| (middle[k] - offset[k]) as f32);
             let radius = radius + rounding(center, radius, &self.container);
             // A step whose positions overflow is refused when they are stored.
@@ -368,8 +370,9 @@ impl<'a> StepBounds<'a> {
 
     /// The copies of the torus that have a point within some distance of it.
     fn tiles(&self, distance: f32) -> impl Iterator<Item = [i32; 2]> + use<> {
-        let sides = self.container.period().unwrap_or([f32::INFINITY; 2]);
-        let [columns, rows] = sides.map(|side| (distance / side).ceil() as i32);
+        let period = self.container.period();
+        let count = |k: usize| (distance / period.sides()[k]).ceil() as i32;
+        let [columns, rows] = [0, 1].map(|k| if period.is_along(k) { count(k) } else { 0 });
         (-columns..=columns).flat_map(move |i| (-rows..=rows).map(move |j| [i, j]))
     }
 }
@@ -444,7 +447,7 @@ impl StepBounds<'_> {
         let Grown { circles, tree, .. } = &*self.grown;
         let mut tests = self.grown.tests;
         let most = MAX_TESTS.max(MAX_TESTS_OF_EACH * self.particles.len());
-        let renewed = self.renewed.tree();
+        let (renewed, period) = (self.renewed.tree(), self.container.period().exact());
         let present = renewed.unwrap_or(self.tree);
         let trees = [present, tree];
         let largest = trees.map(|tree| tree.bounds().first().map_or(0.0, |root| root.radius));
@@ -454,7 +457,7 @@ impl StepBounds<'_> {
             let Filter { category, mask } = self.particles.filter(circle.index as usize);
             // The images of the others at +offset are around the particle at −offset.
             for image in self.tiles(circle.radius + largest) {
-                let offset = self.container.offset(image).map(|v| v as f32);
+                let offset = period.span(image).map(|v| v as f32);
                 let center = [0, 1].map(|k| circle.center[k] - offset[k]);
                 let of = geometry::Bounds::of(&Shape {
                     min: center,
@@ -467,7 +470,7 @@ impl StepBounds<'_> {
                 let mut add = |other: u32, tile: [i32; 2], lasts: bool| {
                     if other != circle.index {
                         let tile = [0, 1].map(|k| circle.tile[k] + image[k] - tile[k]);
-                        let offset = self.container.offset(tile);
+                        let offset = period.span(tile);
                         let pair = [circle.index, other];
                         pairs.push(NearPair { pair, offset, lasts: lasts && circle.is_whole() });
                     }

@@ -31,7 +31,7 @@ impl World {
     /// Refuses a step in which a particle would move too far.
     pub(crate) fn check_displacements(&self, dt: f32) -> Result<()> {
         let longest = self.longest_displacement(dt);
-        let tours = self.settings.container.tours(longest);
+        let tours = longest / self.settings.container.period().shortest();
         if longest <= FARTHEST && tours <= MAX_TOURS {
             return Ok(());
         }

@@ -32,7 +32,8 @@ impl World {
                 }
                 before.particles.push((index, all.velocities[index], all.spin(index).velocity));
                 let position = exact(all.positions[index], all.residuals[index]);
-                let offset = self.settings.container.minimum_image(drive.offset(position));
+                let offset =
+                    self.settings.container.period().exact().minimum_image(drive.offset(position));
                 all.velocities[index] = drive.velocity_at(offset);
                 all.set_angular_velocity(index, drive.angular_velocity);
             }

@@ -52,7 +52,7 @@ impl ForceScratch {
         for ((middle, before), index) in columns.zip(0..) {
             let (position, velocity) = (motions.position(index), motions.velocity(index));
             *before = velocity;
-            *middle = container.wrap(halfway(position, velocity, h));
+            *middle = container.period().wrap(halfway(position, velocity, h));
         }
     }
 }
@@ -77,7 +77,7 @@ impl World {
         if has_accelerations {
             let all = particles.positions.iter().zip(&particles.velocities);
             scratch.halfway.clear();
-            let wrap = |there| settings.container.wrap(there);
+            let wrap = |there| settings.container.period().wrap(there);
             scratch.halfway.extend(all.map(|(&p, &v)| wrap(halfway(p, v, h))));
             scratch.velocities.clone_from(&particles.velocities);
             self.accelerate(h)?;

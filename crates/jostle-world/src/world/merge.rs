@@ -232,7 +232,7 @@ pub(crate) fn union(
         let own = f64::from(all.masses[index]);
         let radius = f64::from(all.radii[index]);
         let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
-        let offset = container.minimum_image(offset);
+        let offset = container.period().exact().minimum_image(offset);
         mass += own;
         square += radius * radius;
         bounce += own * f64::from(all.restitutions[index]);
@@ -254,7 +254,7 @@ pub(crate) fn union(
             let center = [0, 1].map(|k| (origin[k] + moment[k] / mass) as f32);
             let limit = |speed: f64| (speed as f32).clamp(-FARTHEST, FARTHEST);
             // Divided by the rounded mass, so that momentum is conserved.
-            let inside = container.wrap(container.clamp(center, radius));
+            let inside = container.period().wrap(container.clamp(center, radius));
             (inside, momentum.map(|p| limit(p / f64::from(whole))))
         }
     };
@@ -306,7 +306,7 @@ fn spin_of(all: &Particles, indices: &[usize], container: &Container, radius: f3
     for &index in indices {
         let (own, spin) = (f64::from(all.masses[index]), all.spin(index));
         let offset = [0, 1].map(|k| f64::from(all.positions[index][k]) - origin[k]);
-        let ([x, y], [u, v]) = (container.minimum_image(offset), velocity(index));
+        let ([x, y], [u, v]) = (container.period().exact().minimum_image(offset), velocity(index));
         let own_radius = f64::from(all.radii[index]);
         mass += own;
         friction += own * f64::from(spin.friction);

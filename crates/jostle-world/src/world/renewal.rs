@@ -66,7 +66,7 @@ impl World {
             radius: self.everywhere().mean(&self.particles.radii, |&radius| radius)?,
             max_parts: (count / WORTH_A_PART).floor().clamp(1.0, MAX_PARTS),
             acceleration: (gx * gx + gy * gy).sqrt(),
-            is_torus: self.settings.container.period().is_some(),
+            is_torus: !self.settings.container.period().is_none(),
         };
         let parts = crowding.parts(f64::from(self.scratch.usual_speed), f64::from(dt));
         let parts = parts.max(self.parts_with_few_collisions(&crowding, f64::from(dt))?);
@@ -196,10 +196,11 @@ impl Renewed {
         let container = &settings.container;
         *is_used = true;
         tiles.clear();
-        tiles.extend(now.iter().map(|of| container.tile(of.position.map(f64::from))));
+        let period = container.period().exact();
+        tiles.extend(now.iter().map(|of| period.turns_of(of.position.map(f64::from))));
         centers.clear();
         centers.extend(now.iter().zip(&*tiles).map(|(of, &tile)| {
-            let offset = container.offset(tile);
+            let offset = period.span(tile);
             [0, 1].map(|k| (f64::from(of.position[k]) - offset[k]) as f32)
         }));
         let usual = usual_speed * seconds;
@@ -229,27 +230,26 @@ impl Renewed {
         to: &mut Candidates,
     ) -> Result<()> {
         let Self { tree, tiles, listing, found, numbers, .. } = self;
-        let container = &settings.container;
+        let period = settings.container.period().exact();
         search::list(tree, settings, false, listing, found)?;
-        let sides = container.period().unwrap_or([1.0; 2]);
         numbers.clear();
         to.clear();
         // Most pairs are in the same list as the pair before.
         let mut last = None;
         for (image, pairs) in &*found {
-            let image = [0, 1].map(|k| (image[k] / sides[k]).round() as i32);
+            let image = period.turns_of(image.map(f64::from));
             for pair in pairs {
                 let [a, b] = pair.map(|index| tree.rows()[index as usize] as usize);
                 let tile = [0, 1].map(|k| image[k] + tiles[a][k] - tiles[b][k]);
                 let pair = [a as u32, b as u32];
                 if particles.is_sensor(a) || particles.is_sensor(b) {
-                    let offset = container.offset(tile);
+                    let offset = period.span(tile);
                     to.sensed.push(NearPair { pair, offset, lasts: true });
                     continue;
                 }
                 let number = match last {
                     Some((last, number)) if last == tile => number,
-                    _ => *numbers.entry(tile).or_insert_with(|| to.add(container.offset(tile))),
+                    _ => *numbers.entry(tile).or_insert_with(|| to.add(period.span(tile))),
                 };
                 last = Some((tile, number));
                 to.pairs[number].1.push(pair);

@@ -34,7 +34,7 @@ pub(crate) fn list(
     // Brute force gains from other threads with fewer shapes than a tree.
     let (threads, max) = (settings.tree.threads, MAX_CANDIDATES);
     let ListScratch { join, sorting } = scratch;
-    let images = iter::once([0.0; 2]).chain(settings.container.images());
+    let images = iter::once([0.0; 2]).chain(settings.container.period().half_of_images());
     let (mut count, mut tests) = (0, 0);
     for image in images {
         if lists.len() == count {
@@ -85,7 +85,8 @@ impl World {
     /// were tested.
     pub(crate) fn overlapping(&self) -> Result<(Vec<Overlap>, u64)> {
         let (all, settings) = (&self.particles, &self.settings);
-        let centers: Vec<_> = all.positions.iter().map(|&p| settings.container.wrap(p)).collect();
+        let centers: Vec<_> =
+            all.positions.iter().map(|&p| settings.container.period().wrap(p)).collect();
         let radii = Each::Rows(all.radii.clone());
         let mut shapes = Shapes::circles(centers, radii)?;
         fill_filters(all.filters.iter().copied(), shapes.columns_mut().filters);

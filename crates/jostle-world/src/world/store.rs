@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::plan::Plan;
 use super::{OnTouch, World};
 use crate::container::MAX_WALLS;
-use crate::motion::Motion;
+use crate::motion::{self, Motion};
 use crate::particles::{FARTHEST, Particles, wrap_angle};
 use jostle_base::error::{Error, Result};
 use jostle_base::parallel;
@@ -40,7 +40,7 @@ impl World {
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
         let (motions, wall_pushes) = (&scratch.motions, &self.persistent.warm_start.normal);
-        let any = AtomicBool::new(false);
+        let (any, period) = (AtomicBool::new(false), settings.container.period());
         let chunks = || (0..).step_by(STORED);
         let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
         let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
@@ -55,8 +55,7 @@ impl World {
                     }
                     clamp(&mut motion);
                 }
-                (*position, *residual) =
-                    settings.container.wrap_exact(motion.position, motion.residual);
+                (*position, *residual) = motion::wrapped(motion.position, motion.residual, &period);
                 *velocity = motion.velocity;
             }
         });

@@ -61,7 +61,7 @@ impl World {
         find_indices(&self.forces, &self.rows, self.asleep.len(), &mut indices);
         let positions = &self.particles.positions;
         let wrapped: Vec<[f32; 2]> =
-            positions.iter().map(|&position| settings.container.wrap(position)).collect();
+            positions.iter().map(|&position| settings.container.period().wrap(position)).collect();
         let bodies = bodies(&self.particles, &wrapped, (&self.rows, &indices), settings);
         let energy = |force: &Force| match force {
             Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
@@ -82,7 +82,7 @@ impl World {
         let awake = self.rows.iter().copied().zip(self.particles.positions.iter().copied());
         let mut positions = vec![[0.0; 2]; self.rows.len() + self.asleep.len()];
         for (row, position) in awake.chain(asleep) {
-            positions[row as usize] = container.wrap(position);
+            positions[row as usize] = container.period().wrap(position);
         }
         springs.energy(&positions, &container)
     }
@@ -100,7 +100,7 @@ impl World {
         let energy = |index: usize| {
             let position = bodies.positions[index];
             let offset = [0, 1].map(|k| pole[k] - position[k]);
-            let offset = bodies.container.minimum_image_within(offset);
+            let offset = bodies.container.period().minimum_image(offset);
             let mass = f64::from(bodies.masses[index]);
             mass * forces::attractor::energy(attractor, offset, bodies.radii[index])
         };

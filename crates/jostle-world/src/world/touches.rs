@@ -148,16 +148,19 @@ impl World {
     /// through each other (`sensed`), and measures all.
     fn update_contacts(&mut self, sensed: &[[u32; 2]], threads: Option<usize>) {
         let Self { settings, scratch, particles, contacts, .. } = self;
-        let motions = &scratch.motions;
+        let (motions, period) = (&scratch.motions, settings.container.period().exact());
         let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] != WALL);
         let bounced = bounced.map(|of| (of.pair, of.impulses));
         let sensed = sensed.iter().map(|&pair| (pair, [0.0; 2]));
         let touched = bounced.chain(sensed).map(|([a, b], impulses)| {
             let pair = [a.min(b), a.max(b)];
-            let image = settings.container.nearest_image(|| {
+            let mut image = [0.0; 2];
+            if !period.is_none() {
                 let [p, q] = pair.map(|index| motions.position(index).map(f64::from));
-                [0, 1].map(|k| q[k] - p[k])
-            });
+                let offset = [0, 1].map(|k| q[k] - p[k]);
+                let nearest = period.minimum_image(offset);
+                image = [0, 1].map(|k| (nearest[k] - offset[k]) as f32);
+            }
             (pair, image, impulses)
         });
         contacts.keep_lasting(touched, particles, particles.len());

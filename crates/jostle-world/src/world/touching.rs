@@ -72,7 +72,9 @@ impl World {
         let Scratch { shapes, tree, listing, lists } = scratch;
         let columns = shapes.columns_mut();
         columns.centers.clear();
-        columns.centers.extend(all.positions.iter().map(|&position| container.wrap(position)));
+        columns
+            .centers
+            .extend(all.positions.iter().map(|&position| container.period().wrap(position)));
         let radii = columns.radii.rows_mut();
         radii.clear();
         radii.extend(all.radii.iter().zip(&all.positions).map(|(&radius, &position)| {
@@ -88,7 +90,7 @@ impl World {
             }
             let [p, q] = [a, b].map(|at| exact(all.positions[at], all.residuals[at]));
             let contact_distance = f64::from(all.radii[a]) + f64::from(all.radii[b]);
-            let [x, y] = container.minimum_image([q[0] - p[0], q[1] - p[1]]);
+            let [x, y] = container.period().exact().minimum_image([q[0] - p[0], q[1] - p[1]]);
             let [r, s] = [all.radii[a], all.radii[b]];
             let near = |place| Tolerance::of(f64::from(size_of(r, s)), place).rounding();
             let near = match r.total_cmp(&s) {

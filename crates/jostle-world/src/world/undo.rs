@@ -6,6 +6,7 @@ use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
 use crate::forces::Force;
+use crate::motion;
 use crate::particles::Particles;
 use crate::resting::WallPush;
 use crate::walls::Wall;
@@ -51,14 +52,14 @@ impl World {
         before.stats = self.stats;
         self.record.begin_step();
         before.ids = None;
-        let container = self.settings.container;
+        let period = self.settings.container.period();
         let Particles { positions, residuals, .. } = &mut self.particles;
-        let outside = |position: &[f32; 2]| container.wrap(*position) != *position;
-        let is_any_outside = container.period().is_some() && positions.iter().any(outside);
+        let outside = |position: &[f32; 2]| period.wrap(*position) != *position;
+        let is_any_outside = !period.is_none() && positions.iter().any(outside);
         before.unwrapped = is_any_outside.then(|| [positions.clone(), residuals.clone()]);
         if is_any_outside {
             for (position, residual) in positions.iter_mut().zip(residuals) {
-                (*position, *residual) = container.wrap_exact(*position, *residual);
+                (*position, *residual) = motion::wrapped(*position, *residual, &period);
             }
         }
     }

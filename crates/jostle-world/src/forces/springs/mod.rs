@@ -133,7 +133,7 @@ fn length(spring: &Spring, bodies: &Bodies<'_>) -> f64 {
 }
 
 fn distance([a, b]: [[f32; 2]; 2], container: &Container) -> f64 {
-    let [x, y] = container.minimum_image_within([0, 1].map(|k| b[k] - a[k])).map(f64::from);
+    let [x, y] = container.period().minimum_image([0, 1].map(|k| b[k] - a[k])).map(f64::from);
     (x * x + y * y).sqrt()
 }
 
@@ -464,7 +464,8 @@ impl Link {
     /// The unit vector from its first node to its second, and their distance; the vector is 0 if
     /// the nodes coincide.
     fn direction(&self, a: &Node, b: &Node, container: &Container) -> ([f64; 2], f64) {
-        let offset = container.minimum_image([0, 1].map(|k| b.position[k] - a.position[k]));
+        let offset =
+            container.period().exact().minimum_image([0, 1].map(|k| b.position[k] - a.position[k]));
         let [x, y] = offset;
         let length = (x * x + y * y).sqrt();
         (if length == 0.0 { [0.0; 2] } else { offset.map(|v| v / length) }, length)

@@ -1,14 +1,15 @@
 //! The container: walls around the particles, or a torus. Only this module depends on its shape:
-//! gaps and normals, the nearest position inside, times of impact; `torus` has periodic positions
-//! and minimum images.
-
-mod torus;
+//! gaps and normals, the nearest position inside, times of impact. A torus has no walls but a
+//! [`Period`].
 
 use crate::particles::FARTHEST;
 use crate::tolerance::{ROUNDING, gap};
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
 use jostle_base::error::{Error, Result};
-pub use torus::{MAX_TOURS, NINE_IMAGES, minimum_image_within};
+use jostle_index::period::Period;
+
+/// Maximum number of times that a particle travels around a torus in a step.
+pub const MAX_TOURS: f32 = 125.0;
 
 /// The region that contains the particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,6 +73,18 @@ impl Container {
         matches!(self, Self::Box { .. } | Self::Circle { .. })
     }
 
+    /// The period of a torus; none for other containers.
+    #[inline(always)]
+    pub fn period(&self) -> Period<f32> {
+        Period::unchecked(if let Self::Torus { size } = self { *size } else { [0.0; 2] })
+    }
+
+    /// Maximum displacement for which the bounds of particles at the beginning of a step are made,
+    /// unless they merge; so few images of others are in them.
+    pub fn max_displacement(&self) -> f32 {
+        self.period().shortest() / 8.0
+    }
+
     /// The area inside; none if there are no walls.
     pub fn area(&self) -> Option<f64> {
         let product = |a: f32, b: f32| f64::from(a) * f64::from(b);
@@ -124,8 +137,8 @@ impl Container {
             }
             Self::Circle { radius, .. } => (*radius, "it must fit into the round container"),
             // So two particles touch across at most one periodic boundary on each axis.
-            Self::Torus { size } => (
-                size[0].min(size[1]) / 4.0,
+            Self::Torus { .. } => (
+                self.period().shortest() / 4.0,
                 "on a torus it may be at most a quarter of the shorter side",
             ),
         };
