@@ -3,7 +3,7 @@
 //! [`Period`].
 
 use crate::particles::FARTHEST;
-use crate::tolerance::{ROUNDING, gap};
+use crate::tolerance::ROUNDING;
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
 use jostle_base::error::{Error, Result};
 use jostle_index::period::Period;
@@ -38,17 +38,41 @@ pub enum Container {
     },
 }
 
-/// A wall near a particle, taken as flat: the particle touches it after a displacement of `gap`
-/// against `inward`.
+/// A wall near a disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wall {
-    /// Unit normal, pointing into the container.
-    pub inward: [f32; 2],
+pub struct Contact {
+    /// The number of the wall.
+    pub wall: u32,
+    /// Unit vector from the wall to the centre.
+    pub normal: Vector,
     /// Distance from surface to surface; negative if they overlap.
-    pub gap: f32,
+    pub gap: f64,
+    /// Whether it is an end of the wall.
+    pub is_end: bool,
 }
 
-/// Maximum number of walls that a particle can touch at once.
+/// The shape of a wall of a container.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Side {
+    /// A line at a right angle to an axis.
+    Flat {
+        /// 0 for a line x = `at`, 1 for y = `at`.
+        axis: usize,
+        /// 1 if the inside is where the coordinate is larger, else −1.
+        inward: f64,
+        /// The coordinate of the line.
+        at: f64,
+    },
+    /// A circle around the particles.
+    Round {
+        /// Its centre.
+        center: Vector,
+        /// Its radius.
+        radius: f64,
+    },
+}
+
+/// Maximum number of walls of a container, and of walls that a particle can touch at once.
 pub const MAX_WALLS: usize = 4;
 
 /// A rectangle.
@@ -70,7 +94,35 @@ impl Inner {
 impl Container {
     /// Whether there are walls.
     pub fn has_walls(&self) -> bool {
-        matches!(self, Self::Box { .. } | Self::Circle { .. })
+        self.all_sides()[0].is_some()
+    }
+
+    /// Its walls with their numbers: min x, max x, min y and max y of a box, the circle.
+    #[inline(always)]
+    pub fn sides(&self) -> impl Iterator<Item = (u32, Side)> + use<> {
+        (0..).zip(self.all_sides()).filter_map(|(number, side)| Some((number, side?)))
+    }
+
+    /// The wall with a number, if it has one.
+    pub fn side(&self, number: u32) -> Option<Side> {
+        self.all_sides().get(number as usize).copied().flatten()
+    }
+
+    #[inline(always)]
+    fn all_sides(&self) -> [Option<Side>; MAX_WALLS] {
+        match self {
+            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
+            Self::Box { min, max } => {
+                let flat = |axis: usize, inward: f64, corner: &[f32; 2]| {
+                    Some(Side::Flat { axis, inward, at: f64::from(corner[axis]) })
+                };
+                [flat(0, 1.0, min), flat(0, -1.0, max), flat(1, 1.0, min), flat(1, -1.0, max)]
+            }
+            Self::Circle { center, radius } => {
+                let (center, radius) = (center.map(f64::from), f64::from(*radius));
+                [Some(Side::Round { center, radius }), None, None, None]
+            }
+        }
     }
 
     /// The period of a torus; none for other containers.
@@ -232,24 +284,6 @@ impl Container {
         }
     }
 
-    /// Distances from the surface of a disc to the walls, each flat one at its own index.
-    pub fn gaps(&self, position: [f64; 2], radius: f64) -> [Option<f64>; MAX_WALLS] {
-        match self {
-            Self::None | Self::Torus { .. } => [None; MAX_WALLS],
-            Self::Box { min, max } => [
-                Some(position[0] - radius - f64::from(min[0])),
-                Some(f64::from(max[0]) - radius - position[0]),
-                Some(position[1] - radius - f64::from(min[1])),
-                Some(f64::from(max[1]) - radius - position[1]),
-            ],
-            Self::Circle { center, radius: outer } => {
-                let [x, y] = [0, 1].map(|k| position[k] - f64::from(center[k]));
-                let gap = f64::from(*outer) - radius - (x * x + y * y).sqrt();
-                [Some(gap), None, None, None]
-            }
-        }
-    }
-
     /// Whether a disc that moves by at most `far` along each axis certainly touches no wall. It may
     /// be false for a disc in a round container.
     #[inline(always)]
@@ -282,68 +316,61 @@ impl Container {
         gravity: Vector,
         limits: impl Fn(u32) -> Limits,
     ) -> Option<(Impact, u32)> {
-        match self {
-            Self::None | Self::Torus { .. } => None,
-            Self::Box { min, max } => {
-                let mut first = None::<(Impact, u32)>;
-                let sides =
-                    [(0, 1.0, min[0]), (0, -1.0, max[0]), (1, 1.0, min[1]), (1, -1.0, max[1])];
-                for (number, (axis, sign, wall)) in (0..).zip(sides) {
-                    let gap = sign * (segment.position[axis] - f64::from(wall)) - radius;
-                    let speed = sign * segment.velocity[axis];
-                    let pull = if segment.falls { -sign * gravity[axis] } else { 0.0 };
-                    if let Some(impact) =
-                        flat_impact(gap, speed, pull, segment.time, &limits(number))
-                        && first.is_none_or(|(before, _)| impact.time < before.time)
-                    {
-                        first = Some((impact, number));
-                    }
-                }
-                first
+        let mut first = None::<(Impact, u32)>;
+        for (number, side) in self.sides() {
+            let impact = side.impact(segment, radius, gravity, &limits(number));
+            let is_first =
+                |impact: &Impact| first.is_none_or(|(before, _)| impact.time < before.time);
+            first = impact.filter(is_first).map(|impact| (impact, number)).or(first);
+        }
+        first
+    }
+}
+
+impl Side {
+    /// The contact with a disc, for the wall with a number.
+    #[inline(always)]
+    pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {
+        let (normal, gap) = match *self {
+            Self::Flat { axis, inward, at } => {
+                let [low, high] = [position[axis] - radius - at, at - radius - position[axis]];
+                let normal = vector(|k| if k == axis { inward } else { 0.0 });
+                (normal, if inward > 0.0 { low } else { high })
             }
-            Self::Circle { center, radius: outer } => {
-                let q = vector(|k| segment.position[k] - f64::from(center[k]));
-                let contact_distance = (f64::from(*outer) - radius).max(0.0);
+            Self::Round { center, radius: outer } => {
+                let inward = vector(|k| center[k] - position[k]);
+                let length = dot(inward, inward).sqrt();
+                let normal = if length > 0.0 { inward.map(|v| v / length) } else { [1.0, 0.0] };
+                (normal, outer - radius - length)
+            }
+        };
+        Contact { wall, normal, gap, is_end: false }
+    }
+
+    /// The first impact of a disc.
+    #[inline(always)]
+    fn impact(
+        &self,
+        segment: &Segment,
+        radius: f64,
+        gravity: Vector,
+        limits: &Limits,
+    ) -> Option<Impact> {
+        match *self {
+            Self::Flat { axis, inward, at } => {
+                let gap = inward * (segment.position[axis] - at) - radius;
+                let speed = inward * segment.velocity[axis];
+                let pull = if segment.falls { -inward * gravity[axis] } else { 0.0 };
+                flat_impact(gap, speed, pull, segment.time, limits)
+            }
+            Self::Round { center, radius: outer } => {
+                let q = vector(|k| segment.position[k] - center[k]);
+                let contact_distance = (outer - radius).max(0.0);
                 let acceleration = if segment.falls { gravity } else { [0.0; 2] };
-                round_impact(
-                    q,
-                    segment.velocity,
-                    acceleration,
-                    contact_distance,
-                    segment.time,
-                    &limits(0),
-                )
-                .map(|impact| (impact, 0))
+                let velocity = segment.velocity;
+                round_impact(q, velocity, acceleration, contact_distance, segment.time, limits)
             }
         }
-    }
-
-    /// Unit normal of a wall at a position, pointing inwards.
-    pub fn normal(&self, wall: u32, position: Vector) -> Vector {
-        match self {
-            Self::Circle { center, .. } => {
-                let out = vector(|k| f64::from(center[k]) - position[k]);
-                let length = dot(out, out).sqrt();
-                if length > 0.0 { out.map(|v| v / length) } else { [1.0, 0.0] }
-            }
-            _ => [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]][wall as usize],
-        }
-    }
-
-    /// The walls around a particle, each flat one at its own index.
-    #[inline]
-    pub fn walls(&self, position: Vector, radius: f64) -> [Option<Wall>; MAX_WALLS] {
-        if let Self::Circle { center, radius: outer } = self {
-            let offset = vector(|k| f64::from(center[k]) - position[k]);
-            let (Some(inward), gap) = gap(offset, f64::from(*outer) - radius) else {
-                return [None; MAX_WALLS];
-            };
-            let wall = Wall { inward: inward.map(|v| v as f32), gap: -gap as f32 };
-            return [Some(wall), None, None, None];
-        }
-        let gaps = self.gaps(position, radius);
-        let normals = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
-        [0, 1, 2, 3].map(|k| gaps[k].map(|gap| Wall { inward: normals[k], gap: gap as f32 }))
     }
 }
 

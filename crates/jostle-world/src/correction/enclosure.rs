@@ -4,7 +4,7 @@
 use std::cell::Cell;
 
 use super::MOST;
-use crate::container::{Container, size};
+use crate::container::size;
 use crate::motion::{Motions, exact};
 use crate::particles::Particles;
 use crate::trajectory::{Vector, vector};
@@ -23,7 +23,6 @@ const WIDE: f64 = 1e-5;
 pub(super) struct Enclosure<'a> {
     pub motions: &'a Motions,
     pub particles: &'a Particles,
-    pub container: &'a Container,
     pub walls: Around<'a>,
 }
 
@@ -34,9 +33,10 @@ impl Enclosure<'_> {
     pub fn clamp(&self, index: u32) -> [f32; 2] {
         let (position, radius) =
             (self.motions.position(index), self.particles.radii[index as usize]);
-        let allowed = self.container.clamp(position, radius);
+        let allowed = self.walls.container.clamp(position, radius);
         if allowed != position {
-            let exact = self.container.clamp_exactly(self.motions.exact(index), f64::from(radius));
+            let exact =
+                self.walls.container.clamp_exactly(self.motions.exact(index), f64::from(radius));
             self.motions.place(index, exact, allowed);
         }
         allowed
@@ -44,7 +44,8 @@ impl Enclosure<'_> {
 
     /// Moves all movable particles into the container and out of the walls.
     pub fn move_all_inside(&self, threads: Option<usize>) {
-        let Self { motions, particles, container, walls } = *self;
+        let Self { motions, particles, walls } = *self;
+        let container = walls.container;
         // Nearly all particles are in it, so that they need not be moved.
         let inner = container.inner();
         let move_inside = |index: u32| {
@@ -73,7 +74,8 @@ impl Enclosure<'_> {
     /// The displacement that the walls allow a particle that is to move `by`.
     #[inline(always)]
     pub fn allowed(&self, index: u32, by: [f32; 2]) -> [f32; 2] {
-        let Self { motions, particles, container, walls } = *self;
+        let Self { motions, particles, walls } = *self;
+        let container = walls.container;
         let position = motions.position(index);
         let far = (by[0] * by[0] + by[1] * by[1]).sqrt() * (1.0 + 4.0 * f32::EPSILON);
         let is_free = walls.is_empty() || walls.is_far(index, position, far);
@@ -88,7 +90,8 @@ impl Enclosure<'_> {
     /// particle is farther away from all walls. Nearly all are.
     #[inline(always)]
     pub fn free_square(&self, index: u32) -> f32 {
-        let Self { motions, particles, container, walls } = *self;
+        let Self { motions, particles, walls } = *self;
+        let container = walls.container;
         let (position, radius) = (motions.position(index), particles.radii[index as usize]);
         let is_free = (walls.is_empty() || walls.is_far(index, position, radius))
             && (!container.has_walls() || container.inner().contains(position, 2.0 * radius));

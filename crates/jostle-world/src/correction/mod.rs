@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::contacts::{Block, Blocks, Colour, Contacts};
-use crate::container::Container;
 use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Vectors};
 use crate::particles::Particles;
@@ -94,11 +93,11 @@ impl Correction {
         contacts: &mut Contacts,
         motions: &Motions,
         particles: &Particles,
-        (container, walls): (&Container, Around<'_>),
+        walls: Around<'_>,
         (colours, halo): (usize, &dyn Halo),
         threads: Option<usize>,
     ) -> Result<()> {
-        let enclosure = Enclosure { motions, particles, container, walls };
+        let enclosure = Enclosure { motions, particles, walls };
         enclosure.move_all_inside(threads);
         if colours == 0 {
             return Ok(());

@@ -232,7 +232,8 @@ impl Window<'_> {
         discs: impl ExactSizeIterator<Item = u32>,
         near: &'n mut Vec<u32>,
     ) -> &'n [u32] {
-        let Flight { container, walls, gravity, .. } = self.flight;
+        let Flight { walls, gravity, .. } = self.flight;
+        let container = walls.container;
         let (has_sides, has_walls) = (container.has_walls(), !walls.is_empty());
         near.clear();
         if !(has_sides || has_walls) {
@@ -270,7 +271,7 @@ impl Window<'_> {
             let far = velocity[k].abs() * span + fall + radius;
             far * (1.0 + MARGIN) + MARGIN * position[k].abs()
         };
-        self.flight.container.is_near_side(position, [far(0), far(1)])
+        self.flight.walls.container.is_near_side(position, [far(0), far(1)])
     }
 }
 

@@ -30,7 +30,7 @@ use super::history::{Course, History, Trajectory};
 use super::impulses::{self, Touch};
 use super::simulation::{Scratch, Simulation};
 use crate::trajectory::{Segment, Vector, dot, vector};
-use crate::walls::FIRST;
+use crate::walls::index_of;
 
 /// Recent events from which on the collisions of a disc are elastic.
 const COLLAPSE: u32 = 64;
@@ -163,7 +163,7 @@ impl Simulation<'_> {
         let course = &self.history.courses[number as usize];
         let most = self.window.flight.max_events(course.index);
         let is_lossy = self.window.flight.lose_energy([course.index]);
-        if wall >= FIRST && !is_lossy && self.has_many_at_once(course, time) {
+        if index_of(wall).is_some() && !is_lossy && self.has_many_at_once(course, time) {
             let course = &mut self.history.courses[number as usize];
             // The event itself is counted later.
             course.recent = course.recent.max(most - 1);
@@ -201,7 +201,7 @@ impl Simulation<'_> {
     pub(super) fn wall_restitution(&self, course: &Course, wall: u32) -> f64 {
         if course.is_exhausted {
             0.0
-        } else if wall >= FIRST && course.recent >= COLLAPSE {
+        } else if index_of(wall).is_some() && course.recent >= COLLAPSE {
             1.0
         } else {
             self.window.wall_restitution(course.index, wall)

@@ -3,7 +3,6 @@
 use super::history::{Carried, Course};
 use super::neighbors::PairList;
 use super::queue::Event;
-use crate::container::Container;
 use crate::flow::{Flow, Kick};
 use crate::forces::{HotWalls, Thermostat};
 use crate::halo::Halo;
@@ -13,7 +12,7 @@ use crate::tolerance::{COARSE, Tolerance, size_of};
 use crate::trajectory::{
     Impact, Limits, Relative, Segment, Vector, dot, restitution_at_rest, vector,
 };
-use crate::walls::{Around, Contact, FIRST};
+use crate::walls::{Around, Contact, number_of};
 use jostle_base::parallel;
 
 /// An impact without which the surfaces would overlap by less than this share of the size at the
@@ -79,9 +78,7 @@ pub struct Flight<'a> {
     pub kicks: &'a [Kick],
     /// Whether it is the first of the step, in which discs begin as `particles` tell.
     pub begins_step: bool,
-    /// The container.
-    pub container: Container,
-    /// The walls.
+    /// The container and the walls.
     pub walls: Around<'a>,
     /// Coefficient of restitution of the world.
     pub restitution: f32,
@@ -504,7 +501,7 @@ impl Window<'_> {
         segment: &Segment,
         limits: &impl Fn(u32, Limits) -> Limits,
     ) -> Option<(Impact, u32)> {
-        let container = &self.flight.container;
+        let container = &self.flight.walls.container;
         let radius = f64::from(self.starts[index as usize].radius);
         let span = (self.end - segment.time) * (1.0 + FAR);
         let far = |k: usize| (segment.velocity[k].abs() + self.gravity()[k].abs() * span) * span;
@@ -559,7 +556,7 @@ impl Window<'_> {
             return;
         }
         let radius = f64::from(self.starts[index as usize].radius);
-        let rounding = self.wall_limits(now, index, FIRST).rounding;
+        let rounding = self.wall_limits(now, index, number_of(0)).rounding;
         let (at, walls) = ((now.position, now.time), self.flight.walls);
         walls.contacts(index, at, radius, rounding, contacts);
         for &Contact { wall, normal, gap, .. } in &*contacts {
@@ -580,18 +577,19 @@ impl Window<'_> {
         all: bool,
         act: &mut impl FnMut(u32, Vector),
     ) {
-        let container = &self.flight.container;
+        let container = &self.flight.walls.container;
         let radius = f64::from(self.starts[index as usize].radius);
         if container.is_far(now.position, radius, [0.0; 2]) {
             return;
         }
         let limits_of = self.side_limits(now, index);
-        let gaps = container.gaps(now.position, radius);
-        for (wall, gap) in (0..).zip(gaps) {
+        for (wall, side) in container.sides() {
+            let Contact { normal, gap, .. } = side.contact(wall, now.position, radius);
             let limits = limits_of(wall);
-            let Some(gap) = gap.filter(|&gap| gap <= limits.rounding) else { continue };
+            if gap > limits.rounding {
+                continue;
+            }
             debug_assert!(gap.is_finite());
-            let normal = container.normal(wall, now.position);
             let limits = limits.of_gap(gap);
             if all || limits.kind(-dot(normal, now.velocity), 0.0, now.time).is_some() {
                 act(wall, normal);
@@ -601,9 +599,6 @@ impl Window<'_> {
 
     /// Unit normal of a wall where a disc begins a segment, towards the disc.
     pub fn wall_normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
-        if wall < FIRST {
-            return self.flight.container.normal(wall, now.position);
-        }
         self.flight.walls.normal(index, wall, now)
     }
 

@@ -50,7 +50,7 @@ impl Window<'_> {
 /// The end of the window, halved until no disc travels further than around a torus in it, but not
 /// shorter than `shortest`. Refuses a sub-step in which forces make one too fast.
 pub(super) fn end_for_the_fast(window: &Window<'_>, shortest: f64) -> Result<f64> {
-    let period = window.flight.container.period();
+    let period = window.flight.walls.container.period();
     if period.is_none() {
         return Ok(window.end);
     }

@@ -34,7 +34,7 @@ use std::fmt::Display;
 
 use crate::container::Container;
 use crate::particles::{FARTHEST, check_kinds_of_table, check_vectors};
-use crate::walls::FIRST;
+use crate::walls::index_of;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::parallel;
@@ -133,7 +133,7 @@ pub fn validate(forces: &[Force], exists: impl Fn(Id) -> bool) -> Result<()> {
             && let Some(number) = walls.numbers().find(|&number| !hot.insert(number))
         {
             let of_wall = |index| format!("wall {index}");
-            let name = number.checked_sub(FIRST).map_or(format!("side {number}"), of_wall);
+            let name = index_of(number).map_or(format!("side {number}"), of_wall);
             let rule = format!("{name} has a temperature already");
             return Err(Error::at("forces", index, "another ThermalWalls", &rule));
         }
@@ -187,7 +187,8 @@ pub fn check_sides(forces: &[Force], container: Container) -> Result<()> {
         if let Force::ThermalWalls(hot) = force
             && let Some(rule) = hot.misfit(container)
         {
-            let sides: Vec<u32> = hot.numbers().filter(|&number| number < FIRST).collect();
+            let sides: Vec<u32> =
+                hot.numbers().filter(|&number| index_of(number).is_none()).collect();
             let value = format!("ThermalWalls with sides={sides:?}");
             return Err(Error::at("forces", index, value, rule));
         }

@@ -4,7 +4,7 @@ use super::chance::Chance;
 use super::{check_distinct, check_number};
 use crate::container::{Container, MAX_WALLS};
 use crate::particles::FARTHEST;
-use crate::walls::{FIRST, MAX_WORLD_WALLS};
+use crate::walls::{MAX_WORLD_WALLS, number_of};
 use jostle_base::error::{Error, Result};
 
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
@@ -30,7 +30,7 @@ impl ThermalWalls {
     /// The numbers of all its walls.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
         let sides = (0..).zip(self.sides).filter_map(|(side, is_hot)| is_hot.then_some(side));
-        sides.chain(self.walls.iter().map(|wall| FIRST + wall))
+        sides.chain(self.walls.iter().map(|&wall| number_of(wall)))
     }
 
     /// Refuses numbers out of range, and a wall that is named twice.

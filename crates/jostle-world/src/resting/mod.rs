@@ -22,7 +22,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{Block, ContactShape, Contacts};
-use crate::container::{Container, MAX_WALLS};
+use crate::container::MAX_WALLS;
 use crate::flow::{Flow, Kick};
 use crate::forces::springs::{Place, SpringSolver};
 use crate::halo::Halo;
@@ -61,9 +61,7 @@ pub struct Support<'a> {
     pub has_friction: bool,
     /// The sub-step.
     pub flow: &'a Flow,
-    /// The container.
-    pub container: Container,
-    /// The walls.
+    /// The container and the walls.
     pub walls: Around<'a>,
     /// The row of each particle.
     pub rows: &'a [u32],
@@ -173,7 +171,8 @@ impl Support<'_> {
     ) -> &'n [u32] {
         near.clear();
         near.resize(indices.len(), 0);
-        let (inner, has_sides) = (self.container.inner(), self.container.has_walls());
+        let container = self.walls.container;
+        let (inner, has_sides) = (container.inner(), container.has_walls());
         let has_walls = !self.walls.is_empty();
         let h = self.flow.duration as f32;
         let mut count = 0;
@@ -460,7 +459,7 @@ impl Resting {
             walls.len()
         };
         *uneven_walls = 0;
-        if scene.container.has_walls() || !scene.walls.is_empty() {
+        if scene.walls.container.has_walls() || !scene.walls.is_empty() {
             if contacts.has_uneven() {
                 *uneven_walls = list(true);
             }

@@ -3,11 +3,11 @@
 use super::pairs::{Pass, Phase};
 use super::{FARTHEST, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
 use crate::contacts::RELAXATION;
-use crate::container::{MAX_WALLS, Wall};
+use crate::container::MAX_WALLS;
 use crate::flow::Kick;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
-use crate::walls::{self, FIRST};
+use crate::walls::{self, index_of};
 
 /// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
 const OPPOSED: f32 = -0.5;
@@ -64,12 +64,14 @@ impl Walls {
             found.clear();
         }
         let is_between = !found.is_empty();
-        if !scene.container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
-            let walls = scene.container.walls(exact, f64::from(radius));
-            contacts = [0, 1, 2, 3].map(|k| {
+        let container = scene.walls.container;
+        if !container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
+            for (number, side) in container.sides() {
+                let contact = side.contact(number, exact, f64::from(radius));
+                let k = number as usize;
                 let pushes = [pushes[k], frictions[k]];
-                WallContact::of(index, (k as u32, walls[k]?, pushes), is_between, scene, kick)
-            });
+                contacts[k] = WallContact::of(index, (&contact, pushes), is_between, scene, kick);
+            }
         }
         if is_near_walls {
             let velocity = motions.velocity(index as u32);
@@ -78,9 +80,8 @@ impl Walls {
             found.retain(|contact| !contact.is_end || speed * h <= 0.5 * radius);
             let row = scene.rows[index];
             let resting = found.iter().filter_map(|of| {
-                let wall = Wall { inward: of.normal.map(|v| v as f32), gap: of.gap as f32 };
                 let pushes = scene.pushes_before(row, of.wall);
-                WallContact::of(index, (of.wall, wall, pushes), is_between, scene, kick)
+                WallContact::of(index, (of, pushes), is_between, scene, kick)
             });
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
@@ -192,7 +193,7 @@ impl Walls {
         let index = self.index as usize;
         for contact in self.contacts.iter().flatten() {
             let pushes = contact.pushes[Phase::Rest as usize];
-            if contact.wall >= FIRST {
+            if index_of(contact.wall).is_some() {
                 to.walls.push(WallPush { row, wall: contact.wall, pushes });
                 continue;
             }
@@ -210,26 +211,28 @@ impl WallContact {
     /// near.
     fn of(
         index: usize,
-        (number, wall, pushes): (u32, Wall, [f32; 2]),
+        (contact, pushes): (&walls::Contact, [f32; 2]),
         is_between: bool,
         scene: &Support<'_>,
         kick: &Kick,
     ) -> Option<Self> {
+        let (number, gap) = (contact.wall, contact.gap as f32);
+        let inward = contact.normal.map(|v| v as f32);
         let own = scene.motions.velocity(index as u32);
         let velocity = scene.walls.walls.velocity(number);
         let [u, v] = [0, 1].map(|k| own[k] - velocity[k]);
         // On a wall from which gravity and forces move it away it rests only if other particles push it.
         let change = scene.change(kick);
-        let away = [0, 1].map(|k| wall.inward[k] * change[k] as f32);
-        let is_pushed = pushes[0] > 0.0 || are_touching(wall.gap, scene.particles.radii[index]);
+        let away = [0, 1].map(|k| inward[k] * change[k] as f32);
+        let is_pushed = pushes[0] > 0.0 || are_touching(gap, scene.particles.radii[index]);
         if away[0] + away[1] > 0.0 && !is_pushed {
             return None;
         }
         let own = scene.restitution * scene.particles.restitutions[index];
         let surfaces = Surfaces {
-            gap: wall.gap,
+            gap,
             size: scene.particles.radii[index],
-            normal_speed: wall.inward[0] * u + wall.inward[1] * v,
+            normal_speed: inward[0] * u + inward[1] * v,
             restitution: own * scene.walls.walls.restitution(number),
             speeds: [kick.speed, 0.0],
             has_pushed: pushes[0] > 0.0,
@@ -242,14 +245,7 @@ impl WallContact {
         }
         let own = f64::from(scene.particles.spin(index).friction);
         let friction = scene.walls.walls.friction(number, own) as f32;
-        Some(Self {
-            wall: number,
-            inward: wall.inward,
-            velocity,
-            friction,
-            start,
-            pushes: [[0.0; 2], pushes],
-        })
+        Some(Self { wall: number, inward, velocity, friction, start, pushes: [[0.0; 2], pushes] })
     }
 }
 

@@ -6,8 +6,8 @@ use std::cell::Cell;
 use super::moving::Clock;
 use super::near::{MARGIN, Near, NearWall};
 use super::torus::each_tile;
-use super::{FIRST, Part, Walls, less};
-use crate::container::size;
+use super::{Part, Walls, less, number_of};
+use crate::container::{Container, size};
 use crate::motion::exact;
 use crate::particles::Particles;
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, vector};
@@ -34,7 +34,9 @@ thread_local! {
 /// The walls around discs in a step.
 #[derive(Clone, Copy)]
 pub struct Around<'a> {
-    /// All walls.
+    /// The container.
+    pub container: Container,
+    /// All other walls.
     pub walls: &'a Walls,
     /// Those near each disc.
     pub near: &'a Near,
@@ -110,7 +112,7 @@ impl Around<'_> {
     /// The wall with a number, if a disc that bounces off it may count as having left it: one that
     /// stands still and has no images.
     pub fn left(&self, wall: u32) -> Option<u32> {
-        (self.walls.period.is_none() && !self.walls.any_moves).then_some(wall)
+        (self.walls.period().is_none() && !self.walls.any_moves).then_some(wall)
     }
 
     /// Calls `act` with the number and the offset of each wall that a disc may touch, or whose
@@ -139,7 +141,7 @@ impl Around<'_> {
             let margin = (radius + extent) * (1.0 + MARGIN);
             let mut stack = STACK.take();
             self.walls.each_near([min, max], margin, &mut stack, |wall, offset| {
-                act(FIRST + wall, offset);
+                act(number_of(wall), offset);
             });
             STACK.set(stack);
         }
@@ -225,7 +227,8 @@ impl Around<'_> {
     pub fn normal(&self, index: u32, wall: u32, now: &Segment) -> Vector {
         let radius = f64::from(self.particles.radii[index as usize]);
         let seen = self.seen_from(wall, [0.0; 2], now);
-        self.walls.nearest_contact(wall, seen.position, seen.velocity, radius).normal
+        let contact = self.walls.nearest_contact(wall, seen.position, seen.velocity, radius);
+        contact.map_or([0.0; 2], |contact| contact.normal)
     }
 
     /// Finds the contacts of a disc at some time and the walls that are nearer to its surface than
@@ -320,7 +323,7 @@ impl Walls {
     /// the wall and across it (separating axes).
     #[inline(always)]
     pub fn is_near(&self, wall: u32, [min, max]: [Vector; 2], radius: f64) -> bool {
-        let line = self.line(wall - FIRST);
+        let line = self.numbered(wall);
         let [ux, uy] = line.along;
         let [x, y] = vector(|k| 0.5 * (min[k] + max[k]) - line.ends[0][k]);
         let [width, height] = vector(|k| 0.5 * (max[k] - min[k]));
@@ -345,7 +348,7 @@ impl Walls {
         radius: f64,
         gravity: Vector,
     ) -> bool {
-        let line = self.line(wall - FIRST);
+        let line = self.numbered(wall);
         let [ux, uy] = line.along;
         // Its distances from the first end across the wall and along it, at both times.
         let [[a, along_a], [b, along_b]] = times.map(|time| {
@@ -383,10 +386,11 @@ impl Walls {
         stack: &mut Vec<u32>,
         mut act: impl FnMut(u32, Vector),
     ) {
-        if self.period.is_none() {
+        let period = self.period();
+        if period.is_none() {
             return self.each_in(area, margin, stack, act);
         }
-        each_tile(area, self.period.sides(), |part, tile| {
+        each_tile(area, period.sides(), |part, tile| {
             self.each_in(part, margin, stack, |wall, offset| {
                 act(wall, vector(|k| offset[k] + tile[k]));
             });

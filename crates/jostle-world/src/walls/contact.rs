@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use super::{Around, FIRST, Part, Walls, less};
+use super::{Around, Part, Walls, index_of, less};
+use crate::container::Contact;
 use crate::trajectory::{Vector, dot, vector};
 
 /// Directions of contacts whose cosine is above this are the same, as at the joint of two walls in
@@ -20,19 +21,6 @@ const OPPOSED: f64 = -0.5;
 /// Walls whose angle has a smaller sine count as parallel.
 const PARALLEL: f64 = 1e-6;
 
-/// A wall near a disc.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact {
-    /// The number of the wall.
-    pub wall: u32,
-    /// Unit vector from the wall to the centre.
-    pub normal: Vector,
-    /// Distance from surface to surface; negative if they overlap.
-    pub gap: f64,
-    /// Whether it is an end of the wall.
-    pub is_end: bool,
-}
-
 impl Contact {
     /// Whether two contacts are in the same direction, so that only one of them counts.
     pub fn is_same(&self, other: &Self) -> bool {
@@ -49,7 +37,7 @@ impl Contact {
 impl Walls {
     /// The contact of a disc and the closest point of the wall with a number.
     pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {
-        let line = self.line(wall - FIRST);
+        let line = self.numbered(wall);
         let offset = line.offset(position);
         let distance = dot(offset, offset).sqrt();
         let is_end = line.part_at(position) != Part::Side;
@@ -69,7 +57,7 @@ impl Walls {
 
     /// The same, if the part of the wall that is closest acts on the disc.
     pub fn acting_contact(&self, wall: u32, position: Vector, radius: f64) -> Option<Contact> {
-        let index = wall - FIRST;
+        let index = index_of(wall)?;
         let part = self.line(index).part_at(position);
         self.acts(index, part, position, radius).then(|| self.contact(wall, position, radius))
     }
@@ -77,13 +65,13 @@ impl Walls {
     /// Whether a disc does not overlap a wall at the second point, and its centre does not cross
     /// the wall along the path from the first.
     pub fn is_free(&self, wall: u32, [from, to]: [Vector; 2], radius: f64) -> bool {
-        let line = self.line(wall - FIRST);
+        let line = self.numbered(wall);
         line.distance(to) >= line.contact_distance(radius) && !self.is_crossed(wall, from, to)
     }
 
     /// Whether the path from one point to another crosses a wall.
     fn is_crossed(&self, wall: u32, from: Vector, to: Vector) -> bool {
-        let line = self.line(wall - FIRST);
+        let line = self.numbered(wall);
         let [a, b] = line.ends;
         let side = |[p, q]: [Vector; 2], of: Vector| {
             let [u, v] = [vector(|k| q[k] - p[k]), vector(|k| of[k] - p[k])];

@@ -1,6 +1,6 @@
 //! The time of impact of a disc and a wall.
 
-use super::{FIRST, Line, Part, Walls, less};
+use super::{Line, Part, Walls, index_of, less};
 use crate::trajectory::{Impact, Limits, Relative, Segment, Vector, dot, flat_impact, vector};
 
 impl Walls {
@@ -16,7 +16,7 @@ impl Walls {
         gravity: Vector,
         limits: &Limits,
     ) -> Option<Impact> {
-        let index = wall - FIRST;
+        let index = index_of(wall)?;
         let line = self.line(index);
         let contact_distance = line.contact_distance(radius);
         let acceleration = if segment.falls { gravity } else { [0.0; 2] };

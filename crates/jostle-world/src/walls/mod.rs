@@ -16,13 +16,13 @@ mod torus;
 
 use std::cmp::Ordering;
 
+pub use crate::container::Contact;
 use crate::container::{Container, MAX_WALLS, size};
 use crate::motion::exact;
 use crate::particles::FARTHEST;
 use crate::tolerance::{PRECISION, ROUNDING};
 use crate::trajectory::{Vector, dot, vector};
 pub use around::Around;
-pub use contact::Contact;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Settings;
 use jostle_index::pairs::{LineSegment, LineSegments};
@@ -34,7 +34,17 @@ pub use near::Near;
 use torus::{Image, check_torus, each_image, less, torus_offset};
 
 /// The number of the first wall among all walls; smaller numbers are those of the container.
-pub const FIRST: u32 = MAX_WALLS as u32;
+const FIRST: u32 = MAX_WALLS as u32;
+
+/// The number of the wall at an index among all walls, those of the container included.
+pub fn number_of(index: u32) -> u32 {
+    FIRST + index
+}
+
+/// The index of the wall with a number; none if the number is that of a side of the container.
+pub fn index_of(number: u32) -> Option<u32> {
+    number.checked_sub(FIRST)
+}
 
 /// Maximum number of walls in a leaf of the tree.
 const LEAF_CAPACITY: usize = 12;
@@ -131,8 +141,7 @@ impl Default for Sides {
 #[derive(Debug, Default)]
 pub struct Walls {
     all: Vec<Wall>,
-    /// The period of the container.
-    period: Period<f64>,
+    container: Container,
     /// The walls, and on a torus their images near it, by the row of the tree.
     images: Vec<Image>,
     /// In the order of the tree, so that discs near each other find their walls near each other.
@@ -221,18 +230,18 @@ impl Walls {
     /// length.
     pub fn new(all: Vec<Wall>, container: Container, settings: Settings) -> Result<Self> {
         validate(&all)?;
-        let period = container.period().exact();
-        check_torus(&period, &all)?;
+        check_torus(&container.period().exact(), &all)?;
         let any_moves = all.iter().any(Wall::moves);
         let are_elastic = are_elastic(&all);
-        let mut walls = Self { all, any_moves, period, are_elastic, ..Self::default() };
+        let mut walls = Self { all, any_moves, container, are_elastic, ..Self::default() };
         walls.build(settings, 0.0)?;
         Ok(walls)
     }
 
     /// Builds the tree of the bounds that the walls have in a step of `dt` seconds.
     fn build(&mut self, settings: Settings, dt: f64) -> Result<()> {
-        let Self { all, period, images, lines, segments, indices, tree, .. } = self;
+        let period = &self.period();
+        let Self { all, images, lines, segments, indices, tree, .. } = self;
         images.clear();
         images.extend((0..all.len() as u32).map(|wall| Image { wall, offset: [0.0; 2] }));
         let mut bounds: Vec<[f32; 4]> = all.iter().map(|wall| wall.swept_bounds(dt)).collect();
@@ -265,6 +274,16 @@ impl Walls {
         own.for_each(|(index, &row)| indices[row as usize] = index);
         self.find_covering();
         Ok(())
+    }
+
+    /// The container.
+    pub fn container(&self) -> Container {
+        self.container
+    }
+
+    #[inline(always)]
+    fn period(&self) -> Period<f64> {
+        self.container.period().exact()
     }
 
     /// The walls, as given.
@@ -305,7 +324,7 @@ impl Walls {
 
     /// The distance from the wall with a number at which a disc touches it.
     pub fn contact_distance(&self, wall: u32, radius: f64) -> f64 {
-        wall.checked_sub(FIRST).map_or(radius, |index| self.line(index).contact_distance(radius))
+        index_of(wall).map_or(radius, |index| self.line(index).contact_distance(radius))
     }
 
     /// Wall `index` in float64.
@@ -314,9 +333,15 @@ impl Walls {
         &self.lines[self.indices[index as usize] as usize]
     }
 
+    /// The wall with a number in float64.
+    #[inline(always)]
+    fn numbered(&self, wall: u32) -> &Line {
+        self.line(wall - FIRST)
+    }
+
     /// The wall with a number; none if the number is that of a wall of the container.
     fn get(&self, wall: u32) -> Option<&Wall> {
-        wall.checked_sub(FIRST).and_then(|index| self.all.get(index as usize))
+        index_of(wall).and_then(|index| self.all.get(index as usize))
     }
 
     /// Finds the walls that hide each end, and which of several equal ends acts.

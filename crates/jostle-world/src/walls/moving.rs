@@ -5,7 +5,7 @@
 //! should have the same velocity: which part of a wall acts on a disc is decided with the others
 //! seen from that wall.
 
-use super::{FIRST, Line, Wall, Walls, are_elastic};
+use super::{Line, Wall, Walls, are_elastic};
 use crate::motion::residual;
 use crate::particles::FARTHEST;
 use crate::trajectory::{Vector, dot, vector};
@@ -115,7 +115,8 @@ impl Walls {
             let rule = format!("wall {index} would move out of the range ±{FARTHEST:e}");
             return Err(Error::of("dt", dt, &rule));
         }
-        let circles = |wall: &Wall| self.period.is_exceeded_by(wall.displacement(dt));
+        let period = self.period();
+        let circles = |wall: &Wall| period.is_exceeded_by(wall.displacement(dt));
         match self.all.iter().position(circles) {
             None => Ok(()),
             Some(index) => {
@@ -144,6 +145,6 @@ impl Clock {
             return [0.0; 2];
         }
         let seconds = self.elapsed + self.rate * time;
-        walls.all[(wall - FIRST) as usize].displacement(seconds)
+        walls.get(wall).map_or([0.0; 2], |of| of.displacement(seconds))
     }
 }

@@ -1,6 +1,6 @@
 //! The broad phase of walls: which of them each disc may touch during a step.
 
-use super::{FIRST, Walls, less};
+use super::{Walls, less, number_of};
 use crate::trajectory::Vector;
 use jostle_base::error::{Error, Result};
 use jostle_base::settings::Method;
@@ -58,7 +58,7 @@ impl Near {
             return Ok(());
         }
         // The tree has the images that discs may touch in their bounds.
-        let usual = if !walls.period.is_none() { 0.0 } else { usual };
+        let usual = if !walls.period().is_none() { 0.0 } else { usual };
         let is_near = |[wall, index]: [u32; 2]| {
             let circle = bounds.columns().shape(index as usize);
             let line = &walls.lines[wall as usize];
@@ -107,9 +107,9 @@ impl Near {
         offsets.clear();
         for &[wall, index] in &*sorted {
             let image = &walls.images[walls.tree.rows()[wall as usize] as usize];
-            let (number, segment) = (FIRST + image.wall, walls.segments.at(wall));
+            let (number, segment) = (number_of(image.wall), walls.segments.at(wall));
             near.push(NearWall { number, segment });
-            if !walls.period.is_none() {
+            if !walls.period().is_none() {
                 offsets.push(image.offset);
             }
             let (line, at) = (&walls.lines[wall as usize], index as usize);
@@ -137,7 +137,7 @@ impl Walls {
     /// The offset of the wall at an index of the tree.
     #[inline(always)]
     fn offset_at(&self, index: u32) -> Vector {
-        if self.period.is_none() {
+        if self.period().is_none() {
             return [0.0; 2];
         }
         self.images[self.tree.rows()[index as usize] as usize].offset

@@ -59,7 +59,7 @@ fn times_of_impact_are_those_of_the_oracle() {
             continue;
         }
         let found =
-            (0..3).filter_map(|k| walls.impact(FIRST + k, &segment, radius, gravity, &LIMITS));
+            (0..3).filter_map(|k| walls.impact(number_of(k), &segment, radius, gravity, &LIMITS));
         let found = found.map(|impact| impact.time).min_by(f64::total_cmp);
         let expected = oracle(&walls, &segment, radius, gravity);
         hits += usize::from(expected.is_some());
@@ -87,7 +87,7 @@ fn one_part_acts_at_each_joint() {
     let walls =
         walls(&[[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [2.0, 0.0]], [[2.0, 0.0], [2.0, 3.0]]]);
     let acting = |point: Vector| {
-        let contacts = (0..3).filter_map(|k| walls.acting_contact(FIRST + k, point, 0.5));
+        let contacts = (0..3).filter_map(|k| walls.acting_contact(number_of(k), point, 0.5));
         let touching = contacts.filter(|of| of.gap <= 0.0);
         touching.map(|of| (of.wall - FIRST, of.is_end)).collect::<Vec<_>>()
     };

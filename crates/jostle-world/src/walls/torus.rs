@@ -3,7 +3,7 @@
 //! The tree contains the images that may touch a disc which begins a step on the torus and stays in
 //! its bounds. The position of a disc farther away is moved to the torus first.
 
-use super::{Contact, FIRST, Wall, Walls};
+use super::{Contact, Wall, Walls, index_of};
 use crate::container::size;
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Vector, dot, vector};
@@ -88,7 +88,7 @@ pub(super) fn each_tile(
 }
 
 impl Walls {
-    /// The contact of a disc and the wall with a number; on a torus that with the nearest image. Of
+    /// The contact of a disc and the wall with a number, also of the container; on a torus that with the nearest image. Of
     /// images at the same distance it is that which the disc approaches fastest.
     pub fn nearest_contact(
         &self,
@@ -96,13 +96,17 @@ impl Walls {
         position: Vector,
         velocity: Vector,
         radius: f64,
-    ) -> Contact {
-        let own = |offset| self.contact(wall, less(position, offset), radius);
-        if self.period.is_none() {
-            return own([0.0; 2]);
+    ) -> Option<Contact> {
+        if index_of(wall).is_none() {
+            return self.container.side(wall).map(|side| side.contact(wall, position, radius));
         }
-        let sides = self.period.sides();
-        let [a, b] = self.line(wall - FIRST).ends;
+        let own = |offset| self.contact(wall, less(position, offset), radius);
+        let period = self.period();
+        if period.is_none() {
+            return Some(own([0.0; 2]));
+        }
+        let sides = period.sides();
+        let [a, b] = self.numbered(wall).ends;
         // No image of a wall is farther than one from that whose middle is nearest.
         let tile = |k: usize| ((position[k] - 0.5 * (a[k] + b[k])) / sides[k]).round();
         let offset = |image: &Turns| vector(|k| (tile(k) + f64::from(image[k])) * sides[k]);
@@ -111,6 +115,6 @@ impl Walls {
         let most = least + ROUNDING * size(position, radius);
         let speed = |of: &Contact| dot(of.normal, velocity);
         let nearest = all.filter(|of| of.gap <= most);
-        nearest.min_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap_or_else(|| own([0.0; 2]))
+        nearest.min_by(|a, b| speed(a).total_cmp(&speed(b)))
     }
 }

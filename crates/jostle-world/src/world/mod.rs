@@ -51,7 +51,7 @@ use crate::forces::{self, Force, HotWalls};
 use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
 use crate::resting::{Resting, WallPush};
-use crate::walls::{self, FIRST, Wall, Walls};
+use crate::walls::{self, Wall, Walls, index_of};
 use asleep::Asleep;
 pub use defaults::Defaults;
 use discs::{Discs, Persistent};
@@ -315,11 +315,11 @@ impl World {
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
         self.persistent.drifts.clear();
-        let is_kept = |wall: usize| {
-            let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(wall));
+        let is_kept = |index: u32| {
+            let [old, new] = [&self.walls, &walls].map(|walls| walls.all().get(index as usize));
             old.zip(new).is_some_and(|(old, new)| old.ends == new.ends)
         };
-        self.wall_impulses.retain(|of| of.wall < FIRST || is_kept((of.wall - FIRST) as usize));
+        self.wall_impulses.retain(|of| index_of(of.wall).is_none_or(is_kept));
         self.walls = walls;
         Ok(())
     }

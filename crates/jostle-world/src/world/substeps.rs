@@ -179,7 +179,6 @@ impl World {
             spins: &scratch.spins,
             has_friction: common.plan.has_friction,
             flow: &common.flow,
-            container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, clock),
             rows: &self.rows,
             pushes: wall_pushes,
@@ -219,7 +218,6 @@ impl World {
             begins_step: substep == 0,
             halo: &**halo,
             bounded: substep == 0 && common.plan.is_bounded,
-            container: settings.container,
             walls: around(&self.walls, &scratch.near_walls, particles, common.clock(substep)),
             restitution: settings.restitution,
             is_lossless: common.plan.is_lossless,
@@ -243,13 +241,12 @@ impl World {
 
     /// Pushes overlapping particles apart, without changing velocities, and marks those that merge.
     fn correct_positions(&mut self, common: &Substeps<'_>, substep: usize) -> Result<()> {
-        let Self { particles, settings, scratch, halo, .. } = self;
+        let Self { particles, scratch, halo, .. } = self;
         let StepScratch { motions, near_walls, correction, candidate_merges, .. } = scratch;
         let walls = around(&self.walls, near_walls, particles, common.clock(substep + 1));
-        let boundaries = (&settings.container, walls);
         let shared: (usize, &dyn Halo) = (scratch.contact_shape.stages(), &**halo);
         let threads = common.plan.threads;
-        correction.run(&mut self.contacts, motions, particles, boundaries, shared, threads)?;
+        correction.run(&mut self.contacts, motions, particles, walls, shared, threads)?;
         merge::mark_touching(candidate_merges, motions, threads);
         Ok(())
     }
@@ -272,5 +269,5 @@ fn around<'a>(
     particles: &'a Particles,
     clock: Clock,
 ) -> Around<'a> {
-    Around { walls, near, particles, clock }
+    Around { container: walls.container(), walls, near, particles, clock }
 }

@@ -5,7 +5,6 @@ use crate::contacts::{Contact, sum_of_impulses};
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
 use crate::resting::WallPush;
-use crate::walls::FIRST;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 
@@ -195,7 +194,7 @@ impl World {
     /// The particles to which walls gave an impulse during the last step, by id; sleeping ones as
     /// in the last step in which they were awake.
     pub fn wall_contacts(&self) -> Vec<WallTouch> {
-        let (indices, container) = (self.indices(), &self.settings.container);
+        let indices = self.indices();
         let touch = |&WallImpulse { row, wall, impulses, .. }: &WallImpulse| {
             // One that is only kept for warm starting, in a world of particles of other ones.
             if impulses[0] <= 0.0 {
@@ -205,16 +204,9 @@ impl World {
             let (all, index) = self.disc_at(index);
             let position = exact(all.positions[index], all.residuals[index]);
             let radius = f64::from(all.radii[index]);
-            let (gap, normal) = if wall < FIRST {
-                let gap = container.gaps(position, radius)[wall as usize]?;
-                (gap, container.normal(wall, position))
-            } else {
-                let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius);
-                (contact.gap, contact.normal)
-            };
-            let normal = normal.map(|v| v as f32);
+            let contact = self.walls.nearest_contact(wall, position, [0.0; 2], radius)?;
+            let (normal, depth) = (contact.normal.map(|v| v as f32), -contact.gap as f32);
             let [normal_impulse, friction_impulse] = impulses;
-            let depth = -gap as f32;
             let id = self.ids.of(row);
             Some(WallTouch { id, wall, normal, depth, normal_impulse, friction_impulse })
         };

@@ -17,7 +17,6 @@
 use std::ops::Range;
 
 use super::{SpringSolver, bounded, rate};
-use crate::container::Container;
 use crate::flow::{Flow, Kick};
 use crate::motion::{Motions, Vectors, exact};
 use crate::particles::Particles;
@@ -175,18 +174,16 @@ impl Surroundings<'_> {
     }
 
     /// Whether a particle is near a wall or a side of the container.
-    fn is_near_wall(
-        &self,
-        index: u32,
-        container: &Container,
-        found: &mut Vec<walls::Contact>,
-    ) -> bool {
+    fn is_near_wall(&self, index: u32, found: &mut Vec<walls::Contact>) -> bool {
         let position = self.motions.position(index);
         let radius = self.particles.radii[index as usize];
         let far = self.reach(self.velocities(index)) + NEAR * radius;
+        let container = self.walls.container;
         if !container.is_far(position.map(f64::from), f64::from(radius), [f64::from(far); 2]) {
-            let sides = container.walls(self.motions.exact(index), f64::from(radius));
-            if sides.into_iter().flatten().any(|side| side.gap <= far) {
+            let at = self.motions.exact(index);
+            let mut sides = container.sides();
+            if sides.any(|(wall, side)| side.contact(wall, at, f64::from(radius)).gap as f32 <= far)
+            {
                 return true;
             }
         }
@@ -214,7 +211,7 @@ impl SpringSolver {
         each_pair: impl FnOnce(&mut dyn FnMut([u32; 2], [f32; 2], f32)),
     ) {
         let h = of.flow.seconds;
-        let Self { bodies, nodes, container, held, .. } = self;
+        let Self { bodies, nodes, held, .. } = self;
         bodies.iter_mut().for_each(|body| body.is_held = false);
         held.any = false;
         if !bodies.iter().any(|body| body.is_stiff(h)) {
@@ -226,7 +223,7 @@ impl SpringSolver {
             let own = nodes[body.nodes.clone()].iter().filter(|node| node.inverse_mass > 0.0);
             for node in own {
                 held.body_of[node.index as usize] = number as u32;
-                body.is_held |= of.is_near_wall(node.index, container, &mut held.found);
+                body.is_held |= of.is_near_wall(node.index, &mut held.found);
             }
         }
         each_pair(&mut |pair, image, contact_distance| {

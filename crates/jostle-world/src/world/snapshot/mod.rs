@@ -19,7 +19,7 @@ use crate::contacts::Contact;
 use crate::container::{Container, MAX_WALLS};
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, check_vectors};
-use crate::walls::{FIRST, Wall};
+use crate::walls::{Wall, index_of};
 use defaults::{get_defaults, put_defaults};
 use forces::{get_force, put_force};
 use ids::{get_ids, put_ids};
@@ -410,7 +410,8 @@ impl World {
     pub(crate) fn check_wall_impulses(&self) -> Result<()> {
         let count = self.walls.all().len();
         let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
-        let is_known = |of: &WallImpulse| (of.wall as usize) < FIRST as usize + count;
+        let is_known =
+            |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
         if all.all(is_known) {
             Ok(())
         } else {
