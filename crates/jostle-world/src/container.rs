@@ -128,7 +128,10 @@ impl Container {
     /// The period of a torus; none for other containers.
     #[inline(always)]
     pub fn period(&self) -> Period<f32> {
-        Period::unchecked(if let Self::Torus { size } = self { *size } else { [0.0; 2] })
+        Period::unchecked(match self {
+            Self::None | Self::Box { .. } | Self::Circle { .. } => [0.0; 2],
+            Self::Torus { size } => *size,
+        })
     }
 
     /// Maximum displacement for which the bounds of particles at the beginning of a step are made,

@@ -164,8 +164,8 @@ pub fn follow(forces: &mut Vec<Force>, renamed: impl Fn(Id) -> Option<Id>) {
 
 /// Refuses a torus on which forces between neighbours would act from two images of a particle.
 pub fn check_fit(forces: &[Force], container: Container) -> Result<()> {
-    let Container::Torus { size: [width, height] } = container else { return Ok(()) };
-    let most = 0.5 * width.min(height);
+    let period = container.period();
+    let (most, [width, height]) = (0.5 * period.shortest(), period.sides());
     let cutoff = |force: &Force| match force {
         Force::Pair(pair) => pair.table.cutoff(),
         Force::Flocking(flocking) => flocking.cutoff,

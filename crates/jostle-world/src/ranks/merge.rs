@@ -252,7 +252,7 @@ impl World {
             .filter(|of| self.id_of_index(of.index) == of.island)
             .map(|of| (of.island, of.index))
             .collect();
-        let Self { particles, persistent, scratch, wall_impulses, .. } = self;
+        let Self { particles, scratch, wall_impulses, .. } = self;
         let StepScratch { wall_pushes, exhausted, starts: own_starts, .. } = scratch;
         wall_impulses.retain(|of| !has_merged[of.row as usize]);
         wall_pushes.retain(|of| !has_merged[of.row as usize]);
@@ -262,7 +262,6 @@ impl World {
             let (len, at, row) = (self.rows.len(), index as usize, self.rows[index as usize]);
             particles.put(len, at, &of.particle, 0);
             own_starts.put(len, at, starts, of.first);
-            persistent.warm_start.clear_one(at);
             let pushes = of.pushes.iter().map(|push| push.of_row(row));
             wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
             exhausted.extend(of.is_exhausted.then_some(row));

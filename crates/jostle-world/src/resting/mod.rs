@@ -22,7 +22,6 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::contacts::{Block, ContactShape, Contacts};
-use crate::container::MAX_WALLS;
 use crate::flow::{Flow, Kick};
 use crate::forces::springs::{Place, SpringSolver};
 use crate::halo::Halo;
@@ -65,8 +64,8 @@ pub struct Support<'a> {
     pub walls: Around<'a>,
     /// The row of each particle.
     pub rows: &'a [u32],
-    /// The pushes of walls in the sub-step before, sorted by row and wall.
-    pub pushes: &'a [WallPush],
+    /// The impulses of walls in the sub-step before, sorted by row and wall.
+    pub wall_impulses: &'a [WallImpulse],
     /// Coefficient of restitution of the world.
     pub restitution: f32,
     /// What is shared with other processes.
@@ -97,9 +96,6 @@ pub struct Resting {
     walls: Vec<Walls>,
     /// Those of a part of the particles each.
     parts: Vec<WallPart>,
-    /// The particles at walls in the last sub-step, and whether it was one of this step.
-    pushed: Vec<u32>,
-    knows_pushed: bool,
     /// How many of these, the first, belong to particles that have contacts of uneven masses.
     uneven_walls: usize,
 }
@@ -117,26 +113,16 @@ struct WallPart {
     near: Vec<u32>,
 }
 
-/// The impulses over mass that walls give, carried from sub-step to sub-step.
-pub struct WallPushes<'a> {
-    /// Along the normals.
-    pub normal: &'a mut [[f32; MAX_WALLS]],
-    /// Of friction; empty if there is none.
-    pub friction: &'a mut [[f32; MAX_WALLS]],
-    /// Those of walls that are not the container's.
-    pub walls: &'a mut Vec<WallPush>,
-    /// The impulses of the step: the index of the particle, the wall, along the normal, of friction.
-    pub impulses: &'a mut Vec<(u32, u32, [f32; 2])>,
-}
-
-/// The impulses over mass that a wall gives to a particle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallPush {
+/// The impulses that a wall gave to a particle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WallImpulse {
     /// The row of the particle.
     pub row: u32,
     /// The number of the wall.
     pub wall: u32,
     /// Along the normal, and of friction.
+    pub impulses: [f32; 2],
+    /// Those over mass of the last sub-step, at rest, from which the next one starts.
     pub pushes: [f32; 2],
 }
 
@@ -151,10 +137,11 @@ fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
 }
 
 impl Support<'_> {
-    /// The pushes of a wall in the sub-step before.
-    fn pushes_before(&self, row: u32, wall: u32) -> [f32; 2] {
-        let found = self.pushes.binary_search_by_key(&(row, wall), |of| (of.row, of.wall));
-        found.map_or([0.0; 2], |at| self.pushes[at].pushes)
+    /// The impulses of walls on a particle in the sub-step before.
+    fn impulses_before(&self, index: usize) -> &[WallImpulse] {
+        let (row, all) = (self.rows[index], self.wall_impulses);
+        let rest = &all[all.partition_point(|of| of.row < row)..];
+        &rest[..rest.iter().take_while(|of| of.row == row).count()]
     }
 
     /// Angular velocity times radius at the beginning of the sub-step.
@@ -264,25 +251,20 @@ impl Surfaces {
 }
 
 impl Resting {
-    /// Begins a step.
-    pub fn begin_step(&mut self) {
-        self.knows_pushed = false;
-    }
-
-    /// Finds the impulses of the resting contacts, and changes the kicks of the particles that they
-    /// support.
+    /// Finds the impulses of the resting contacts, writes those of walls to `to`, and changes the kicks
+    /// of the particles that they support.
     pub fn support(
         &mut self,
         scene: &Support<'_>,
         contacts: &mut Contacts,
-        mut wall_pushes: WallPushes<'_>,
+        to: &mut Vec<WallImpulse>,
         springs: &mut SpringSolver,
         kicks: &mut [Kick],
     ) -> Result<()> {
         self.begin(scene, kicks);
         self.begin_held(scene, springs, kicks);
         self.find_starts(scene, &mut contacts.blocks.list);
-        self.list_walls(scene, contacts, &mut wall_pushes, kicks);
+        self.list_walls(scene, contacts, kicks);
         let pairs = &mut contacts.blocks;
         if springs.holds_any() {
             springs.add_pushes(self.pushes(scene, &pairs.list));
@@ -295,12 +277,13 @@ impl Resting {
         let springs = springs.holds_any().then_some(springs);
         let had_impacts =
             Sweeps { all, pairs, walls, uneven_walls, springs, has_fast, work }.run()?;
+        to.clear();
         for walls in &*walls {
-            walls.store(scene.rows[walls.index as usize], &mut wall_pushes);
-            let mass = scene.particles.masses[walls.index as usize];
-            let impulses = walls.impulses(mass);
-            wall_pushes.impulses.extend(impulses.map(|(wall, of)| (walls.index, wall, of)));
+            let (row, mass) =
+                (scene.rows[walls.index as usize], scene.particles.masses[walls.index as usize]);
+            to.extend(walls.impulses(row, mass));
         }
+        to.sort_unstable_by_key(|of| (of.row, of.wall));
         self.end(scene, had_impacts, kicks);
         Ok(())
     }
@@ -422,14 +405,7 @@ impl Resting {
     }
 
     /// Lists the particles that rest on walls, those with contacts of uneven masses first.
-    fn list_walls(
-        &mut self,
-        scene: &Support<'_>,
-        contacts: &Contacts,
-        wall_pushes: &mut WallPushes<'_>,
-        kicks: &[Kick],
-    ) {
-        let WallPushes { normal, friction, .. } = wall_pushes;
+    fn list_walls(&mut self, scene: &Support<'_>, contacts: &Contacts, kicks: &[Kick]) {
         let Self { walls, uneven_walls, parts, .. } = self;
         walls.clear();
         parts.resize_with(kicks.len().div_ceil(WALL_PART), WallPart::default);
@@ -448,12 +424,9 @@ impl Resting {
                 let WallPart { walls, found, near } = part;
                 let indices = first..kicks.len().min(first + WALL_PART);
                 let near = scene.near_walls(indices, kicks, near).iter();
-                walls.extend(near.map(|&index| index as usize).filter(is_listed).filter_map(
-                    |index| {
-                        let friction = friction.get(index).copied().unwrap_or_default();
-                        Walls::of(index, normal[index], friction, scene, &kicks[index], found)
-                    },
-                ));
+                let near = near.map(|&index| index as usize).filter(is_listed);
+                walls
+                    .extend(near.filter_map(|index| Walls::of(index, scene, &kicks[index], found)));
             });
             parts.iter_mut().for_each(|part| walls.append(&mut part.walls));
             walls.len()
@@ -465,20 +438,6 @@ impl Resting {
             }
             list(false);
         }
-        // Those of a particle are set in the sub-step before, if it is not the first of the step.
-        if std::mem::replace(&mut self.knows_pushed, true) {
-            for &index in &self.pushed {
-                normal[index as usize] = [0.0; MAX_WALLS];
-                if let Some(of) = friction.get_mut(index as usize) {
-                    *of = [0.0; MAX_WALLS];
-                }
-            }
-        } else {
-            normal.fill([0.0; MAX_WALLS]);
-            friction.fill([0.0; MAX_WALLS]);
-        }
-        self.pushed.clear();
-        self.pushed.extend(self.walls.iter().map(|of| of.index));
     }
 
     /// Gives all of its change of velocity to each particle that resting contacts support before

@@ -1,13 +1,13 @@
 //! Resting contacts of a particle with walls.
 
 use super::pairs::{Pass, Phase};
-use super::{FARTHEST, Start, Support, Surfaces, WallPush, WallPushes, are_touching};
+use super::{FARTHEST, Start, Support, Surfaces, WallImpulse, are_touching};
 use crate::contacts::RELAXATION;
 use crate::container::MAX_WALLS;
 use crate::flow::Kick;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
-use crate::walls::{self, index_of};
+use crate::walls;
 
 /// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
 const OPPOSED: f32 = -0.5;
@@ -39,12 +39,9 @@ struct WallContact {
 }
 
 impl Walls {
-    /// The particle, if a wall contact of it may rest in this sub-step; `pushes` and those of
-    /// friction are from the sub-step before, at the container.
+    /// The particle, if a wall contact of it may rest in this sub-step.
     pub fn of(
         index: usize,
-        pushes: [f32; MAX_WALLS],
-        frictions: [f32; MAX_WALLS],
         scene: &Support<'_>,
         kick: &Kick,
         found: &mut Vec<walls::Contact>,
@@ -63,14 +60,17 @@ impl Walls {
         } else {
             found.clear();
         }
-        let is_between = !found.is_empty();
+        let (is_between, before) = (!found.is_empty(), scene.impulses_before(index));
+        let rest = |contact: &walls::Contact| {
+            let own = before.iter().find(|of| of.wall == contact.wall);
+            let pushes = own.map_or([0.0; 2], |of| of.pushes);
+            WallContact::of(index, (contact, pushes), is_between, scene, kick)
+        };
         let container = scene.walls.container;
         if !container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
             for (number, side) in container.sides() {
                 let contact = side.contact(number, exact, f64::from(radius));
-                let k = number as usize;
-                let pushes = [pushes[k], frictions[k]];
-                contacts[k] = WallContact::of(index, (&contact, pushes), is_between, scene, kick);
+                contacts[number as usize] = rest(&contact);
             }
         }
         if is_near_walls {
@@ -78,11 +78,7 @@ impl Walls {
             let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
             // As for two particles, the normal at an end is taken as constant.
             found.retain(|contact| !contact.is_end || speed * h <= 0.5 * radius);
-            let row = scene.rows[index];
-            let resting = found.iter().filter_map(|of| {
-                let pushes = scene.pushes_before(row, of.wall);
-                WallContact::of(index, (of, pushes), is_between, scene, kick)
-            });
+            let resting = found.iter().filter_map(rest);
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
             forget_wedges(&mut contacts);
@@ -179,29 +175,14 @@ impl Walls {
         surface_speeds.set(self.index, surface_speed);
     }
 
-    /// The walls that push the particle, and the sums of the impulses of both phases.
-    pub fn impulses(&self, mass: f32) -> impl Iterator<Item = (u32, [f32; 2])> {
-        let sums = self.contacts.iter().flatten().map(move |contact| {
-            let [impact, rest] = contact.pushes;
-            (contact.wall, [0, 1].map(|k| mass * (impact[k] + rest[k])))
+    /// The impulses of the walls that push the particle, as sums of both phases.
+    pub fn impulses(&self, row: u32, mass: f32) -> impl Iterator<Item = WallImpulse> {
+        let all = self.contacts.iter().flatten().map(move |contact| {
+            let (wall, [impact, pushes]) = (contact.wall, contact.pushes);
+            let impulses = [0, 1].map(|k| mass * (impact[k] + pushes[k]));
+            WallImpulse { row, wall, impulses, pushes }
         });
-        sums.filter(|(_, [normal, _])| *normal > 0.0)
-    }
-
-    /// Stores the impulses.
-    pub fn store(&self, row: u32, to: &mut WallPushes<'_>) {
-        let index = self.index as usize;
-        for contact in self.contacts.iter().flatten() {
-            let pushes = contact.pushes[Phase::Rest as usize];
-            if index_of(contact.wall).is_some() {
-                to.walls.push(WallPush { row, wall: contact.wall, pushes });
-                continue;
-            }
-            to.normal[index][contact.wall as usize] = pushes[0];
-            if let Some(frictions) = to.friction.get_mut(index) {
-                frictions[contact.wall as usize] = pushes[1];
-            }
-        }
+        all.filter(|of| of.impulses[0] > 0.0 || of.pushes[0] > 0.0)
     }
 }
 
@@ -245,6 +226,8 @@ impl WallContact {
         }
         let own = f64::from(scene.particles.spin(index).friction);
         let friction = scene.walls.walls.friction(number, own) as f32;
+        // An impulse from before the friction became 0 does not count.
+        let pushes = [pushes[0], if friction > 0.0 { pushes[1] } else { 0.0 }];
         Some(Self { wall: number, inward, velocity, friction, start, pushes: [[0.0; 2], pushes] })
     }
 }

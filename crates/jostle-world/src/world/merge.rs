@@ -143,7 +143,6 @@ impl World {
             self.merge_given(&indices);
             let len = self.rows.len();
             self.particles.put(len, indices[0], &one, 0);
-            self.persistent.warm_start.clear_one(indices[0]);
             let rows = indices.iter().map(|&index| self.rows[index]);
             let first = rows.clone().fold(u32::MAX, u32::min);
             rows.for_each(|row| heirs[row as usize] = first);

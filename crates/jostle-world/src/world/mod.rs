@@ -50,7 +50,7 @@ use crate::flow::Kick;
 use crate::forces::{self, Force, HotWalls};
 use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
-use crate::resting::{Resting, WallPush};
+use crate::resting::{Resting, WallImpulse};
 use crate::walls::{self, Wall, Walls, index_of};
 use asleep::Asleep;
 pub use defaults::Defaults;
@@ -67,7 +67,6 @@ pub use record::{Collisions, Record, TouchEvents};
 pub use settings::{DEFAULT_SUBSTEPS, OnTouch, WorldSettings};
 use step::MAX_CANDIDATES;
 pub use sums::StateHash;
-use touches::WallImpulse;
 pub use touches::{Touch, WallTouch};
 use undo::Before;
 
@@ -200,12 +199,12 @@ pub(crate) struct StepScratch {
     pub(crate) exhausted: Vec<u32>,
     pub(crate) touching: touching::Scratch,
     pub(crate) events: Events,
-    /// The impulses of resting contacts with walls in a part of the step: index, wall, impulses.
-    pub(crate) wall_impulses: Vec<(u32, u32, [f32; 2])>,
-    /// The pushes of walls in the last sub-step, sorted by row and wall.
-    pub(crate) wall_pushes: Vec<WallPush>,
+    /// The impulses of resting contacts with walls in a part of the step.
+    pub(crate) wall_impulses: Vec<WallImpulse>,
+    /// Those of the last sub-step, sorted by row and wall.
+    pub(crate) wall_pushes: Vec<WallImpulse>,
     /// Those of the sub-step that is computed.
-    pub(crate) new_wall_pushes: Vec<WallPush>,
+    pub(crate) new_wall_pushes: Vec<WallImpulse>,
     /// The walls near each particle.
     pub(crate) near_walls: walls::Near,
     pub(crate) shapes: Shapes<f32>,
@@ -290,7 +289,6 @@ impl World {
         }
         if let Some(walls) = new_walls {
             self.walls = walls;
-            self.persistent.warm_start.clear();
             self.wall_impulses.clear();
             self.halo.forget_domains();
         }

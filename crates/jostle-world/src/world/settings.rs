@@ -110,7 +110,7 @@ impl WorldSettings {
         if let Some(index) = all.iter().position(|one| !(0.0..=1.0).contains(one)) {
             return refuse(index, "it must lie between 0 and 1");
         }
-        if let Container::Circle { .. } = self.container
+        if self.container.sides().count() == 1
             && let Some(index) = all.iter().position(|one| *one != all[0])
         {
             return refuse(index, "a circle has one wall, so all four must be equal");

@@ -21,7 +21,7 @@ use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel;
-use jostle_base::table::{Table, dense, sparse_value};
+use jostle_base::table::{Table, dense};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
 const SLOW: f64 = 0.01;
@@ -352,17 +352,7 @@ impl World {
     /// count: which there are depends on the speeds of all particles. Static particles belong to no
     /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
-        let Self {
-            particles,
-            contacts,
-            persistent,
-            wall_impulses,
-            rows,
-            scratch,
-            halo,
-            forces,
-            ..
-        } = self;
+        let Self { particles, contacts, wall_impulses, rows, scratch, halo, forces, .. } = self;
         let super::StepScratch { overlaps, events, sleeping, forces: scratch, .. } = scratch;
         let Scratch { groups, rests, .. } = sleeping;
         let (movable, own) = (&particles.movable, halo.own_rows());
@@ -385,11 +375,11 @@ impl World {
             let of_row = wall_impulses[first..].iter().take_while(|of| of.row == row);
             of_row.map(|of| of.pushes[0]).any(|push| push > 0.0)
         };
-        rests.extend(rows.iter().enumerate().map(|(index, &row)| {
-            let pushes = sparse_value(&persistent.warm_start.normal, index);
-            let is_supported = pushes.iter().any(|&push| push > 0.0) || is_on_wall(row);
-            if is_supported { Rest::Supported } else { Rest::Free }
-        }));
+        rests.extend(rows.iter().map(
+            |&row| {
+                if is_on_wall(row) { Rest::Supported } else { Rest::Free }
+            },
+        ));
         let pressed = contacts.lasting().filter(|contact| contact.impulse > 0.0);
         for pair in pressed.map(|contact| contact.indices).chain(tied) {
             let [a, b] = pair.map(|index| index as usize);

@@ -52,8 +52,6 @@ impl World {
                     hash.mix_value([contact.impulse, contact.friction_impulse]);
                     hash.mix_value(contact.totals);
                 }
-                hash.mix_all(&self.persistent.warm_start.normal);
-                hash.mix_all(&self.persistent.warm_start.friction);
             }
         }
         hash.0

@@ -1,15 +1,14 @@
 //! The motions of a step: loaded from the columns before the sub-steps, and stored into them at the end.
 
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::plan::Plan;
 use super::{OnTouch, World};
-use crate::container::MAX_WALLS;
 use crate::motion::{self, Motion};
 use crate::particles::{FARTHEST, Particles, wrap_angle};
 use jostle_base::error::{Error, Result};
 use jostle_base::parallel;
-use jostle_base::table::sparse_value;
 
 /// Particles that one thread stores at a time.
 const STORED: usize = 1 << 14;
@@ -39,8 +38,9 @@ impl World {
             return Err(self.not_finite("contact_impulses", index, "inf"));
         }
         let Particles { positions, residuals, velocities, spins, .. } = &mut self.particles;
-        let (motions, wall_pushes) = (&scratch.motions, &self.persistent.warm_start.normal);
-        let (any, period) = (AtomicBool::new(false), settings.container.period());
+        let motions = &scratch.motions;
+        let is_infinite = scratch.wall_pushes.iter().any(|of| !of.pushes[0].is_finite());
+        let (any, period) = (AtomicBool::new(is_infinite), settings.container.period());
         let chunks = || (0..).step_by(STORED);
         let columns = positions.chunks_mut(STORED).zip(residuals.chunks_mut(STORED));
         let columns = columns.zip(velocities.chunks_mut(STORED)).zip(chunks());
@@ -48,9 +48,8 @@ impl World {
             let columns = positions.iter_mut().zip(residuals).zip(velocities).zip(first..);
             for (((position, residual), velocity), index) in columns {
                 let mut motion = motions.get(index);
-                let wall_pushes = sparse_value(wall_pushes, index as usize);
-                if !(is_allowed(&motion) & (wall_pushes == [0.0; MAX_WALLS])) {
-                    if !is_finite(&motion, &wall_pushes) {
+                if !is_allowed(&motion) {
+                    if !is_finite(&motion) {
                         any.store(true, Ordering::Relaxed);
                     }
                     clamp(&mut motion);
@@ -75,13 +74,15 @@ impl World {
     /// Returns an error with the first row whose number is not finite after the sub-steps.
     fn name_what_is_not_finite(&self) -> Error {
         let motion = |index: usize| self.scratch.motions.get(index as u32);
-        let wall_pushes = |index: usize| sparse_value(&self.persistent.warm_start.normal, index);
+        let infinite = self.scratch.wall_pushes.iter().filter(|of| !of.pushes[0].is_finite());
+        let infinite: HashMap<u32, f32> = infinite.map(|of| (of.row, of.pushes[0])).collect();
+        let push = |index: usize| infinite.get(&self.rows[index]).copied().unwrap_or_default();
         let spins = &self.scratch.spins;
         let spin = |index: usize| {
             if spins.is_empty() { 0.0 } else { spins.velocity(index as u32) }
         };
         let bad = |&index: &usize| {
-            !is_finite(&motion(index), &wall_pushes(index)) || !spin(index).is_finite()
+            !(is_finite(&motion(index)) && push(index).is_finite() && spin(index).is_finite())
         };
         let index = (0..self.rows.len())
             .filter(bad)
@@ -92,7 +93,7 @@ impl World {
             ("angular_velocities", &[spin(index)]),
             ("velocities", &velocity),
             ("positions", &position),
-            ("wall_impulses", &wall_pushes(index)),
+            ("wall_impulses", &[push(index)]),
         ];
         let broken =
             columns.into_iter().find(|(_, numbers)| !numbers.iter().all(|v| v.is_finite()));
@@ -129,9 +130,6 @@ fn clamp(motion: &mut Motion) {
 
 /// Whether a step may end with these numbers.
 #[inline(always)]
-fn is_finite(motion: &Motion, wall_pushes: &[f32; MAX_WALLS]) -> bool {
-    let Motion { position: [x, y], velocity: [u, v], .. } = motion;
-    // A product with 0 is 0, or not a number.
-    let [a, b, c, d] = wall_pushes;
-    [x, y, u, v, a, b, c, d].into_iter().map(|value| value * 0.0).sum::<f32>() == 0.0
+fn is_finite(motion: &Motion) -> bool {
+    motion.position.iter().chain(&motion.velocity).all(|value| value.is_finite())
 }

@@ -2,7 +2,6 @@
 //! collide in the order of time, then overlaps are corrected.
 
 use super::bounds::{BoundsScratch, FreeDisplacements, StepBounds};
-use super::discs::WarmStart;
 use super::merge;
 use super::plan::Plan;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
@@ -13,7 +12,7 @@ use crate::forces::springs::Surroundings;
 use crate::halo::Halo;
 use crate::motion::Motion;
 use crate::particles::Particles;
-use crate::resting::{Support, WallPushes};
+use crate::resting::{Support, WallImpulse};
 use crate::walls::{Around, Clock, Near, Walls};
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt;
@@ -75,19 +74,13 @@ impl World {
             scratch.limits.extend(all.map(|(index, &most)| free.within(particles, index, most)));
         }
         self.halo.protocol().limit(self);
-        let Self { particles, persistent, scratch, settings, .. } = self;
+        let Self { particles, scratch, settings, .. } = self;
         scratch.grown.begin_step();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
         scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
         scratch.wall_impulses.clear();
-        let on_walls = if plan.may_rest { particles.len() } else { 0 };
-        let with_friction = if plan.has_friction { on_walls } else { 0 };
-        persistent.warm_start.normal.resize(on_walls, Default::default());
-        persistent.warm_start.friction.resize(with_friction, Default::default());
-        if plan.may_rest {
-            scratch.resting.begin_step();
-        } else {
+        if !plan.may_rest {
             scratch.wall_pushes.clear();
         }
         let flow = Flow::new(plan.seconds(), settings.gravity, settings.drag);
@@ -181,17 +174,14 @@ impl World {
             flow: &common.flow,
             walls: around(&self.walls, &scratch.near_walls, particles, clock),
             rows: &self.rows,
-            pushes: wall_pushes,
+            wall_impulses: wall_pushes,
             restitution: settings.restitution,
             halo: &**halo,
             shape: scratch.contact_shape,
             threads: common.plan.threads,
         };
-        let WarmStart { normal, friction } = &mut self.persistent.warm_start;
-        new.clear();
-        let pushes = WallPushes { normal, friction, walls: new, impulses: wall_impulses };
-        scratch.resting.support(&scene, &mut self.contacts, pushes, springs, kicks)?;
-        new.sort_unstable_by_key(|of| (of.row, of.wall));
+        scratch.resting.support(&scene, &mut self.contacts, new, springs, kicks)?;
+        wall_impulses.extend(new.iter().map(|of| WallImpulse { pushes: [0.0; 2], ..*of }));
         std::mem::swap(new, wall_pushes);
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::{OnTouch, World};
 use crate::contacts::{Contact, sum_of_impulses};
 use crate::events::{Bounce, WALL};
 use crate::motion::exact;
-use crate::resting::WallPush;
+pub(crate) use crate::resting::WallImpulse;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 
@@ -39,17 +39,6 @@ pub struct WallTouch {
     pub normal_impulse: f32,
     /// As for [`Touch`], on the particle.
     pub friction_impulse: f32,
-}
-
-/// The impulses that a wall gave to a particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct WallImpulse {
-    pub(crate) row: u32,
-    pub(crate) wall: u32,
-    /// Along the normal, and of friction.
-    pub(crate) impulses: [f32; 2],
-    /// Those over mass of the last sub-step, at rest; only of walls that are not the container's.
-    pub(crate) pushes: [f32; 2],
 }
 
 /// Sorts the impulses of a step, and adds up those of the same particle and wall.
@@ -131,16 +120,14 @@ impl World {
 
     /// Lists the impulses of walls: of bounces in the order of time, and of resting contacts.
     fn collect_wall_impulses(&mut self) {
-        let scratch = &mut self.scratch;
-        let bounced = scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
-        let bounced = bounced.map(|of| (of.pair[0], of.code, of.impulses));
-        let all = bounced.chain(scratch.wall_impulses.drain(..));
-        self.wall_impulses.extend(all.map(|(index, wall, impulses)| WallImpulse {
-            row: self.rows[index as usize],
-            wall,
-            impulses,
+        let bounced = self.scratch.events.bounced.iter().filter(|of| of.pair[1] == WALL);
+        self.wall_impulses.extend(bounced.map(|of| WallImpulse {
+            row: self.rows[of.pair[0] as usize],
+            wall: of.code,
+            impulses: of.impulses,
             pushes: [0.0; 2],
         }));
+        self.wall_impulses.append(&mut self.scratch.wall_impulses);
     }
 
     /// Keeps the contacts that last, adds the pairs that bounced in the step and those that passed
@@ -169,12 +156,7 @@ impl World {
     /// Adds the pushes of the last sub-step to the impulses of the step, for the next step.
     pub(crate) fn keep_wall_pushes(&mut self) {
         let pushes = self.scratch.wall_pushes.iter();
-        self.wall_impulses.extend(pushes.map(|&WallPush { row, wall, pushes }| WallImpulse {
-            row,
-            wall,
-            impulses: [0.0; 2],
-            pushes,
-        }));
+        self.wall_impulses.extend(pushes.map(|of| WallImpulse { impulses: [0.0; 2], ..*of }));
     }
 
     /// The pairs that touched during the last step, in canonical order. Then the pairs of sleeping

@@ -8,7 +8,6 @@ use crate::contacts::Contacts;
 use crate::forces::Force;
 use crate::motion;
 use crate::particles::Particles;
-use crate::resting::WallPush;
 use crate::walls::Wall;
 
 /// The world before the current step. The first part of a step moves the old columns and contacts
@@ -45,8 +44,6 @@ impl World {
         std::mem::swap(&mut before.wall_impulses, &mut self.wall_impulses);
         self.wall_impulses.clear();
         let pushes = before.wall_impulses.iter().filter(|of| of.pushes[0] > 0.0);
-        let pushes =
-            pushes.map(|&WallImpulse { row, wall, pushes, .. }| WallPush { row, wall, pushes });
         self.scratch.wall_pushes.clear();
         self.scratch.wall_pushes.extend(pushes);
         before.stats = self.stats;

@@ -10,13 +10,12 @@ mod ids;
 mod record;
 mod sleepers;
 
-use super::discs::WarmStart;
 use super::drive::check_walls;
 use super::ids::Ids;
 use super::touches::WallImpulse;
 use super::{OnTouch, Walls, World, WorldSettings};
 use crate::contacts::Contact;
-use crate::container::{Container, MAX_WALLS};
+use crate::container::Container;
 use crate::forces::{self as all_forces, Force};
 use crate::particles::{Particles, check_vectors};
 use crate::walls::{Wall, index_of};
@@ -35,7 +34,7 @@ use sleepers::{get_sleepers, put_sleepers};
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 impl World {
     /// The whole world in bytes, the same on every machine.
@@ -58,7 +57,6 @@ impl World {
         to.put_count(self.asleep.len());
         to.put_all(&self.rows);
         put_particles(&mut to, &self.particles);
-        put_warm_start(&mut to, &self.persistent.warm_start);
         put_contacts(&mut to, self.contacts.lasting().collect());
         put_wall_impulses(&mut to, &self.wall_impulses);
         to.put(!self.persistent.drifts.is_empty());
@@ -99,7 +97,6 @@ impl World {
         let rows: Vec<u32> = from.get_all(len)?;
         world.add(get_particles(&mut from, len)?).map_err(valid)?;
         world.rows = rows;
-        world.persistent.warm_start = get_warm_start(&mut from, len)?;
         world.contacts.recall(get_contacts(&mut from, len)?, len);
         // Rows are checked below.
         world.wall_impulses = get_wall_impulses(&mut from, len.saturating_add(sleeping))?;
@@ -273,39 +270,6 @@ fn get_attachment(from: &mut Reader<'_>) -> Result<Option<String>> {
     let len = from.get_count()?;
     let text = String::from_utf8(from.get_all(len)?);
     text.map(Some).map_err(|_| damaged("its attachment is not UTF-8"))
-}
-
-fn put_warm_start(to: &mut Writer, of: &WarmStart) {
-    for column in [&of.normal, &of.friction] {
-        let pushed = column.iter().zip(0u32..).filter(|(pushes, _)| **pushes != [0.0; MAX_WALLS]);
-        to.put_count(pushed.clone().count());
-        for (&pushes, index) in pushed {
-            to.put(index);
-            to.put(pushes);
-        }
-    }
-}
-
-/// The impulses of the sides of the container on `len` particles.
-fn get_warm_start(from: &mut Reader<'_>, len: usize) -> Result<WarmStart> {
-    let normal = get_wall_pushes(from, len, 0.0)?;
-    Ok(WarmStart { normal, friction: get_wall_pushes(from, len, f32::MIN)? })
-}
-
-/// Impulses that are at least `least`.
-fn get_wall_pushes(from: &mut Reader<'_>, len: usize, least: f32) -> Result<Vec<[f32; MAX_WALLS]>> {
-    let mut all = vec![[0.0; MAX_WALLS]; len];
-    for _ in 0..from.get_count()? {
-        let (index, pushes): (u32, [f32; MAX_WALLS]) = (from.get()?, from.get()?);
-        let to = all
-            .get_mut(index as usize)
-            .ok_or_else(|| damaged("a wall has an impulse on no particle"))?;
-        if !pushes.iter().all(|&push| push >= least && push.is_finite()) {
-            return Err(damaged("an impulse of a wall is out of range"));
-        }
-        *to = pushes;
-    }
-    Ok(all)
 }
 
 fn put_contacts(to: &mut Writer, contacts: Vec<&Contact>) {

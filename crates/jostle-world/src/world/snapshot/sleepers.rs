@@ -6,8 +6,7 @@ use super::super::World;
 use super::super::asleep::{Island, Sleepers};
 use super::super::discs::Discs;
 use super::{
-    get_contacts, get_particles, get_wall_impulses, get_warm_start, put_contacts, put_particles,
-    put_wall_impulses, put_warm_start,
+    get_contacts, get_particles, get_wall_impulses, put_contacts, put_particles, put_wall_impulses,
 };
 use crate::particles::Spin;
 use jostle_base::bytes::{Reader, Writer, damaged};
@@ -63,10 +62,9 @@ pub(super) fn put_sleepers(to: &mut Writer, all: &Sleepers) {
     for Island { particles, contacts, wall_impulses, .. } in &all.islands {
         to.put([particles, contacts, wall_impulses].map(|range| range.len() as u32));
     }
-    let Discs { particles, rows, persistent } = &all.discs;
+    let Discs { particles, rows, .. } = &all.discs;
     to.put_all(rows);
     put_particles(to, particles);
-    put_warm_start(to, &persistent.warm_start);
     put_contacts(to, all.contacts.iter().collect());
     put_wall_impulses(to, &all.wall_impulses);
 }
@@ -90,11 +88,10 @@ pub(super) fn get_sleepers(from: &mut Reader<'_>, len: usize, awake: usize) -> R
     }
     let total = len.saturating_add(awake);
     let mut all = Sleepers { islands, ..Sleepers::default() };
-    let Discs { particles, rows, persistent } = &mut all.discs;
+    let Discs { particles, rows, .. } = &mut all.discs;
     *rows = from.get_all(len)?;
     *particles = get_particles(from, len)?;
     particles.validate().map_err(|error| damaged(&error.to_string()))?;
-    persistent.warm_start = get_warm_start(from, len)?;
     all.contacts = get_contacts(from, total)?;
     all.wall_impulses = get_wall_impulses(from, total)?;
     let found = [len, all.contacts.len(), all.wall_impulses.len()];
