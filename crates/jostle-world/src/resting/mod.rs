@@ -10,10 +10,11 @@
 //! converges in far fewer iterations than the factor 1 (Gauss–Seidel). The last iteration has the
 //! factor 1, so that a single contact is exact. There is no damping.
 //!
-//! Which contacts rest follows from [`rest_speeds`]. All others bounce, see [`crate::events`].
+//! `rule` tells which contacts rest. All others bounce, see [`crate::events`].
 
 mod friction;
 mod pairs;
+mod rule;
 mod start;
 mod sweeps;
 mod walls;
@@ -27,21 +28,15 @@ use crate::forces::springs::{Place, SpringSolver};
 use crate::halo::Halo;
 use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::particles::Particles;
-use crate::trajectory::{MAX_REST_SPEED, rest_speeds};
 use crate::walls::{self as segments, Around};
 use jostle_base::error::Result;
 use jostle_base::parallel;
 use jostle_simd::LANES;
+pub use rule::are_touching;
+use rule::{FARTHEST, Start, Surfaces};
 use start::Starts;
 use sweeps::{State, Sweeps};
 use walls::Walls;
-
-/// Surfaces touch if their gap is at most this share of the size; at a wall, of the radius.
-const TOUCHING: f32 = 0.003;
-
-/// Surfaces with a larger gap cannot rest. In units of the displacement at the speed that gravity and
-/// forces give in the sub-step.
-const FARTHEST: f32 = MAX_REST_SPEED as f32 + 2.01;
 
 /// Blocks in one task of a thread.
 const BLOCKS_OF_A_THREAD: usize = 64;
@@ -126,11 +121,6 @@ pub struct WallImpulse {
     pub pushes: [f32; 2],
 }
 
-/// Whether surfaces of bodies of a size count as touching with this gap.
-pub fn are_touching(gap: f32, size: f32) -> bool {
-    gap <= TOUCHING * size
-}
-
 /// The sum of two vectors.
 fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| a[k] + b[k])
@@ -182,71 +172,6 @@ impl Support<'_> {
     fn change(&self, kick: &Kick) -> [f64; 2] {
         let Flow { gravity, duration, .. } = self.flow;
         [0, 1].map(|k| kick.before[k] + gravity[k] * duration + kick.after[k])
-    }
-}
-
-/// A disc and a wall as a sub-step begins.
-struct Surfaces {
-    gap: f32,
-    /// The radius.
-    size: f32,
-    /// The speed at which they separate.
-    normal_speed: f32,
-    restitution: f32,
-    /// The speeds that gravity and forces give to the two in the sub-step.
-    speeds: [f32; 2],
-    /// Whether the contact rested in the sub-step before.
-    has_pushed: bool,
-}
-
-/// How a resting contact begins a sub-step.
-#[derive(Clone, Copy, Debug)]
-struct Start {
-    /// Speed at which the gap may close.
-    closing_speed: f32,
-    /// Speed of separation after the impacts at the beginning, at least. Slow contacts do not approach
-    /// faster than before, so they change nothing where no contact is fast.
-    bounce: f32,
-    /// Whether the surfaces touch and approach too fast to rest.
-    is_fast: bool,
-}
-
-impl Surfaces {
-    /// The start of the contact, if it may rest in a sub-step of `h` seconds: the surfaces touch,
-    /// or they are near and slow.
-    fn start(&self, h: f32) -> Option<Start> {
-        let Self { gap, normal_speed, speeds: [a, b], .. } = *self;
-        // Most surfaces are too far away at any restitution.
-        if gap > FARTHEST * a.max(b) * h {
-            return None;
-        }
-        let most = a.max(b);
-        let limits = rest_speeds(f64::from(self.restitution));
-        let [approach, separation] = limits.map(|limit| limit as f32 * most);
-        let closing_speed = gap.max(0.0) / h;
-        let is_near = closing_speed <= approach + a + b;
-        let is_touching = are_touching(gap, self.size);
-        let is_slow = normal_speed <= separation || self.has_pushed;
-        // The square of the speed at which they fall onto each other, v² + 2 a d.
-        let impact = normal_speed * normal_speed + 2.0 * most * closing_speed;
-        let limit = if self.has_pushed { approach.max(most) } else { approach };
-        let is_low = impact <= limit * limit;
-        let rests = is_touching || normal_speed >= -approach && is_slow && is_low;
-        if approach == 0.0 || !is_near || !rests {
-            return None;
-        }
-        let is_fast = is_touching && normal_speed < -approach;
-        Some(Start {
-            closing_speed,
-            bounce: if is_fast {
-                -self.restitution * normal_speed
-            } else if is_touching {
-                normal_speed.min(0.0)
-            } else {
-                f32::MIN
-            },
-            is_fast,
-        })
     }
 }
 

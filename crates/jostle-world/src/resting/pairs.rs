@@ -50,28 +50,6 @@ impl Block {
         self.least_speeds[Phase::Impact as usize][lane] = f32::MIN;
     }
 
-    /// Begins a sub-step with the contacts that rest in it.
-    #[inline(always)]
-    pub fn begin<S: Simd<f32>>(
-        &mut self,
-        simd: S,
-        normal: [S::Block; 2],
-        least_speeds: [S::Block; 2],
-        resting: u32,
-    ) {
-        let (zero, none) = (simd.splat(0.0), simd.splat(f32::MIN));
-        let [impact, rest] = least_speeds;
-        let [impacts, impulses] = &mut self.impulses;
-        simd.store(zero, impacts);
-        simd.store(simd.choose(resting, simd.load(impulses), zero), impulses);
-        simd.store(simd.choose(resting, impact, none), &mut self.least_speeds[0]);
-        simd.store(simd.choose(resting, rest, none), &mut self.least_speeds[1]);
-        let [x, y] = normal;
-        simd.store(x, &mut self.normal[0]);
-        simd.store(y, &mut self.normal[1]);
-        self.resting = resting;
-    }
-
     /// The velocities of the first and of the second particles: x and y of each.
     #[inline(always)]
     fn velocities<S: Simd<f32>>(&self, simd: S, of: &Vectors) -> [S::Block; 4] {

@@ -1,8 +1,6 @@
-//! Which contacts of two particles rest in a sub-step, and how they begin it.
-//!
-//! This is [`Surfaces::start`](super::Surfaces::start) for sixteen contacts at a time.
+//! Which contacts of two particles rest in a sub-step, and how they begin it, sixteen at a time.
 
-use super::{FARTHEST, TOUCHING};
+use super::rule::Surfaces;
 use crate::contacts::Block;
 use crate::motion::{Motions, Vectors};
 use jostle_simd::{LANES, Number, PairIndices, Simd, Work, for_each_lane};
@@ -56,7 +54,6 @@ impl Work<f32> for StartsOfBlocks<'_> {
 /// Finds the contacts of a block that rest. Returns whether any of them is too fast.
 #[inline(always)]
 fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
-    let h = simd.splat(all.duration);
     let zero = simd.splat(0.0);
     let [x, y] = difference(simd, &all.motions.positions, &block.indices);
     let x = simd.add(x, simd.load(&block.images[0]));
@@ -82,6 +79,7 @@ fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
 
     let [u, v] = difference(simd, all.velocities, &block.indices);
     let normal_speed = simd.add(simd.mul(nx, u), simd.mul(ny, v));
+    let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
     let [a, b] = [0, 1].map(|k| match all.speed_of_all {
         Some(speed) => {
             let moves = simd.less(zero, simd.load(&block.inverse_masses[k]));
@@ -89,39 +87,48 @@ fn start<S: Simd<f32>>(simd: S, block: &mut Block, all: &Starts<'_>) -> bool {
         }
         None => simd.gather(all.speeds.words(), &block.indices, k)[0],
     });
-    let most = simd.max(a, b);
-    let approach = simd.mul(simd.load(&block.rest_speeds[0]), most);
-    let separation = simd.mul(simd.load(&block.rest_speeds[1]), most);
-    let minus_approach = simd.sub(simd.splat(-0.0), approach);
+    let mut columns = [[0.0; LANES]; 5];
+    simd.store(gap, &mut columns[0]);
+    simd.store(speed, &mut columns[1]);
+    simd.store(normal_speed, &mut columns[2]);
+    simd.store(a, &mut columns[3]);
+    simd.store(b, &mut columns[4]);
+    simd.store(nx, &mut block.normal[0]);
+    simd.store(ny, &mut block.normal[1]);
+    block.begin(&columns, all.duration)
+}
 
-    let farthest = simd.mul(simd.mul(simd.splat(FARTHEST), most), h);
-    let closing_speed = simd.div(simd.max(gap, zero), h);
-    let is_near = simd.at_most(gap, farthest)
-        & simd.at_most(closing_speed, simd.add(simd.add(approach, a), b));
-    let is_touching = simd.at_most(gap, simd.mul(simd.splat(TOUCHING), simd.load(&block.sizes)));
-    let has_pushed = simd.less(zero, simd.load(&block.impulses[1]));
-    let is_slow = simd.at_most(minus_approach, normal_speed)
-        & (simd.at_most(normal_speed, separation) | has_pushed);
-    let fallen = simd.mul(simd.mul(simd.splat(2.0), most), closing_speed);
-    let impact = simd.add(simd.mul(normal_speed, normal_speed), fallen);
-    let limit = simd.choose(has_pushed, simd.max(approach, most), approach);
-    let is_low = simd.at_most(impact, simd.mul(limit, limit));
-    // The normal is taken as constant.
-    let speed = simd.sqrt(simd.add(simd.mul(u, u), simd.mul(v, v)));
-    let is_steady = simd.at_most(simd.mul(speed, h), simd.mul(simd.splat(0.5), contact_distance));
-    let resting = is_near
-        & (is_touching | is_slow & is_low)
-        & is_steady
-        & simd.less(zero, approach)
-        & block.lanes;
-
-    let fast = resting & is_touching & simd.less(normal_speed, minus_approach);
-    let minus_restitution = simd.sub(simd.splat(-0.0), simd.load(&block.restitutions));
-    let slow_bounce = simd.choose(is_touching, simd.min(normal_speed, zero), simd.splat(f32::MIN));
-    let bounce = simd.choose(fast, simd.mul(minus_restitution, normal_speed), slow_bounce);
-    let least_speeds = [bounce, simd.sub(simd.splat(-0.0), closing_speed)];
-    block.begin(simd, [nx, ny], least_speeds, resting);
-    fast != 0
+impl Block {
+    /// Begins a sub-step of `h` seconds with the contacts that rest in it. The columns are the gaps, the
+    /// relative speeds, those along the normals, and those that gravity and forces give to the
+    /// two. Returns whether any contact is too fast.
+    #[inline(always)]
+    fn begin(&mut self, [gaps, speeds, normal_speeds, a, b]: &[[f32; LANES]; 5], h: f32) -> bool {
+        let (mut resting, mut fast) = (0, false);
+        for lane in 0..LANES {
+            let start = Surfaces {
+                gap: gaps[lane],
+                size: self.sizes[lane],
+                curve: self.contact_distances[lane],
+                speed: speeds[lane],
+                normal_speed: normal_speeds[lane],
+                restitution: self.restitutions[lane],
+                rest_speeds: [self.rest_speeds[0][lane], self.rest_speeds[1][lane]],
+                speeds: [a[lane], b[lane]],
+                has_pushed: self.impulses[1][lane] > 0.0,
+            }
+            .start(h);
+            let rests = start.rests;
+            resting |= u32::from(rests) << lane;
+            fast |= start.is_fast;
+            self.least_speeds[0][lane] = if rests { start.bounce } else { f32::MIN };
+            self.least_speeds[1][lane] = if rests { -start.closing_speed } else { f32::MIN };
+            self.impulses[0][lane] = 0.0;
+            self.impulses[1][lane] = if rests { self.impulses[1][lane] } else { 0.0 };
+        }
+        self.resting = resting;
+        fast
+    }
 }
 
 /// Writes the normals and gaps of the contacts that are too uneven for float32.

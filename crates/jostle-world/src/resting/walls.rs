@@ -7,6 +7,7 @@ use crate::container::MAX_WALLS;
 use crate::flow::Kick;
 use crate::forces::springs::Push;
 use crate::motion::{Scalars, Vectors};
+use crate::trajectory::rest_speeds;
 use crate::walls;
 
 /// The cosine of the angle of the normals of two walls below which the walls are at an acute angle.
@@ -210,15 +211,23 @@ impl WallContact {
             return None;
         }
         let own = scene.restitution * scene.particles.restitutions[index];
+        let restitution = own * scene.walls.walls.restitution(number);
         let surfaces = Surfaces {
             gap,
             size: scene.particles.radii[index],
+            // The normal of a flat wall is the same everywhere.
+            curve: f32::INFINITY,
+            speed: 0.0,
             normal_speed: inward[0] * u + inward[1] * v,
-            restitution: own * scene.walls.walls.restitution(number),
+            restitution,
+            rest_speeds: rest_speeds(f64::from(restitution)).map(|limit| limit as f32),
             speeds: [kick.speed, 0.0],
             has_pushed: pushes[0] > 0.0,
         };
-        let mut start = surfaces.start(scene.flow.duration as f32)?;
+        let mut start = surfaces.start(scene.flow.duration as f32);
+        if !start.rests {
+            return None;
+        }
         // Otherwise a disc between walls at an acute angle would be thrown out by its impact on
         // one.
         if is_between && surfaces.normal_speed > 0.0 && start.bounce == 0.0 {
