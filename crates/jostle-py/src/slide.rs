@@ -8,7 +8,6 @@ use numpy::Element;
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, Given, count, number, single_mask};
-use crate::error::refused;
 use crate::ids::Ids;
 use crate::interrupt::detached;
 use crate::lock::Shared;
@@ -51,8 +50,8 @@ impl<'py> Rules<'py> {
             None => [T::ZERO, -T::ONE],
             Some(up) => up.only_pair("direction")?,
         };
-        SlideRules::new(self.mask, self.max_slides, up, self.floor_angle, self.one_way)
-            .map_err(refused)
+        let Self { mask, max_slides, floor_angle, one_way, .. } = *self;
+        Ok(SlideRules { mask, max_slides, up, floor_angle, one_way })
     }
 
     /// Moves the shapes of a space.

@@ -29,30 +29,44 @@ pub const DEFAULT_MAX_SLIDES: usize = 4;
 /// alternately without end.
 pub const MAX_SLIDES: usize = 1000;
 
-/// How shapes slide.
+/// How shapes slide. By default there are no floors, and all shapes are obstacles from all sides.
 #[derive(Clone, Copy, Debug)]
 pub struct SlideRules<T> {
     /// The categories of the shapes that are obstacles.
     pub mask: u32,
     /// Maximum number of obstacles that a shape meets in a call; it stops at the last one.
     pub max_slides: usize,
-    /// The direction in which floors face, a unit vector; (0, 0) if there are no floors.
+    /// The direction in which floors face, of any length; (0, 0) if there are no floors.
     pub up: [T; 2],
-    /// Cosine of the largest angle between the normal of a floor and `up`.
-    pub floor_cosine: T,
+    /// The largest angle between the normal of a floor and `up`, in radians.
+    pub floor_angle: f64,
     /// Categories of the obstacles that stop shapes only from above.
     pub one_way: u32,
 }
 
+impl<T: Scalar> Default for SlideRules<T> {
+    fn default() -> Self {
+        let (max_slides, floor_angle) = (DEFAULT_MAX_SLIDES, std::f64::consts::FRAC_PI_4);
+        Self { mask: u32::MAX, max_slides, up: [T::ZERO; 2], floor_angle, one_way: 0 }
+    }
+}
+
+/// [`SlideRules`] with valid values.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckedRules<T> {
+    mask: u32,
+    max_slides: usize,
+    /// A unit vector, or (0, 0).
+    up: [T; 2],
+    /// Cosine of the largest angle between the normal of a floor and `up`.
+    floor_cosine: T,
+    one_way: u32,
+}
+
 impl<T: Scalar> SlideRules<T> {
-    /// Rules from a direction of any length and an angle in radians. Refuses invalid values.
-    pub fn new(
-        mask: u32,
-        max_slides: usize,
-        up: [T; 2],
-        floor_angle: f64,
-        one_way: u32,
-    ) -> Result<Self> {
+    /// Refuses invalid values.
+    pub fn check(&self) -> Result<CheckedRules<T>> {
+        let Self { mask, max_slides, up, floor_angle, one_way } = *self;
         if max_slides > MAX_SLIDES {
             let rule = format!("it must be at most {MAX_SLIDES}");
             return Err(Error::of("max_slides", max_slides, &rule));
@@ -78,7 +92,14 @@ impl<T: Scalar> SlideRules<T> {
         // Angles are compared by their cosines: one product for each hit, and no arc cosine, which
         // systems round in different ways.
         let floor_cosine = T::from_f64(cosine(floor_angle) - COSINE_TOLERANCE);
-        Ok(Self { mask, max_slides, up, floor_cosine, one_way })
+        Ok(CheckedRules { mask, max_slides, up, floor_cosine, one_way })
+    }
+}
+
+impl<T: Scalar> CheckedRules<T> {
+    /// The categories of the shapes that are obstacles.
+    pub fn mask(&self) -> u32 {
+        self.mask
     }
 
     /// The kind of a surface with this normal.
@@ -144,7 +165,7 @@ fn dot<T: Scalar>(a: [T; 2], b: [T; 2]) -> T {
 ///
 /// Floors: the downward component is lost, so that a shape does not slide down, and the rest
 /// follows the slope. Walls: a shape does not gain height at a slope that is too steep.
-fn along_surface<T: Scalar>(rules: &SlideRules<T>, v: [T; 2], normal: [T; 2]) -> [T; 2] {
+fn along_surface<T: Scalar>(rules: &CheckedRules<T>, v: [T; 2], normal: [T; 2]) -> [T; 2] {
     if dot(v, normal) >= T::ZERO {
         return v;
     }
@@ -185,8 +206,8 @@ mod tests {
         }
     }
 
-    fn rules() -> SlideRules<f64> {
-        SlideRules::new(u32::MAX, 4, [0.0, -2.0], std::f64::consts::FRAC_PI_4, 0).unwrap()
+    fn rules() -> CheckedRules<f64> {
+        SlideRules { up: [0.0, -2.0], ..SlideRules::default() }.check().unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::{FindObstacles, Obstacle, SlideHit, SlideRules, Surface, along_surface, dot};
+use super::{CheckedRules, FindObstacles, Obstacle, SlideHit, Surface, along_surface, dot};
 use jostle_index::geometry::{Bounds, Scalar, Shape};
 use jostle_index::period::Period;
 
@@ -28,7 +28,7 @@ const SHORT: f64 = 4.0;
 /// A moving shape and the obstacles near it. In a periodic plane it begins in the first period and
 /// may leave it; obstacles have images.
 pub struct Walker<'a, T> {
-    rules: &'a SlideRules<T>,
+    rules: &'a CheckedRules<T>,
     period: Period<T>,
     find: &'a mut FindObstacles<'a, T>,
     body: Shape<T>,
@@ -46,7 +46,7 @@ pub struct Walker<'a, T> {
 impl<'a, T: Scalar> Walker<'a, T> {
     /// A shape given by its centre. `near` is scratch.
     pub fn new(
-        (rules, period): (&'a SlideRules<T>, Period<T>),
+        (rules, period): (&'a CheckedRules<T>, Period<T>),
         body: Shape<T>,
         near: &'a mut Vec<Obstacle<T>>,
         find: &'a mut FindObstacles<'a, T>,
@@ -443,7 +443,7 @@ pub fn contains<T: Scalar>(outer: [[T; 2]; 2], inner: [[T; 2]; 2]) -> bool {
 
 /// Whether a shape is above an obstacle, as seen from `up`.
 fn is_above<T: Scalar>(
-    rules: &SlideRules<T>,
+    rules: &CheckedRules<T>,
     body: &Shape<T>,
     obstacle: &Shape<T>,
     slop: T,

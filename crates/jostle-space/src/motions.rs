@@ -504,7 +504,7 @@ fn each_around<T: Scalar>(
         half_size: [T::ZERO; 2],
         radius: T::ZERO,
         category: body.category,
-        mask: body.mask & call.rules.mask,
+        mask: body.mask & call.rules.mask(),
     };
     for turns in call.period.images_near(min, max) {
         let shift = call.period.span(turns);

@@ -14,7 +14,7 @@ use jostle_index::period::{Period, Turns};
 use jostle_index::quadtree::Quadtree;
 use jostle_index::query::each_overlap;
 use jostle_index::shapes::{Each, Shapes};
-use jostle_slide::{Obstacle, SlideRules, Solid};
+use jostle_slide::{CheckedRules, Obstacle, Solid};
 
 /// The bit in the index of an obstacle that marks a wall; without it the index is a slot.
 pub(crate) const WALL: u32 = 1 << 31;
@@ -38,7 +38,7 @@ pub(crate) struct SlideCall<'a, T> {
     /// The period of the plane.
     pub period: Period<T>,
     /// How shapes slide.
-    pub rules: &'a SlideRules<T>,
+    pub rules: &'a CheckedRules<T>,
     /// The shapes that move.
     pub walkers: &'a [u32],
     /// The displacement of each walker.
@@ -67,7 +67,7 @@ impl<T: Scalar> SlideCall<'_, T> {
 
     /// Whether a row is an obstacle of other rows, as far as `mask` decides.
     pub(crate) fn is_obstacle(&self, row: usize) -> bool {
-        self.slots.category(self.walkers[row]) & self.rules.mask != 0
+        self.slots.category(self.walkers[row]) & self.rules.mask() != 0
     }
 
     /// What a row knows about the motions of obstacles.

@@ -11,7 +11,7 @@ use jostle_base::memory;
 use jostle_index::geometry::Scalar;
 use jostle_index::period::Period;
 use jostle_index::shapes::check_finite;
-use jostle_slide::SlideRules;
+use jostle_slide::{CheckedRules, SlideRules};
 
 /// With more fresh obstacles than this, a tree of them is faster than testing each.
 const FEW: usize = 64;
@@ -54,6 +54,7 @@ impl<T: Scalar> Space<T> {
         displacements: &[[T; 2]],
         rules: &SlideRules<T>,
     ) -> Result<Slides<T>> {
+        let rules = &rules.check()?;
         check_displacements(ids, displacements, &self.period)?;
         let walkers = self.slots.find(ids)?;
         self.check_widths(ids, &walkers)?;
@@ -100,7 +101,7 @@ impl<T: Scalar> Space<T> {
         &mut self,
         walkers: &[u32],
         displacements: &[[T; 2]],
-        rules: &SlideRules<T>,
+        rules: &CheckedRules<T>,
     ) -> Result<Vec<Walk<T>>> {
         let mut fresh: Vec<u32> = memory::with_capacity(self.layers.fresh_listed())?;
         let is_walker = |slot: u32| self.floors.rows[slot as usize] != NONE;
@@ -114,7 +115,7 @@ impl<T: Scalar> Space<T> {
         // The longest memory of any of them: an obstacle that moved before that has been met by
         // all.
         let since = walkers.iter().map(|&slot| self.traces.since(slot)).min().unwrap_or_default();
-        let moved = self.moved_before(walkers, since, rules.mask)?;
+        let moved = self.moved_before(walkers, since, rules.mask())?;
         let call = SlideCall {
             slots: &self.slots,
             layers: &self.layers,

@@ -10,6 +10,11 @@ use jostle_slide::SlideRules;
 use jostle_space::Space;
 use proptest::prelude::*;
 
+/// Rules by which slopes of up to 0.8 radians are floors.
+fn floors_face(up: [f64; 2]) -> SlideRules<f64> {
+    SlideRules { up, floor_angle: 0.8, ..SlideRules::default() }
+}
+
 const WALL: u32 = 1;
 const WALKER: u32 = 2;
 
@@ -113,7 +118,7 @@ impl Scene {
     }
 
     fn rules(&self, mask: u32, max_slides: usize) -> SlideRules<f64> {
-        SlideRules::new(mask, max_slides, self.up, 0.8, 0).unwrap()
+        SlideRules { mask, max_slides, ..floors_face(self.up) }
     }
 }
 
@@ -182,7 +187,7 @@ fn check_pile(
         .map(|(k, (half, radius))| ([[-1.0, 1.0][k % 2], 8.0 - 1.7 * (k / 2) as f64], half, radius))
         .collect();
     let ids = add(&mut space, &rows, WALKER);
-    let rules = SlideRules::new(u32::MAX, 4, [0.0, -1.0], 0.8, 0).unwrap();
+    let rules = floors_face([0.0, -1.0]);
     for step in steps {
         space.move_and_slide(&ids, step, &rules).unwrap();
         let pairs = space.pairs(None, DEFAULT_MAX_PAIRS).unwrap();
@@ -314,7 +319,7 @@ proptest! {
         let mut space = Space::new(Settings::default()).unwrap();
         let lift = add(&mut space, &[([0.0; 2], [5.0, 1.0], 0.0)], WALL);
         let walker = add(&mut space, &[(away, [1.0, 8.0], 0.0)], WALKER);
-        let rules = SlideRules::new(u32::MAX, 4, [0.0, -1.0], 0.8, one_way).unwrap();
+        let rules = SlideRules { one_way, ..floors_face([0.0, -1.0]) };
         space.move_and_slide(&walker, &[[0.0; 2]], &rules).unwrap();
         for k in 1..=calls {
             let share = k as f64 / calls as f64;
@@ -401,7 +406,7 @@ fn segments_at_every_angle_stop_every_shape() {
                 .collect();
             space.set_walls(ends).unwrap();
             let ids = add(&mut space, &[row], WALKER);
-            let rules = SlideRules::new(u32::MAX, 8, [-cos, -sin], 0.8, 0).unwrap();
+            let rules = SlideRules { max_slides: 8, ..floors_face([-cos, -sin]) };
             let step = at(3.0, 1e4);
             let slides = space.move_and_slide(&ids, &[step], &rules).unwrap();
             let [x, y] = centers(&space, &ids)[0];
@@ -424,7 +429,7 @@ fn segments_have_images() {
     space.set_walls(vec![[[18.0, 0.0], [24.0, 6.0]], [[103.0, -9.0], [103.0, 9.0]]]).unwrap();
     let ids =
         add(&mut space, &[([1.0, 9.0], [0.0; 2], 0.5), ([19.0, -5.0], [0.0; 2], 0.5)], WALKER);
-    let rules = SlideRules::new(u32::MAX, 1, [0.0; 2], 0.8, 0).unwrap();
+    let rules = SlideRules { max_slides: 1, ..floors_face([0.0; 2]) };
     space.move_and_slide(&ids, &[[0.0, -50.0], [12.0, 0.0]], &rules).unwrap();
     let found = centers(&space, &ids);
     let expected = [[1.0, 3.0 + 0.5 * 2f64.sqrt()], [2.5, -5.0]];
@@ -445,7 +450,7 @@ fn a_platform_carries_across_the_edge() {
     let mut space = Space::with_period(Settings::default(), period).unwrap();
     let floor = add(&mut space, &[([19.0, 0.0], [3.0, 0.5], 0.0)], WALL);
     let rider = add(&mut space, &[([1.0, -2.0], [0.5, 1.0], 0.0)], WALKER);
-    let rules = SlideRules::new(u32::MAX, 4, [0.0, -1.0], 0.8, 0).unwrap();
+    let rules = floors_face([0.0, -1.0]);
     let slides = space.move_and_slide(&rider, &[[0.0, 2.0]], &rules).unwrap();
     assert_eq!(slides.floors, floor);
     space.move_to(&floor, &[[21.0, 0.0]]).unwrap();

@@ -33,8 +33,8 @@ pub use ray_search::{
     AllHits, FirstHit, RayHits, RayPath, all_hits, all_hits_by, first_hits, first_hits_by,
 };
 pub use rect::Rect;
-pub use region::search_here;
-pub use region::{Hits, MAX_IDS, Region, search, selects};
+pub use region::{Hits, MAX_IDS, Region, search, search_here, selects};
+pub use window::Window;
 
 use crate::geometry::Scalar;
 use jostle_base::error::{Error, Result};

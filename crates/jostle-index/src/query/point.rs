@@ -8,9 +8,9 @@ use crate::shapes::check_finite;
 use jostle_base::error::Result;
 use jostle_base::memory;
 
-/// A point. Shapes contain their edge, except rectangles (radius 0): these contain their left and
-/// upper edge, but not the right and the lower, so that tiles with a common edge have no common
-/// point.
+/// A point. Shapes contain their edge, except rectangles (radius 0): these contain their edges at the
+/// smallest x and the smallest y, but not those at the largest, so that tiles with a common edge have
+/// no common point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point<T>([T; 2]);
 

@@ -26,9 +26,10 @@ const CACHED: usize = 1 << 15;
 /// Maximum number of ids in one answer: 1 GiB of them.
 pub const MAX_IDS: usize = 1 << 27;
 
-/// A region of the plane.
+/// A region of the plane. Programs may implement it for regions of their own.
 pub trait Region<T>: Sync {
-    /// Whether the region equals its window: true for rectangles and discs.
+    /// Whether the region equals its window: true for rectangles and discs. Then shapes are tested
+    /// with the window alone.
     const WINDOW_IS_EXACT: bool;
     /// Its bounds: each shape that touches the region touches the window.
     fn window(&self) -> Window<T>;

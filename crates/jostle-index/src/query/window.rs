@@ -4,12 +4,16 @@ use crate::columns::Columns;
 use crate::geometry::{Bounds, Scalar, Shape, gaps, lanes, middle, overlap, square_of_gaps};
 use jostle_simd::{Simd, block};
 
-/// All points within `radius` of the rectangle from `min` to `max`.
+/// The bounds of a [`Region`](super::Region): all points within `radius` of the rectangle from `min`
+/// to `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window<T> {
-    pub(super) min: [T; 2],
-    pub(super) max: [T; 2],
-    pub(super) radius: T,
+    /// Lower corner of the rectangle.
+    pub min: [T; 2],
+    /// Upper corner.
+    pub max: [T; 2],
+    /// The distance, at least 0.
+    pub radius: T,
 }
 
 impl<T: Scalar> Window<T> {

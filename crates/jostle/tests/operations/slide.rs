@@ -113,8 +113,10 @@ impl SlideCase {
 
     fn refuse(&mut self, draw: &mut Draw) {
         draw.say("refuse", ());
-        let (rules, ids) =
-            (SlideRules::new(1, 4, [0.0, -1.0], 0.8, 0).expect("valid"), self.model.ids());
+        let (rules, ids) = (
+            SlideRules { mask: 1, up: [0.0, -1.0], floor_angle: 0.8, ..SlideRules::default() },
+            self.model.ids(),
+        );
         let bad = draw.wrong();
         for space in [&mut self.kept, &mut self.other] {
             let before = space.walls().to_vec();
@@ -161,7 +163,7 @@ impl SlideCase {
         let up = draw.pick(&[[0.0, -1.0], [0.0; 2]]);
         let one_way = draw.pick(&[0, 0, 0, 2]);
         draw.say("slide", (&ids, &displacements, mask, slides, up, one_way));
-        let rules = SlideRules::new(mask, slides, up, 0.8, one_way).expect("valid");
+        let rules = SlideRules { mask, max_slides: slides, up, floor_angle: 0.8, one_way };
         let before = self.model.shapes.clone();
         let found = self.kept.move_and_slide(&ids, &displacements, &rules).expect("valid");
         let other = self.other.move_and_slide(&ids, &displacements, &rules).expect("valid");
