@@ -69,6 +69,7 @@ fn all(n: usize) -> [Emitter; 3] {
     let scale = scale(n);
     // Times of flight are proportional to the square root of the height.
     let faster = scale.sqrt();
+    // In equilibrium each of the three adds a third of the drops in one lifetime.
     let drops_per_second = n as f32 / (3.0 * LIFE * faster);
     let emitter = |position: [f32; 2], velocity: [f32; 2], density| Emitter {
         position: position.map(|v| v * scale),

@@ -27,6 +27,8 @@ pub(crate) fn article(n: usize, random: &mut Random) -> Start {
     let places = scatter(&radii, area, random);
     let velocities = (0..n).map(|_| random.in_disc().map(|v| v * FRAMES)).collect();
     let mut particles = Particles::new(places, velocities, radii, 1.0);
+    // After the radii and velocities: random numbers are drawn in this order, and a hash of the
+    // state is pinned.
     particles.masses.iter_mut().for_each(|mass| *mass *= random.whole(1, 20));
     // Gravity is 0.5 px per frame²; drag is about 0.3 % per frame for a particle of medium size.
     let settings = WorldSettings {
@@ -50,6 +52,7 @@ pub(crate) fn pile_view(n: usize) -> Area {
 
 pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> Start {
     let [_, _, width, height] = pile_view(n);
+    // More than two of the largest radius, so that the displacement by `lattice` makes no overlaps.
     let spacing = 2.2 * PILE_RADII[1];
     let columns = (width / spacing).floor().max(1.0);
     let rows = (n as f32 / columns).ceil();

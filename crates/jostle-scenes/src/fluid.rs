@@ -48,10 +48,14 @@ pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
     let (radius, side) = (droplet(n), ROOM * droplet(n));
     let (mut places, mut velocities) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for (count, direction) in [(n / 2, 1.0), (n - n / 2, -1.0)] {
+        // With the default number further apart than the cutoff, and beside each other's line, so
+        // that the merged droplet turns.
         let center = [-1.3 * radius * direction, -0.5 * OFFSET * radius * direction];
         for site in hexagonal(count) {
             places.push([0, 1].map(|k| 0.5 * side + center[k] + site[k]));
             // The variance of a component is a quarter of the squared radius of the disc.
+            // A uniform disc, not Maxwell's distribution, which needs a logarithm; collisions soon
+            // make that of it.
             let heat = random.in_disc().map(|v| v * 2.0 * (HEAT * EPSILON).sqrt());
             velocities.push([heat[0] + direction * SPEED * EPSILON.sqrt(), heat[1]]);
         }
@@ -72,6 +76,8 @@ pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
 /// The sites of a hexagonal lattice that are nearest to its centre.
 fn hexagonal(count: usize) -> Vec<[f32; 2]> {
     // More rows than a disc of so many sites has.
+    // A hexagonal lattice of distance 1 has about 2π / √3 · r² sites within r, so this is enough in
+    // each direction.
     let half = (count as f32).sqrt() as i32 + 2;
     let step = SPACING * SIGMA;
     let site = |row: i32, column: i32| {
@@ -81,6 +87,7 @@ fn hexagonal(count: usize) -> Vec<[f32; 2]> {
     let sites = (-half..=half).flat_map(|row| (-half..=half).map(move |at| site(row, at)));
     let mut sites: Vec<[f32; 2]> = sites.collect();
     let square = |[x, y]: &[f32; 2]| x * x + y * y;
+    // Stable, so sites at one distance keep the order of rows, on each machine.
     sites.sort_by(|a, b| square(a).total_cmp(&square(b)));
     sites.truncate(count);
     sites

@@ -63,12 +63,16 @@ pub fn galton_board(n: Option<usize>) -> Result<GaltonBoard> {
 
 fn board(n: usize) -> GaltonBoard {
     // The number of rows is proportional to n^(2/3), so that the bins have the height of the board.
+    // In integers: a power of 2/3 by the mathematical library could round differently, and change
+    // the number of rows.
     let enough = |rows: &usize| 160 * rows.pow(3) as u64 >= (n as u64).pow(2);
     let rows = (ROWS[0]..ROWS[1]).find(enough).unwrap_or(ROWS[1]);
     let bin_top = rows as f32 * ROW;
     // The fullest bin gets a fraction of about √(2 / (π · rows)) of the balls.
     let share = (2.0 / (std::f32::consts::PI * rows as f32)).sqrt();
     let height = |ball: f32| n as f32 * share * area_of(ball) / (PACKED * PITCH);
+    // With the largest number of rows the bins would become higher than the board. Smaller balls
+    // keep its proportions.
     let shrink = (0.7 * bin_top / height(BALL).max(1e-3)).sqrt().min(1.0);
     let ball_radius = BALL * shrink;
     let floor = bin_top + 1.3 * height(ball_radius) + 2.0 * ROW;

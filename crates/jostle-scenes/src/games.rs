@@ -64,6 +64,8 @@ pub(crate) fn billiards(n: usize, random: &mut Random) -> Start {
     let area = billiards_view(n);
     let [width, height] = [area[2], area[3]];
     // Small gaps, so that the balls do not overlap at the beginning.
+    // The first shock then goes through the rack ball by ball. Balls that touch exactly would
+    // collide at the same time, in groups.
     let pitch = 2.0 * BALL_RADIUS * 1.002;
     let rack = (0..).flat_map(|row| (0..=row).map(move |ball| (row, ball)));
     let depth = pitch * 3f32.sqrt() / 2.0;
@@ -83,6 +85,7 @@ pub(crate) fn billiards(n: usize, random: &mut Random) -> Start {
     let mut particles = Particles::new(places, velocities, vec![BALL_RADIUS; n], 1.0);
     for (ball, spin) in particles.spins_mut().iter_mut().enumerate() {
         spin.friction = BALL_FRICTION;
+        // Side spin: friction passes it on to the balls that are hit.
         spin.velocity = if ball == 0 { CUE_SPIN } else { 0.0 };
     }
     let settings = WorldSettings { drag: 0.25, restitution: 0.95, ..boxed(area) };
@@ -109,6 +112,7 @@ pub(crate) fn orbit(n: usize, random: &mut Random) -> Start {
     let inside = lattice_where(n, square, 0.0, random, is_inside);
     // All move about the centre with random deviations; the speed at the rim does not depend on the
     // size.
+    // An angular velocity, so that the speed at the rim is 240 px/s in each size.
     let turn = 240.0 / radius;
     let velocities = inside
         .iter()

@@ -35,6 +35,7 @@ pub(crate) fn gas_view(n: usize) -> Area {
 
 pub(crate) fn gas(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
     let area = gas_view(n);
+    // Half of the free distance in a cell: with 0.9 of it no two discs overlap at the start.
     let gap = area[2] / (n as f32).sqrt().ceil().max(1.0) / 2.0 - RADIUS;
     let places = kept(&rows, lattice_places(n, area, 0.9 * gap.max(0.0), random));
     let velocities = kept(&rows, velocities_of(n, random));
@@ -46,6 +47,8 @@ pub(crate) fn gas(n: usize, random: &mut Random, rows: Range<usize>) -> Start {
 /// proportional to r⁻³.
 fn mixed_radius(quantile: f32) -> f32 {
     let (small, large) = (1.0f32, 100.0f32);
+    // The inverse of the distribution function of r⁻³ between both radii. Quantiles instead of
+    // random numbers: the area covered is the same for each seed.
     let share = 1.0 - small * small / (large * large);
     (small / (1.0 - quantile * share).sqrt()).min(large)
 }

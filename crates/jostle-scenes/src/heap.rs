@@ -39,6 +39,7 @@ pub(crate) fn heap_view(n: usize) -> Area {
 
 /// The static discs of the ground, then `n` grains.
 pub(crate) fn heap(n: usize, random: &mut Random) -> Start {
+    // Counted from the middle, so that the ground is symmetric.
     let half_beads = (half_width(n) / (2.0 * BEAD)) as i32;
     let beads = (-half_beads..=half_beads).map(|at| [2.0 * BEAD * at as f32, 0.0]).collect();
     let mut particles = immovable(beads, BEAD);

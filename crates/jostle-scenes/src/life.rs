@@ -37,6 +37,7 @@ const KINDS: usize = 6;
 
 /// Side of the torus.
 fn side(n: usize, area: f32, cutoff: f32) -> f32 {
+    // On a torus narrower than two cutoffs a particle would meet another one twice.
     (n as f32 * area).sqrt().max(3.0 * cutoff)
 }
 
@@ -59,6 +60,8 @@ pub(crate) fn life_view(n: usize) -> Area {
 
 pub(crate) fn life(n: usize, random: &mut Random) -> Start {
     let (mut particles, settings) = scattered(n, side(n, LIFE_AREA, REACH), 0.0, random);
+    // Kinds take turns, not at random: their numbers differ by at most one. Places are random, so
+    // kinds are mixed.
     particles.kinds = (0..n).map(|row| (row % KINDS) as u8).collect();
     let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
     let table = Arc::new(table.expect("the matrix is valid"));

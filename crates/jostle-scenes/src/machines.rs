@@ -94,6 +94,7 @@ fn arms() -> impl Iterator<Item = [f32; 2]> {
 pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     let radius = drum(n);
     // Grains fit between the tips of the arms and the drum.
+    // Less than two grains fit between the tip and the drum, so none is squeezed between both.
     let (hub, tip) = (HUB * radius, radius - 3.0 * GRAINS[1] - PADDLE);
     let count = ((tip - hub) / PADDLE_PITCH) as usize + 1;
     let along = |k: usize| tip - k as f32 * PADDLE_PITCH;
@@ -108,6 +109,8 @@ pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     let gravity = [0.0, GRAVITY];
     let settings =
         WorldSettings { container, gravity, restitution: 0.2, ..WorldSettings::default() };
+    // From the Froude number ω² r / g, which decides the flow in a drum: at a quarter grains
+    // tumble, at 1 they stay at the rim.
     let angular_velocity = (FROUDE * GRAVITY / radius).sqrt();
     Start::new(particles, settings).with(Force::Motor(Motor { ids, angular_velocity, ..MOTOR }))
 }

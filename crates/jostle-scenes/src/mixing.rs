@@ -35,6 +35,8 @@ pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> S
     let sides = [[min_x, min_y, middle, max_y], [middle, min_y, max_x, max_y]];
     let mut places = Vec::new();
     for (first, count, side) in [(0, light, sides[0]), (light, n - light, sides[1])] {
+        // The range of rows counts from the start of all; on either side rows count from its first
+        // disc.
         let rows = rows.start.saturating_sub(first)..rows.end.saturating_sub(first);
         places.extend(kept(&rows, lattice_places(count, side, 0.5, random)));
     }

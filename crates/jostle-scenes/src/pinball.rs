@@ -108,6 +108,8 @@ fn flipper(is_right: bool, width: f32, particles: &mut Particles) -> Motor {
     let first = particles.len() as i64;
     let along = direction(REST_ANGLE);
     for k in 0..FLIPPER_DISCS {
+        // A tapered row of discs, since a motor turns discs. They overlap, so no ball gets between
+        // them.
         let share = k as f32 / (FLIPPER_DISCS - 1) as f32;
         let place = [0, 1].map(|axis| PIVOT[axis] + share * FLIPPER * along[axis]);
         let radius = FLIPPER_RADII[0] + share * (FLIPPER_RADII[1] - FLIPPER_RADII[0]);

@@ -33,6 +33,7 @@ pub(crate) fn lattice_places(
     jitter: f32,
     random: &mut Random,
 ) -> impl Iterator<Item = [f32; 2]> {
+    // Columns in proportion to the width, so that cells are about square.
     let [width, height] = [area[2] - area[0], area[3] - area[1]];
     let columns = ((count as f32 * width / height).sqrt().ceil() as usize).max(1);
     let rows = count.div_ceil(columns).max(1);
@@ -67,6 +68,8 @@ pub(crate) fn lattice_where(
 /// The values of the particles in `rows`. All values are made, so that random numbers do not depend
 /// on it.
 pub(crate) fn kept<V>(rows: &Range<usize>, values: impl Iterator<Item = V>) -> Vec<V> {
+    // A rank that makes its own rows has to draw the random numbers of all rows before them, or the
+    // parts would not be those of the whole.
     values.enumerate().filter(|(row, _)| rows.contains(row)).map(|(_, value)| value).collect()
 }
 
@@ -80,6 +83,8 @@ pub fn wall(start: [f32; 2], end: [f32; 2], radius: f32) -> Result<Vec<[f32; 2]>
     }
     let offset = [0, 1].map(|k| f64::from(end[k]) - f64::from(start[k]));
     let length = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+    // Discs at 0.4 radii: between two of them the surface is lower by r (1 - √(1 - 0.04)), 2 % of
+    // the radius.
     let steps = (length / (f64::from(BEAD_STEP) * f64::from(radius))).ceil();
     if steps >= MAX_BEADS {
         let rule =
@@ -112,11 +117,15 @@ pub(crate) fn immovable(places: Vec<[f32; 2]>, radius: f32) -> Particles {
 /// tested against the grids of its own size and of larger sizes.
 pub(crate) fn scatter(radii: &[f32], area: Area, random: &mut Random) -> Vec<[f32; 2]> {
     let mut by_size: Vec<usize> = (0..radii.len()).collect();
+    // Large discs find no place any more among many small ones. A stable sort, so equal radii keep
+    // the order of rows.
     by_size.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
     let mut places = vec![[0.0; 2]; radii.len()];
     let mut grids: Vec<Grid> = Vec::new();
     for index in by_size {
         let radius = radii[index];
+        // Sizes within a factor of two share a grid. With one grid for all, cells as wide as the
+        // largest disc would contain thousands of the smallest ones.
         if grids.last().is_none_or(|grid| radius < grid.largest / 2.0) {
             grids.push(Grid { largest: radius, cells: HashMap::new() });
         }
@@ -148,6 +157,8 @@ struct Grid {
 
 impl Grid {
     fn cell(&self, place: [f32; 2]) -> (i32, i32) {
+        // Two discs of this grid overlap only if their cells are neighbours; a smaller one that is
+        // tested here, too.
         let side = 2.0 * self.largest;
         ((place[0] / side).floor() as i32, (place[1] / side).floor() as i32)
     }

@@ -13,12 +13,16 @@ impl Random {
     }
 
     fn next(&mut self) -> u64 {
+        // The state is a counter with steps of 2⁶⁴ / golden ratio; `mixed` makes each count look
+        // random. So any state is a good one, also that of seed 0.
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         mixed(self.0)
     }
 
     /// Uniform in [0, 1), with 24 bits.
     pub fn unit(&mut self) -> f32 {
+        // As many bits as the mantissa of a float32 has: each number is exact, and none is rounded
+        // up to 1.
         (self.next() >> 40) as f32 / (1u64 << 24) as f32
     }
 

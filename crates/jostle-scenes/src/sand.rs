@@ -61,6 +61,8 @@ impl Glass {
         let mut rows = Vec::new();
         let (mut left, mut y) = (n, self.neck_end + GRAINS[1]);
         while left > 0 {
+            // A row as wide as the glass at its height, less the radius of the largest grain on
+            // either side.
             let room = 2.0 * (self.half_free(y) - GRAINS[1]);
             let count = ((room / PITCH) as usize).min(left);
             rows.push((y, count));
@@ -93,6 +95,8 @@ pub(crate) fn sand(n: usize, random: &mut Random) -> Start {
     let glass = Glass::of(n);
     let mut places = Vec::with_capacity(n);
     for (index, (y, count)) in glass.rows(n).into_iter().enumerate() {
+        // Alternate rows are shifted by half a distance in all, so that grains lie in the gaps of
+        // the row below.
         let first = -0.5 * (count as f32 - 1.0) + if index % 2 == 0 { 0.25 } else { -0.25 };
         places.extend((0..count).map(|k| [(first + k as f32) * PITCH, -y]));
     }
@@ -100,6 +104,8 @@ pub(crate) fn sand(n: usize, random: &mut Random) -> Start {
     let velocities = (0..n).map(|_| random.in_disc().map(|v| v * 10.0)).collect();
     let mut grains = Particles::new(places, velocities, radii, 1.0);
     for (index, mass) in grains.masses.iter_mut().enumerate() {
+        // The mass marks the layer: the simulator can colour by it, and 4 % have no visible effect
+        // on the flow.
         *mass *= 1.0 + HEAVIER * (index * LAYERS / n) as f32;
     }
     let settings =

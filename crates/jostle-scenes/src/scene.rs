@@ -49,6 +49,7 @@ impl Scene {
     ) -> Result<World> {
         let count = self.count(count)?;
         let part = |len: usize| len * rank / size..len * (rank + 1) / size;
+        // No rank needs memory for the whole.
         if let Make::Parts(_) = self.make {
             return self.create_rows(count, seed, part(count));
         }
@@ -63,6 +64,7 @@ impl Scene {
             Make::Whole(make) => make(count, random),
             Make::Parts(make) => make(count, random, rows),
         };
+        // The default of particles that are added later, so that these are like the others.
         let friction = common_friction(&start.particles);
         let mut world = World::new(start.particles, start.settings)?;
         world.set_walls(start.walls)?;

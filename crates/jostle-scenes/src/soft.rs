@@ -71,6 +71,8 @@ impl SoftBodies {
         let [p, q] = [a, b].map(|row| self.particles.positions[row as usize]);
         let offset = [q[0] - p[0], q[1] - p[1]];
         let masses = [a, b].map(|row| self.particles.masses[row as usize]);
+        // Stiffness and damping are given for one disc on one spring. In proportion to the lighter
+        // mass the frequency, and with it the step that a spring needs, is the same for all sizes.
         let mass = masses[0].min(masses[1]);
         self.springs.push(Spring {
             pair: [a, b].map(Id::from),
@@ -97,6 +99,8 @@ impl SoftBodies {
             let this = row_of(column, row);
             let (right, down) = (column + 1 < columns, row + 1 < rows);
             if right {
+                // Stiff along the threads and soft across: a square mesh has no resistance to shear
+                // without diagonals.
                 self.connect(this, row_of(column + 1, row), CLOTH);
             }
             if down {
@@ -128,6 +132,8 @@ impl SoftBodies {
     /// shear stiffness, between second neighbours.
     fn body(&mut self, square: f32, center: [f32; 2], velocity: [f32; 2], density: f32) {
         let first = self.particles.len();
+        // Axial coordinates of a triangular lattice: the squared distance of a site is row² + row ·
+        // column + column².
         let most = (2.0 * square.sqrt()) as i32 + 1;
         for (row, column) in (-most..=most).flat_map(|r| (-most..=most).map(move |c| (r, c))) {
             if (row * row + row * column + column * column) as f32 <= square {
@@ -194,6 +200,7 @@ fn fill_cell(
 ) {
     let at = |x: f32, y: f32| [corner[0] + x * size[0], corner[1] + y * size[1]];
     let before = tissue.particles.len();
+    // Five rows for three columns.
     let columns = (0.6 * IN_CLOTH * n as f32).sqrt() as usize;
     let rows = columns * 5 / 3;
     if rows > 1 {
@@ -209,6 +216,8 @@ fn fill_cell(
         let wanted = BODIES[kind % BODIES.len()];
         let (count, square) = match left {
             0 => break,
+            // Bodies in turn while they fit, then the smallest, then single discs: exactly `n`
+            // particles for every n.
             _ if wanted.0 <= left => wanted,
             _ if left >= SMALLEST.0 => SMALLEST,
             _ => SINGLE,

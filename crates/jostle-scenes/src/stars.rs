@@ -45,7 +45,11 @@ pub(crate) fn stars(n: usize, random: &mut Random) -> Start {
     for _ in 0..n {
         let [x, y] = random.in_disc();
         let length = (x * x + y * y).sqrt();
+        // A uniform point of the unit disc, moved towards the centre by its own distance: then the
+        // mass within r grows with r, not with r².
         places.push([x, y].map(|v| v * length * cloud));
+        // `x` and `y` over their length are the direction, so all move at one speed, but for those
+        // of the core.
         let turn = speed / length.max(CORE.sqrt());
         let [u, v] = random.in_disc().map(|v| v * RANDOM_SPEED * speed);
         velocities.push([u - y * turn, v + x * turn]);

@@ -34,6 +34,8 @@ impl Start {
 
 /// The unit vector at an angle from +x towards +y, with the same bits on every machine.
 pub(crate) fn direction(angle: f64) -> [f32; 2] {
+    // `turn` returns the cosine less 1. It uses no function of the system's mathematical library:
+    // these differ in the last bit.
     let [less, sine] = turn(angle);
     [(1.0 + less) as f32, sine as f32]
 }

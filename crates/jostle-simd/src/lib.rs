@@ -103,9 +103,29 @@ impl PairIndices {
     }
 }
 
+/// Operations on indices and pairs of them, which are the same for all types of numbers.
+pub trait Packing: Copy {
+    /// Prefetches `column` into the cache.
+    fn prefetch<V>(self, column: &[V]);
+    /// Writes the pairs of `first` with those of `others` whose bit is set, as [`Simd::pack`].
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
+    /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
+    /// As [`Simd::pair_with`], the smaller number of each pair first; the others are in two halves.
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    );
+    /// Writes `first` + lane for every set bit, as [`Simd::pack`].
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]);
+}
+
 /// Operations on blocks of [`LANES`] numbers by one set of vector instructions. A value of such a
 /// type exists only if the processor has these instructions.
-pub trait Simd<T: Number>: Copy {
+pub trait Simd<T: Number>: Packing {
     /// [`LANES`] numbers in registers.
     type Block: Copy;
     /// A block of equal numbers.
@@ -163,22 +183,6 @@ pub trait Simd<T: Number>: Copy {
     /// Writes the numbers whose bit is set, contiguously (stream compaction). Numbers after these
     /// are unspecified.
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]);
-    /// Prefetches `column` into the cache.
-    fn prefetch<V>(self, column: &[V]);
-    /// Writes the pairs of `first` with those of `others` whose bit is set, as [`Simd::pack`].
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]);
-    /// Writes the pairs of `first` with `start` + lane for every set bit, as [`Simd::pack`].
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]);
-    /// As [`Simd::pair_with`], the smaller number of each pair first; the others are in two halves.
-    fn ordered_pairs(
-        self,
-        first: u32,
-        others: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    );
-    /// Writes `first` + lane for every set bit, as [`Simd::pack`].
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]);
 }
 
 /// A computation that is generic over the vector instructions.

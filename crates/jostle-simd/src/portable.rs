@@ -1,6 +1,6 @@
 //! Blocks as arrays, which the compiler vectorizes for the target.
 
-use super::{HALF, LANES, Number, Simd, for_each_lane};
+use super::{HALF, LANES, Number, Packing, Simd, for_each_lane};
 
 /// Instructions of every processor of the architecture.
 #[derive(Clone, Copy)]
@@ -66,6 +66,33 @@ fn both<T: Number>(a: [T; LANES], b: [T; LANES], f: impl Fn(T, T) -> T) -> [T; L
         *out = f(*out, b);
     }
     out
+}
+
+impl Packing for Portable {
+    #[inline(always)]
+    fn prefetch<V>(self, _column: &[V]) {}
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pair_with(first, |lane| others[lane % LANES], bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pair_with(first, |lane| start + lane as u32, bits, to);
+    }
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        others: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs(first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices(first, bits, to);
+    }
 }
 
 impl<T: Number> Simd<T> for Portable {
@@ -143,31 +170,7 @@ impl<T: Number> Simd<T> for Portable {
         std::array::from_fn(chosen)
     }
     #[inline(always)]
-    fn prefetch<V>(self, _column: &[V]) {}
-    #[inline(always)]
     fn pack(self, from: Self::Block, bits: u32, to: &mut [T; LANES]) {
         pack(&from, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pair_with(first, |lane| others[lane % LANES], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pair_with(first, |lane| start + lane as u32, bits, to);
-    }
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        others: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        ordered_pairs(first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_indices(first, bits, to);
     }
 }

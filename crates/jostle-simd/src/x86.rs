@@ -12,7 +12,7 @@ use std::arch::x86_64::*;
 use std::sync::atomic::AtomicU64;
 
 use super::gather;
-use super::{HALF, Instructions, LANES, Number, PairIndices, Simd, Work, portable};
+use super::{HALF, Instructions, LANES, Number, Packing, PairIndices, Simd, Work, portable};
 
 /// SSE2, which every x86-64 processor has. Auto-vectorized code would be slower, and would take
 /// several times longer to compile.
@@ -94,6 +94,15 @@ where
 /// Bytes of a cache line.
 const CACHE_LINE: usize = 64;
 
+/// Prefetches a column, line by line.
+#[inline(always)]
+fn prefetch<V>(column: &[V]) {
+    for line in column.chunks(CACHE_LINE / size_of::<V>()) {
+        // SAFETY: every processor has the instruction, and any address is valid for it.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
+    }
+}
+
 /// Implements [`Simd`] except for packing, with registers `$k` of `$each` numbers. Unrolled: loops
 /// would take most of the compile time.
 macro_rules! arithmetic {
@@ -158,13 +167,6 @@ macro_rules! arithmetic {
         fn distance(self, a: Self::Block, b: Self::Block) -> Self::Block {
             let difference: Self::Block = Simd::<$t>::sub(self, a, b);
             [$($abs(self, difference[$k])),*]
-        }
-        #[inline(always)]
-        fn prefetch<V>(self, column: &[V]) {
-            for line in column.chunks(CACHE_LINE / size_of::<V>()) {
-                // SAFETY: every processor has the instruction, and any address is valid for it.
-                unsafe { _mm_prefetch::<_MM_HINT_T0>(line.as_ptr().cast()) }
-            }
         }
         #[inline(always)]
         fn both_negative(self, a: Self::Block, b: Self::Block) -> u32 {
@@ -390,6 +392,37 @@ fn choose_512d(_: Avx512, bits: u32, a: __m512d, b: __m512d) -> __m512d {
     unsafe { _mm512_mask_blend_pd(bits as u8, b, a) }
 }
 
+impl Packing for Avx512 {
+    #[inline(always)]
+    fn prefetch<V>(self, column: &[V]) {
+        prefetch(column);
+    }
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is one register long.
+        let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
+        pairs_512(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_512(self, first, counted_512(self, start), bits, to);
+    }
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_512(self, first, [low, high], bits, to);
+    }
+    #[inline(always)]
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_512(self, first, bits, to);
+    }
+}
+
 impl Simd<f32> for Avx512 {
     arithmetic!(
         f32,
@@ -440,30 +473,6 @@ impl Simd<f32> for Avx512 {
             [_mm512_insertf32x8::<1>(low, _mm256_loadu_ps(high.as_ptr()))]
         }
     }
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        [low, high]: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        ordered_pairs_512(self, first, [low, high], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        // SAFETY: the token proves the instruction; the array is one register long.
-        let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
-        pairs_512(self, first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_512(self, first, counted_512(self, start), bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_indices_512(self, first, bits, to);
-    }
 }
 
 impl Simd<f64> for Avx512 {
@@ -500,30 +509,6 @@ impl Simd<f64> for Avx512 {
         }
     }
     load_halves!(f64, [0 1] of 8, _mm512_loadu_pd);
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        [low, high]: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        ordered_pairs_512(self, first, [low, high], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        // SAFETY: the token proves the instruction; the array is one register long.
-        let others = unsafe { _mm512_loadu_epi32(others.as_ptr().cast()) };
-        pairs_512(self, first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_512(self, first, counted_512(self, start), bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_indices_512(self, first, bits, to);
-    }
 }
 
 // Compressing into a register and storing that is many times faster on some
@@ -604,6 +589,40 @@ fn pack_indices_512(token: Avx512, first: u32, bits: u32, to: &mut [u32; LANES])
     }
 }
 
+impl Packing for Avx2 {
+    #[inline(always)]
+    fn prefetch<V>(self, column: &[V]) {
+        prefetch(column);
+    }
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        // SAFETY: the token proves the instruction; the array is two registers long.
+        let others = unsafe {
+            let others = others.as_ptr();
+            [_mm256_loadu_si256(others.cast()), _mm256_loadu_si256(others.add(8).cast())]
+        };
+        pairs_256(self, first, others, bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        pairs_with_indices_256(self, first, start, bits, to);
+    }
+    #[inline(always)]
+    fn ordered_pairs(
+        self,
+        first: u32,
+        [low, high]: [&[u32; HALF]; 2],
+        bits: u32,
+        to: &mut [[u32; 2]; LANES],
+    ) {
+        ordered_pairs_256(self, first, [low, high], bits, to);
+    }
+    #[inline(always)]
+    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
+        pack_indices_256(self, first, bits, to);
+    }
+}
+
 impl Simd<f32> for Avx2 {
     arithmetic!(
         f32,
@@ -656,33 +675,6 @@ impl Simd<f32> for Avx2 {
         }
     }
     load_halves!(f32, [0 1] of 8, _mm256_loadu_ps);
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        [low, high]: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        ordered_pairs_256(self, first, [low, high], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        // SAFETY: the token proves the instruction; the array is two registers long.
-        let others = unsafe {
-            let others = others.as_ptr();
-            [_mm256_loadu_si256(others.cast()), _mm256_loadu_si256(others.add(8).cast())]
-        };
-        pairs_256(self, first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_with_indices_256(self, first, start, bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_indices_256(self, first, bits, to);
-    }
 }
 
 impl Simd<f64> for Avx2 {
@@ -720,32 +712,34 @@ impl Simd<f64> for Avx2 {
         }
     }
     load_halves!(f64, [0 1 2 3] of 4, _mm256_loadu_pd);
+}
+
+impl Packing for Sse2 {
+    #[inline(always)]
+    fn prefetch<V>(self, column: &[V]) {
+        prefetch(column);
+    }
+    #[inline(always)]
+    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| others[lane % LANES], bits, to);
+    }
+    #[inline(always)]
+    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
+        portable::pair_with(first, |lane| start + lane as u32, bits, to);
+    }
     #[inline(always)]
     fn ordered_pairs(
         self,
         first: u32,
-        [low, high]: [&[u32; HALF]; 2],
+        others: [&[u32; HALF]; 2],
         bits: u32,
         to: &mut [[u32; 2]; LANES],
     ) {
-        ordered_pairs_256(self, first, [low, high], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        // SAFETY: the token proves the instruction; the array is two registers long.
-        let others = unsafe {
-            let others = others.as_ptr();
-            [_mm256_loadu_si256(others.cast()), _mm256_loadu_si256(others.add(8).cast())]
-        };
-        pairs_256(self, first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        pairs_with_indices_256(self, first, start, bits, to);
+        portable::ordered_pairs(first, others, bits, to);
     }
     #[inline(always)]
     fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        pack_indices_256(self, first, bits, to);
+        portable::pack_indices(first, bits, to);
     }
 }
 
@@ -795,28 +789,6 @@ impl Simd<f32> for Sse2 {
     }
     pack_one_by_one!(f32);
     load_halves!(f32, [0 1 2 3] of 4, _mm_loadu_ps);
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        others: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        portable::ordered_pairs(first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        portable::pair_with(first, |lane| others[lane % LANES], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        portable::pair_with(first, |lane| start + lane as u32, bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        portable::pack_indices(first, bits, to);
-    }
 }
 
 impl Simd<f64> for Sse2 {
@@ -841,28 +813,6 @@ impl Simd<f64> for Sse2 {
     );
     pack_one_by_one!(f64);
     load_halves!(f64, [0 1 2 3 4 5 6 7] of 2, _mm_loadu_pd);
-    #[inline(always)]
-    fn ordered_pairs(
-        self,
-        first: u32,
-        others: [&[u32; HALF]; 2],
-        bits: u32,
-        to: &mut [[u32; 2]; LANES],
-    ) {
-        portable::ordered_pairs(first, others, bits, to);
-    }
-    #[inline(always)]
-    fn pair_with(self, first: u32, others: &[u32; LANES], bits: u32, to: &mut [[u32; 2]; LANES]) {
-        portable::pair_with(first, |lane| others[lane % LANES], bits, to);
-    }
-    #[inline(always)]
-    fn pair_with_indices(self, first: u32, start: u32, bits: u32, to: &mut [[u32; 2]; LANES]) {
-        portable::pair_with(first, |lane| start + lane as u32, bits, to);
-    }
-    #[inline(always)]
-    fn pack_indices(self, first: u32, bits: u32, to: &mut [u32; LANES]) {
-        portable::pack_indices(first, bits, to);
-    }
 }
 
 /// For each set of bits the lanes that it names, lowest first, a byte each.
