@@ -73,11 +73,6 @@ impl Stop {
             .with_borrow(|watch| watch.as_ref().map(|watch| watch.stop.clone()).unwrap_or_default())
     }
 
-    /// Whether the call runs within [`watch`].
-    pub fn is_watched(&self) -> bool {
-        self.0.is_some()
-    }
-
     /// Whether a poll has returned true.
     fn was_polled(&self) -> bool {
         // Relaxed, here and below: the flag publishes no other data. A task that reads it late does
@@ -199,7 +194,7 @@ mod tests {
     #[test]
     fn nothing_stops_without_a_watch() {
         assert_eq!(check(), Ok(()));
-        assert!(!Stop::current().is_watched());
+        assert!(Stop::current().0.is_none());
     }
 
     #[test]
@@ -211,7 +206,7 @@ mod tests {
             Stop::current()
         });
         assert_eq!(POLLS.get(), 3);
-        assert!(stop.is_set() && !Stop::current().is_watched());
+        assert!(stop.is_set() && Stop::current().0.is_none());
     }
 
     #[test]

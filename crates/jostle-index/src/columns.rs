@@ -99,10 +99,6 @@ impl<T: Scalar> Columns<T> {
     /// Removes all shapes and keeps the capacity.
     pub fn clear(&mut self) {
         self.len = 0;
-        let numbers =
-            [&mut self.x, &mut self.y, &mut self.radius, &mut self.half_x, &mut self.half_y];
-        numbers.into_iter().for_each(Vec::clear);
-        [&mut self.category, &mut self.mask].into_iter().for_each(Vec::clear);
     }
 
     #[inline(always)]

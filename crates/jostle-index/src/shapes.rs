@@ -478,13 +478,6 @@ pub fn check_radii<T: Scalar>(argument: &'static str, radii: &[T]) -> Result<()>
     check_each(argument, "a radius", radii, fits, &rule)
 }
 
-/// Refuses a half size that is negative, not finite or above [`Scalar::MAX_SIZE`].
-fn check_half_sizes<T: Scalar>(argument: &'static str, sizes: &[T]) -> Result<()> {
-    let fits = |size: &T| (*size >= T::ZERO) & (*size <= T::MAX_SIZE);
-    let rule = format!("a half size must be at most {:e}", T::MAX_SIZE.to_f64());
-    check_each(argument, "a half size", sizes, fits, &rule)
-}
-
 /// Refuses the first size that does not fit; `rule` describes the limits of valid sizes.
 fn check_each<T: Scalar>(
     argument: &'static str,
@@ -507,15 +500,16 @@ fn check_each<T: Scalar>(
     Err(Error::at(argument, index, size, &format!("{noun} must be finite and at least 0")))
 }
 
-/// Refuses invalid half sizes.
+/// Refuses a half size that is negative, not finite or above [`Scalar::MAX_SIZE`].
 pub fn check_each_half_size<T: Scalar>(
     argument: &'static str,
     half_sizes: &Each<[T; 2]>,
 ) -> Result<()> {
+    let fits = |size: &T| (*size >= T::ZERO) & (*size <= T::MAX_SIZE);
+    let rule = format!("a half size must be at most {:e}", T::MAX_SIZE.to_f64());
     half_sizes.check(|sizes| {
-        let fits = |v: T| (v >= T::ZERO) & (v <= T::MAX_SIZE);
-        let bad = |size: &[T; 2]| !(fits(size[0]) & fits(size[1]));
-        let Some(row) = sizes.iter().position(bad) else { return Ok(()) };
-        check_half_sizes(argument, &sizes[row]).map_err(|error| error.in_row(row))
+        let row = || sizes.iter().position(|size| !size.iter().all(fits)).unwrap_or_default();
+        let checked = check_each(argument, "a half size", sizes.as_flattened(), fits, &rule);
+        checked.map_err(|error| error.in_row(row()))
     })
 }

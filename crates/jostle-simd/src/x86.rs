@@ -220,127 +220,45 @@ macro_rules! pack_one_by_one {
     };
 }
 
+/// Functions of one or two registers, for [`arithmetic`].
+macro_rules! functions {
+    ($($name:ident($token:ty, $($v:ident),+: $register:ty) -> $out:ty = $body:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(_: $token, $($v: $register),+) -> $out {
+            // SAFETY: the token proves the instruction.
+            unsafe { $body }
+        }
+    )*};
+}
+
+functions! {
+    abs_128(Sse2, v: __m128) -> __m128 = _mm_andnot_ps(_mm_set1_ps(-0.0), v);
+    abs_128d(Sse2, v: __m128d) -> __m128d = _mm_andnot_pd(_mm_set1_pd(-0.0), v);
+    negative_128(Sse2, a, b: __m128) -> u32 = _mm_movemask_ps(_mm_and_ps(a, b)) as u32;
+    negative_128d(Sse2, a, b: __m128d) -> u32 = _mm_movemask_pd(_mm_and_pd(a, b)) as u32;
+    less_128(Sse2, a, b: __m128) -> u32 = _mm_movemask_ps(_mm_cmplt_ps(a, b)) as u32;
+    less_128d(Sse2, a, b: __m128d) -> u32 = _mm_movemask_pd(_mm_cmplt_pd(a, b)) as u32;
+    abs_512(Avx512, v: __m512) -> __m512 = _mm512_abs_ps(v);
+    abs_512d(Avx512, v: __m512d) -> __m512d = _mm512_abs_pd(v);
+    abs_256(Avx2, v: __m256) -> __m256 = _mm256_andnot_ps(_mm256_set1_ps(-0.0), v);
+    abs_256d(Avx2, v: __m256d) -> __m256d = _mm256_andnot_pd(_mm256_set1_pd(-0.0), v);
+    negative_512(Avx512, a, b: __m512) -> u32 = u32::from(_mm512_movepi32_mask(_mm512_castps_si512(_mm512_and_ps(a, b))));
+    negative_512d(Avx512, a, b: __m512d) -> u32 = u32::from(_mm512_movepi64_mask(_mm512_castpd_si512(_mm512_and_pd(a, b))));
+    negative_256(Avx2, a, b: __m256) -> u32 = _mm256_movemask_ps(_mm256_and_ps(a, b)) as u32;
+    negative_256d(Avx2, a, b: __m256d) -> u32 = _mm256_movemask_pd(_mm256_and_pd(a, b)) as u32;
+    less_512(Avx512, a, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b));
+    less_512d(Avx512, a, b: __m512d) -> u32 = u32::from(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b));
+    less_256(Avx2, a, b: __m256) -> u32 = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32;
+    less_256d(Avx2, a, b: __m256d) -> u32 = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) as u32;
+    at_most_128(Sse2, a, b: __m128) -> u32 = _mm_movemask_ps(_mm_cmple_ps(a, b)) as u32;
+    at_most_128d(Sse2, a, b: __m128d) -> u32 = _mm_movemask_pd(_mm_cmple_pd(a, b)) as u32;
+    at_most_256(Avx2, a, b: __m256) -> u32 = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32;
+    at_most_256d(Avx2, a, b: __m256d) -> u32 = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) as u32;
+    at_most_512(Avx512, a, b: __m512) -> u32 = u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b));
+    at_most_512d(Avx512, a, b: __m512d) -> u32 = u32::from(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b));
+}
+
 // SAFETY of these: the token proves the instruction.
-
-#[inline(always)]
-fn abs_128(_: Sse2, v: __m128) -> __m128 {
-    unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), v) }
-}
-
-#[inline(always)]
-fn abs_128d(_: Sse2, v: __m128d) -> __m128d {
-    unsafe { _mm_andnot_pd(_mm_set1_pd(-0.0), v) }
-}
-
-#[inline(always)]
-fn negative_128(_: Sse2, a: __m128, b: __m128) -> u32 {
-    (unsafe { _mm_movemask_ps(_mm_and_ps(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn negative_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
-    (unsafe { _mm_movemask_pd(_mm_and_pd(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn less_128(_: Sse2, a: __m128, b: __m128) -> u32 {
-    (unsafe { _mm_movemask_ps(_mm_cmplt_ps(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn less_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
-    (unsafe { _mm_movemask_pd(_mm_cmplt_pd(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn abs_512(_: Avx512, v: __m512) -> __m512 {
-    unsafe { _mm512_abs_ps(v) }
-}
-
-#[inline(always)]
-fn abs_512d(_: Avx512, v: __m512d) -> __m512d {
-    unsafe { _mm512_abs_pd(v) }
-}
-
-#[inline(always)]
-fn abs_256(_: Avx2, v: __m256) -> __m256 {
-    unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), v) }
-}
-
-#[inline(always)]
-fn abs_256d(_: Avx2, v: __m256d) -> __m256d {
-    unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), v) }
-}
-
-#[inline(always)]
-fn negative_512(_: Avx512, a: __m512, b: __m512) -> u32 {
-    u32::from(unsafe { _mm512_movepi32_mask(_mm512_castps_si512(_mm512_and_ps(a, b))) })
-}
-
-#[inline(always)]
-fn negative_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
-    u32::from(unsafe { _mm512_movepi64_mask(_mm512_castpd_si512(_mm512_and_pd(a, b))) })
-}
-
-#[inline(always)]
-fn negative_256(_: Avx2, a: __m256, b: __m256) -> u32 {
-    (unsafe { _mm256_movemask_ps(_mm256_and_ps(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn negative_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
-    (unsafe { _mm256_movemask_pd(_mm256_and_pd(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn less_512(_: Avx512, a: __m512, b: __m512) -> u32 {
-    u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) })
-}
-
-#[inline(always)]
-fn less_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
-    u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b) })
-}
-
-#[inline(always)]
-fn less_256(_: Avx2, a: __m256, b: __m256) -> u32 {
-    (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn less_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
-    (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn at_most_128(_: Sse2, a: __m128, b: __m128) -> u32 {
-    (unsafe { _mm_movemask_ps(_mm_cmple_ps(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn at_most_128d(_: Sse2, a: __m128d, b: __m128d) -> u32 {
-    (unsafe { _mm_movemask_pd(_mm_cmple_pd(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn at_most_256(_: Avx2, a: __m256, b: __m256) -> u32 {
-    (unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn at_most_256d(_: Avx2, a: __m256d, b: __m256d) -> u32 {
-    (unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LE_OQ>(a, b)) }) as u32
-}
-
-#[inline(always)]
-fn at_most_512(_: Avx512, a: __m512, b: __m512) -> u32 {
-    u32::from(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b) })
-}
-
-#[inline(always)]
-fn at_most_512d(_: Avx512, a: __m512d, b: __m512d) -> u32 {
-    u32::from(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b) })
-}
 
 #[inline(always)]
 fn choose_128(_: Sse2, bits: u32, a: __m128, b: __m128) -> __m128 {

@@ -145,11 +145,7 @@ impl<T: Scalar> Space<T> {
 
     /// Checks rays in a periodic plane and prepares the trees for them.
     fn prepare_rays<'r>(&mut self, rays: &'r [Ray<T>]) -> Result<Cow<'r, [Ray<T>]>> {
-        let rays = if self.period.is_none() {
-            Cow::Borrowed(rays)
-        } else {
-            Cow::Owned(Ray::in_period(rays, &self.period)?)
-        };
+        let rays = Ray::in_period(rays, &self.period)?;
         self.prepare(rays.len())?;
         Ok(rays)
     }

@@ -2,7 +2,7 @@
 
 use jostle_base::Settings;
 use jostle_index::query::{
-    self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, Rect, Region,
+    self, Circle, FirstHit, Nearest, Neighbors, Point, Polygon, Ray, RayPath, Rect, Region,
 };
 use jostle_index::{Each, Quadtree, Scalar, Shapes};
 use jostle_simd::{self as simd, Instructions};
@@ -110,8 +110,9 @@ fn all_agree<T: Scalar>(raw: &Raw, settings: Settings, asked: &Asked) {
     // Each point alone, so that none has a bound from the one before.
     let mut seen = Neighbors::default();
     for point in &places {
-        let shape_of = |_| unreachable!("nothing was found before");
-        let one = query::nearest_by(&[*point], (asked.k, reach), Some(1), brute, shape_of);
+        let distance_of = |_, _| unreachable!("nothing was found before");
+        let wanted = (asked.k, &Each::One(reach));
+        let one = query::nearest_from(&[*point], wanted, Some(1), brute, distance_of);
         let one = one.expect("valid");
         seen.ids.extend(one.ids);
         seen.distances.extend(one.distances);

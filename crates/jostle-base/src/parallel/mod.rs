@@ -224,18 +224,9 @@ pub fn for_chunks<T: Send>(
     items: &mut [T],
     act: impl Fn(usize, &mut [T]) + Sync + Send,
 ) {
-    #[cfg(feature = "parallel")]
-    if items.len() > MAX_SERIAL
-        && let Some(team) = Team::of(threads)
-    {
-        // A lock for each chunk hands a mutable slice to the thread that takes its number, without
-        // unsafe code. No lock is ever contended, because each number is taken once.
-        let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
-        let act = |index: usize| act(index * CHUNK, &mut locked(&chunks[index]));
-        return team.share(chunks.len(), &act);
-    }
-    let _ = threads;
-    act(0, items);
+    // A slice of nothing takes no memory, so this is the same loop with a second slice.
+    let nothing = &mut vec![(); items.len()];
+    for_chunks_of_two(threads, items, nothing, |first, items, _| act(first, items));
 }
 
 /// As [`for_chunks`] with two slices of equal length.
@@ -250,6 +241,8 @@ pub fn for_chunks_of_two<A: Send, B: Send>(
     if a.len() > MAX_SERIAL
         && let Some(team) = Team::of(threads)
     {
+        // A lock for each chunk hands a mutable slice to the thread that takes its number, without
+        // unsafe code. No lock is ever contended, because each number is taken once.
         let chunks = a.chunks_mut(CHUNK).zip(b.chunks_mut(CHUNK));
         let chunks: Vec<_> = chunks.map(Mutex::new).collect();
         return team.share(chunks.len(), &|index| {

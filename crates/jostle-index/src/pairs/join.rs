@@ -4,7 +4,7 @@
 //! R-trees*, SIGMOD (1993).
 
 use super::images::Image;
-use super::kernel::{Kernel, Scratch, Side};
+use super::kernel::{Kernel, Scratch, Side, of_kind};
 use super::output::{Budget, MapPairs, Output, PairScratch, filter_map};
 use super::{Filters, Found};
 use crate::geometry::{Bounds, Scalar};
@@ -268,7 +268,7 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
                 stack[from..].reverse();
             } else if join.is_same && first == second {
                 let leaf = &a.nodes()[first];
-                kernel.within_leaf(leaf.range(), a.strips(leaf), output);
+                of_kind!(kernel.within_leaf(leaf.range(), a.strips(leaf), output));
             } else {
                 let bounds = [&a.bounds()[first], &b.bounds()[second]];
                 // Strips are known for the places where the shapes are. For moved leaves all shapes
@@ -281,7 +281,7 @@ impl<T: Scalar> Work<T> for Traversal<'_, '_, T> {
                 let [range, other] = ranges;
                 let first = Side { range, bounds: bounds[0] };
                 let second = Side { range: other, bounds: bounds[1] };
-                kernel.leaf_pair(&first, &second, &mut scratch, output);
+                of_kind!(kernel.leaf_pair(&first, &second, &mut scratch, output));
             }
         }
     }

@@ -169,54 +169,34 @@ struct Loaded<B> {
 
 /// Kinds of cores, a const parameter of the functions below, which compute only what the kind
 /// requires. This kind: all cores are points.
-const POINTS: u8 = 0;
+pub(super) const POINTS: u8 = 0;
 
 /// All shapes are given by their centres; some have half sizes.
-const HALF_SIZES: u8 = 1;
+pub(super) const HALF_SIZES: u8 = 1;
 
 /// Some shapes are given as boxes.
-const BOXES: u8 = 2;
+pub(super) const BOXES: u8 = 2;
 
-/// Calls a method with the kind of the cores as its const parameter.
+/// Calls a method of a [`Kernel`] with the kind of the cores as its const parameter.
 macro_rules! of_kind {
-    ($self:ident.$method:ident($($argument:expr),*)) => {
-        match $self.core() {
-            POINTS => $self.$method::<POINTS>($($argument),*),
-            HALF_SIZES => $self.$method::<HALF_SIZES>($($argument),*),
-            _ => $self.$method::<BOXES>($($argument),*),
+    ($kernel:ident.$method:ident($($argument:expr),* $(,)?)) => {
+        match $kernel.core() {
+            $crate::pairs::kernel::POINTS => {
+                $kernel.$method::<{ $crate::pairs::kernel::POINTS }>($($argument),*)
+            }
+            $crate::pairs::kernel::HALF_SIZES => {
+                $kernel.$method::<{ $crate::pairs::kernel::HALF_SIZES }>($($argument),*)
+            }
+            _ => $kernel.$method::<{ $crate::pairs::kernel::BOXES }>($($argument),*),
         }
     };
 }
+pub(super) use of_kind;
 
 impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
-    /// Finds the overlapping pairs of one shape each of two leaves.
-    #[inline(always)]
-    pub(super) fn leaf_pair(
-        &self,
-        first: &Side<'_, T>,
-        second: &Side<'_, T>,
-        scratch: &mut Scratch<T>,
-        output: &mut Output<'_>,
-    ) {
-        of_kind!(self.leaf_pair_of(first, second, scratch, output))
-    }
-
-    /// Finds the overlapping pairs of one of `rows` and a later row of the same columns, up to
-    /// `last`.
-    #[inline(always)]
-    pub(super) fn self_block(&self, rows: Range<usize>, last: usize, output: &mut Output<'_>) {
-        of_kind!(self.self_block_of(rows, last, output))
-    }
-
-    /// Finds the overlapping pairs of one row with rows of `others`, in their order.
-    #[inline(always)]
-    pub(super) fn row_block(&self, row: usize, others: Range<usize>, output: &mut Output<'_>) {
-        of_kind!(self.row_block_of(row, others, output))
-    }
-
     /// The kind of the cores.
     #[inline(always)]
-    fn core(&self) -> u8 {
+    pub(super) fn core(&self) -> u8 {
         if self.a.has_boxes() || self.b.has_boxes() {
             BOXES
         } else if self.a.has_half_sizes() || self.b.has_half_sizes() {
@@ -226,9 +206,10 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// [`Kernel::leaf_pair`]: only shapes that overlap the bounds of the other leaf are tested.
+    /// Finds the overlapping pairs of one shape each of two leaves: only shapes that overlap the
+    /// bounds of the other leaf are tested.
     #[inline(always)]
-    fn leaf_pair_of<const CORE: u8>(
+    pub(super) fn leaf_pair<const CORE: u8>(
         &self,
         first: &Side<'_, T>,
         second: &Side<'_, T>,
@@ -486,10 +467,11 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         &row_hits[..count]
     }
 
-    /// [`Kernel::self_block`]. Blocks are aligned to the end, so only the first one is not full,
+    /// Finds the overlapping pairs of one of `rows` and a later row of the same columns, up to
+    /// `last`. Blocks are aligned to the end, so only the first one is not full,
     /// and that one is tested against the fewest rows.
     #[inline(always)]
-    fn self_block_of<const CORE: u8>(
+    pub(super) fn self_block<const CORE: u8>(
         &self,
         rows: Range<usize>,
         last: usize,
@@ -532,9 +514,9 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
         }
     }
 
-    /// [`Kernel::row_block`].
+    /// Finds the overlapping pairs of one row with rows of `others`, in their order.
     #[inline(always)]
-    fn row_block_of<const CORE: u8>(
+    pub(super) fn row_block<const CORE: u8>(
         &self,
         row: usize,
         others: Range<usize>,
@@ -600,18 +582,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
     /// Finds the overlapping pairs within a leaf. The rows of each of its `strips` are tested
     /// against later rows up to the end of the last strip that they could overlap.
     #[inline(always)]
-    pub(super) fn within_leaf(
-        &self,
-        leaf: Range<usize>,
-        strips: impl Iterator<Item = (Range<usize>, usize)>,
-        output: &mut Output<'_>,
-    ) {
-        of_kind!(self.strips(leaf, strips, output))
-    }
-
-    /// [`Kernel::within_leaf`].
-    #[inline(always)]
-    fn strips<const CORE: u8>(
+    pub(super) fn within_leaf<const CORE: u8>(
         &self,
         leaf: Range<usize>,
         strips: impl Iterator<Item = (Range<usize>, usize)>,
@@ -624,7 +595,7 @@ impl<T: Scalar, S: Simd<T>> Kernel<'_, T, S> {
             // With more candidates than two blocks, a block that is loaded once for all rows takes
             // less time than a window that begins anew at each row.
             if last - rows.start > MAX_STRIP_ROWS {
-                self.self_block_of::<CORE>(rows, last, output);
+                self.self_block::<CORE>(rows, last, output);
                 continue;
             }
             // The same number of blocks for each row: the branch is predictable.

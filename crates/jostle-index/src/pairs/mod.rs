@@ -30,7 +30,7 @@ use jostle_base::parallel;
 use jostle_base::settings::{Method, Settings};
 use jostle_base::sorting;
 use jostle_simd::{Simd, Work};
-use kernel::Kernel;
+use kernel::{Kernel, of_kind};
 use output::{Budget, Output, PairScratch, filter_map, map_each};
 pub use segments::{LineSegment, LineSegments, Path, near_segments};
 
@@ -385,7 +385,7 @@ impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
         let Self { a, b, shift, filters, rows, is_same, output } = self;
         let kernel = Kernel { simd, a, b, shift, other_shift: [T::ZERO; 2], filters };
         if is_same {
-            return kernel.self_block(rows, b.len(), output);
+            return of_kind!(kernel.self_block(rows, b.len(), output));
         }
         for row in rows {
             for others in (0..b.len()).step_by(ROW_TESTS) {
@@ -393,7 +393,8 @@ impl<T: Scalar> Work<T> for Brute<'_, '_, T> {
                 if output.is_over(ROW_TESTS) {
                     return;
                 }
-                kernel.row_block(row, others..b.len().min(others + ROW_TESTS), output);
+                let others = others..b.len().min(others + ROW_TESTS);
+                of_kind!(kernel.row_block(row, others, output));
             }
         }
     }

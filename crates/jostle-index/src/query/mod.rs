@@ -23,7 +23,7 @@ pub use adjacency::{neighbors, neighbors_of_pairs};
 pub use circle::Circle;
 pub use images::Images;
 pub use nearest::{
-    Nearest, Neighbors, check_nearest, distance, distance_in, nearest, nearest_by, nearest_from,
+    Nearest, Neighbors, check_nearest, distance, distance_in, nearest, nearest_from,
 };
 pub use overlapping::each_overlap;
 pub use point::Point;

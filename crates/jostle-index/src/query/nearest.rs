@@ -467,19 +467,6 @@ fn filled<V: Clone>(len: usize, value: V, stop: &Stop) -> Result<Vec<V>> {
     Ok(values)
 }
 
-/// As [`nearest_from`], with one maximum distance and outside of a periodic plane: `shape_of`
-/// returns the shape with an id.
-pub fn nearest_by<T: Scalar>(
-    points: &[[T; 2]],
-    (k, max_distance): (usize, T),
-    threads: Option<usize>,
-    search: impl Fn([T; 2], &mut Nearest<T>) + Sync + Send,
-    shape_of: impl Fn(u64) -> Shape<T> + Sync + Send,
-) -> Result<Neighbors<T>> {
-    let distance_of = |point, id| distance(point, &shape_of(id));
-    nearest_from(points, (k, &Each::One(max_distance)), threads, search, distance_of)
-}
-
 /// As [`nearest`], for shapes that are not in one tree: `search` tests them for one point, and
 /// `distance_of` returns the distance of a point from the shape with an id.
 ///

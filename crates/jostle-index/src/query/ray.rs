@@ -1,5 +1,7 @@
 //! Rays and the paths of moving discs and boxes: the distance to a shape, and the normal there.
 
+use std::borrow::Cow;
+
 use super::check_max_distances;
 use crate::geometry::{Scalar, Shape, into_range, length, within};
 use crate::period::Period;
@@ -64,7 +66,10 @@ impl<T: Scalar> Ray<T> {
 
     /// The same rays with their origins in the first period. Refuses rays that pass through too
     /// many periods.
-    pub fn in_period(rays: &[Self], period: &Period<T>) -> Result<Vec<Self>> {
+    pub fn in_period<'r>(rays: &'r [Self], period: &Period<T>) -> Result<Cow<'r, [Self]>> {
+        if period.is_none() {
+            return Ok(Cow::Borrowed(rays));
+        }
         let sides = period.sides().map(T::to_f64);
         let shorter = sides.into_iter().filter(|&side| side > 0.0).fold(f64::INFINITY, f64::min);
         let longest = MAX_PERIODS * shorter;
@@ -76,7 +81,8 @@ impl<T: Scalar> Ray<T> {
             let error = Error::at("max_distance", row, rays[row].max_distance, &rule);
             return Err(if rays.len() == 1 { error.without_row() } else { error });
         }
-        memory::collect(rays.iter().map(|ray| Self { origin: period.wrap(ray.origin), ..*ray }))
+        let wrapped = |ray: &Self| Self { origin: period.wrap(ray.origin), ..*ray };
+        memory::collect(rays.iter().map(wrapped)).map(Cow::Owned)
     }
 
     /// The same ray moved by `-shift`.

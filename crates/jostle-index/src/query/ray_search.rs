@@ -246,17 +246,6 @@ impl<T: Scalar> FirstHit<T> {
     pub fn new(ray: Ray<T>, pulse: Pulse) -> Self {
         Self { ray, found: None, normal: [T::ZERO; 2], tests: 0, pulse }
     }
-
-    /// Tests one shape.
-    #[inline(always)]
-    pub fn offer(&mut self, shape: &Shape<T>, id: u64) {
-        RayPath::offer(self, shape, id);
-    }
-
-    /// Searches a tree.
-    pub fn search(&mut self, tree: &Quadtree<T>, mask: Option<u32>, id_of: &IdOf<'_>) {
-        RayPath::search(self, tree, mask, id_of);
-    }
 }
 
 impl<T: Scalar> RayPath<T> for FirstHit<T> {
@@ -462,9 +451,6 @@ pub fn first_hits<T: Scalar>(
     let search = |best: &mut FirstHit<T>| {
         best.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
-    if tree.period().is_none() {
-        return first_hits_by(rays, tree.settings().threads, search);
-    }
     first_hits_by(&Ray::in_period(rays, &tree.period())?, tree.settings().threads, search)
 }
 
@@ -505,9 +491,6 @@ pub fn all_hits<T: Scalar>(
     let search = |all: &mut AllHits<T>| {
         all.search(tree, mask, &|index| Some(u64::from(rows[index])));
     };
-    if tree.period().is_none() {
-        return all_hits_by(rays, tree.settings().threads, search);
-    }
     all_hits_by(&Ray::in_period(rays, &tree.period())?, tree.settings().threads, search)
 }
 
