@@ -3348,7 +3348,7 @@ class World:
         sensors : array_like of bool, one or shape (k,), default False
             Whether the particle is a sensor.
         kinds : array_like of int, a number or shape (k,), default 0
-            Their kind in each `PairForce` of the world.
+            Their kinds in each `PairForce`, from 0 to 63.
 
         Returns
         -------
@@ -3505,7 +3505,7 @@ class World:
         sensors : array_like of bool, one or shape (k,), optional
             Whether the particle is a sensor.
         kinds : array_like of int, a number or shape (k,), optional
-            Their kind in each `PairForce` of the world.
+            Their kinds in each `PairForce`, from 0 to 63.
 
         Raises
         ------
@@ -3633,8 +3633,7 @@ class World:
             Copies of `positions`, `velocities`, `radii` and so on, by the names of the arguments of
             `add` and `set`, with a row for each id; single values for one id, those of float32 as the
             float with their shortest decimal: 0.1, where ``float(world.radii[0])`` is
-            0.10000000149011612. `kinds` are those of the
-            first `PairForce`, None if there is none. The cost depends on the
+            0.10000000149011612. The cost depends on the
             number of ids alone, except that the first call after a step reads all row numbers.
 
         Raises
@@ -4357,8 +4356,8 @@ class World:
         Returns
         -------
         bytes
-            Particles, settings, forces, the time, and the resting contacts, the same bytes on
-            every machine. A world that `restore` makes from them continues with the same bits.
+            Particles, settings, forces, the time, the resting contacts, and the `attachment`, the same
+            bytes on every machine. A world that `restore` makes from them continues with the same bits.
 
         See Also
         --------
@@ -4409,7 +4408,29 @@ class World:
         True
         """
     @property
-    def attachment(self) -> str | None: ...
+    def attachment(self) -> str | None:
+        """A text that the world keeps and does not read: str, or None, the default. It may be assigned.
+
+        Programs keep their own settings there, as JSON. Snapshots, files, copies and pickles contain
+        it; the motion and `state_hash` do not depend on it.
+
+        Raises
+        ------
+        TypeError
+            If an assigned value is neither str nor None.
+
+        See Also
+        --------
+        save : Writes it into a file, with the world.
+
+        Examples
+        --------
+        >>> import jostle, json
+        >>> world = jostle.World([(0, 0)], [(1, 0)], radii=1.0)
+        >>> world.attachment = json.dumps({"zoom": 2.5})
+        >>> json.loads(jostle.World.restore(world.snapshot()).attachment)
+        {'zoom': 2.5}
+        """
     @attachment.setter
     def attachment(self, value: str | None) -> None: ...
     def save(self, path: str | bytes | os.PathLike[str]) -> None:
@@ -4857,8 +4878,8 @@ class PairForce:
         If an argument has the wrong type.
     ValueError
         If a shape is wrong, a number is out of range, or the table does not have a kind. When it is
-        assigned to `World.forces`, also if there is not one kind for each particle, or the cutoff is
-        too large for the torus.
+        assigned to `World.forces`, also if there is not one kind for each particle, another `PairForce`
+        has other kinds, or the cutoff is too large for the torus.
 
     See Also
     --------
@@ -4867,8 +4888,9 @@ class PairForce:
 
     Notes
     -----
-    Particles keep their kind when others are added or removed. Those that `World.add` adds have kind
-    0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
+    Kinds belong to the particles: all `PairForce` of a world have the same. Assigning forces replaces
+    them. Particles keep their kind when others are added or removed. Those that `World.add` adds have
+    kind 0, or that of its argument `kinds`. Merged particles have the kind of the heaviest. The forces
     act at the positions in the middle of a sub-step (leapfrog), the damping with the velocities at
     its beginning. If no other force acts and nothing rests, a step has one sub-step; choose the
     length of a step for the steepest force, or more `World.substeps`. `World.potential_energy`

@@ -278,7 +278,8 @@ def test_a_large_file_is_loaded_while_the_old_scene_is_shown(monkeypatch, tmp_pa
     path.write_bytes(b"nothing")
     session.files.load(path)
     settled(driver)
-    assert session.message.startswith("saved.jostle holds 7 bytes of something") and len(session.frame) == 20
+    assert session.message.startswith("saved.jostle holds 7 bytes of something")
+    assert len(session.frame) == 20
 
 
 def test_a_loaded_scene_runs_alone_and_a_restart_goes_on_in_a_race(tmp_path) -> None:

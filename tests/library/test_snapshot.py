@@ -1,6 +1,7 @@
 """`World.snapshot`, `restore`, `save` and `load`: a world in bytes and in files."""
 
 import copy
+import json
 import pickle
 import re
 from pathlib import Path
@@ -13,6 +14,8 @@ from signals import lets_others_run
 import jostle
 
 STEP = 1 / 60
+FILES = Path(__file__).parent / "data"  # written by crates/jostle/tests/snapshot_format.rs
+TEXT = json.dumps({"name": "µ 🎱", "view": [0, 1.5]}, ensure_ascii=False)
 
 
 def pile() -> jostle.World:
@@ -44,6 +47,7 @@ def through_file(world: jostle.World, folder: Path) -> jostle.World:
 @pytest.mark.parametrize("way", ["snapshot", "file", "pickle", "copy", "deepcopy"])
 def test_a_restored_world_goes_on_to_the_bit(way: str, tmp_path: Path) -> None:
     world = pile()
+    world.attachment = TEXT
     again = {
         "snapshot": lambda: jostle.World.restore(world.snapshot()),
         "file": lambda: through_file(world, tmp_path),
@@ -52,6 +56,7 @@ def test_a_restored_world_goes_on_to_the_bit(way: str, tmp_path: Path) -> None:
         "deepcopy": lambda: copy.deepcopy(world),
     }[way]()
     assert again is not world
+    assert again.attachment == TEXT
     assert_same(again, world)
     for each in (world, again):
         each.remove([1])
@@ -65,6 +70,36 @@ def test_statistics_are_those_of_steps_after_the_snapshot() -> None:
     assert world.stats.tests > 0
     again = jostle.World.restore(world.snapshot())
     assert again.stats == (0,) * 7
+
+
+def test_a_text_is_no_part_of_the_state() -> None:
+    world = pile()
+    assert world.attachment is None
+    before, size = world.state_hash(), len(world.snapshot())
+    for text in ("", TEXT, None):
+        world.attachment = text
+        assert world.attachment == text
+        assert world.state_hash() == before
+    assert len(world.snapshot()) == size
+    world.attachment = TEXT
+    for wrong, error in ((3, TypeError), (b"{}", TypeError), ("\udcff", UnicodeEncodeError)):
+        with pytest.raises(error):
+            world.attachment = wrong  # type: ignore[assignment]
+        assert world.attachment == TEXT
+    with pytest.raises(TypeError, match=r"^attachment must be str or None, not int$"):
+        world.attachment = 3  # type: ignore[assignment]
+
+
+def test_files_of_this_format_can_be_loaded() -> None:
+    world = jostle.World.load(FILES / "snapshot-asleep.jostle")
+    assert world.ids.tolist() == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11]
+    assert world.asleep.tolist() == [True] * 6 + [False] + [True] * 2 + [False] * 2
+    assert [type(force).__name__ for force in world.forces] == ["Springs", "Motor"]
+    assert json.loads(str(world.attachment)) == {"name": "µ"}
+    assert world.add((1, 1), (0, 0)) == 12 and world.radii[-1] == 0.5
+    world = jostle.World.load(FILES / "snapshot-forces.jostle")
+    assert len(world.forces) == 9 and world.wall_velocities.tolist() == [[0.25, 0], [0, 0]]
+    assert world.sensors.tolist() == [False, True, False, False, False, False]
 
 
 def test_other_bytes_like_objects() -> None:

@@ -1,5 +1,9 @@
-//! Serialization of numbers: little-endian, without padding, so the bytes are the same on every
-//! machine.
+//! Serialization: numbers are little-endian, without padding, so the bytes are the same on every machine.
+//!
+//! [`plain!`](crate::plain!) and [`saved!`](crate::saved!) make writing and reading of a struct from one list of its
+//! fields. The list must have all fields, so that none is forgotten.
+
+use core::ops::Range;
 
 use crate::error::{Error, Result};
 
@@ -13,7 +17,7 @@ pub trait Plain: Copy {
     fn load(from: &[u8]) -> Self;
 }
 
-macro_rules! plain {
+macro_rules! numbers {
     ($($t:ty),*) => {$(
         impl Plain for $t {
             const SIZE: usize = size_of::<$t>();
@@ -28,7 +32,7 @@ macro_rules! plain {
         }
     )*};
 }
-plain!(u8, u32, u64, f32, f64);
+numbers!(u8, u32, u64, i64, f32, f64);
 
 impl Plain for bool {
     const SIZE: usize = 1;
@@ -56,6 +60,188 @@ impl<P: Plain + Default, const N: usize> Plain for [P; N] {
     }
 }
 
+/// Implements [`Plain`](crate::bytes::Plain) for a struct: its fields in this order. Those after the semicolon are
+/// not written, and are read as default values.
+#[macro_export]
+macro_rules! plain {
+    ($name:ident { $($field:ident),* $(; $($left_out:ident),*)? }) => {
+        impl $crate::bytes::Plain for $name {
+            const SIZE: usize = 0 $(+ $crate::bytes::size_of_field(|all: &$name| &all.$field))*;
+            #[inline(always)]
+            fn store(self, to: &mut [u8]) {
+                let Self { $($field,)* $($($left_out: _,)*)? } = self;
+                $(let to = $crate::bytes::store_first($field, to);)*
+                debug_assert!(to.is_empty());
+            }
+            #[inline(always)]
+            fn load(from: &[u8]) -> Self {
+                $(let ($field, from) = $crate::bytes::load_first(from);)*
+                debug_assert!(from.is_empty());
+                Self { $($field,)* $($($left_out: Default::default(),)*)? }
+            }
+        }
+    };
+}
+
+/// The bytes of a field.
+pub const fn size_of_field<S, F: Plain>(_: fn(&S) -> &F) -> usize {
+    F::SIZE
+}
+
+/// Writes a value into the first bytes; returns the others.
+#[inline(always)]
+pub fn store_first<P: Plain>(value: P, to: &mut [u8]) -> &mut [u8] {
+    let (first, others) = to.split_at_mut(P::SIZE);
+    value.store(first);
+    others
+}
+
+/// Reads a value from the first bytes; returns the others, too.
+#[inline(always)]
+pub fn load_first<P: Plain>(from: &[u8]) -> (P, &[u8]) {
+    let (first, others) = from.split_at(P::SIZE);
+    (P::load(first), others)
+}
+
+/// Appends a value.
+pub fn append<P: Plain>(to: &mut Vec<u8>, value: P) {
+    let start = to.len();
+    to.resize(start + P::SIZE, 0);
+    value.store(&mut to[start..]);
+}
+
+/// The values that [`append`] has written one after the other.
+pub fn read_all<P: Plain>(from: &[u8]) -> impl Iterator<Item = P> {
+    from.chunks_exact(P::SIZE).map(P::load)
+}
+
+/// A value in files, of any number of bytes, which may be wrong.
+pub trait Saved: Sized {
+    /// Appends the value.
+    fn put(&self, to: &mut Writer);
+    /// Reads it.
+    fn get(from: &mut Reader<'_>) -> Result<Self>;
+    /// Appends several, without their count.
+    fn put_each(all: &[Self], to: &mut Writer) {
+        all.iter().for_each(|one| one.put(to));
+    }
+    /// Reads so many. Memory is not reserved: a damaged count may be very large.
+    fn get_each(from: &mut Reader<'_>, count: usize) -> Result<Vec<Self>> {
+        (0..count).map(|_| Self::get(from)).collect()
+    }
+}
+
+impl<P: Plain> Saved for P {
+    fn put(&self, to: &mut Writer) {
+        to.put(*self);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        from.get()
+    }
+    fn put_each(all: &[Self], to: &mut Writer) {
+        to.put_all(all);
+    }
+    fn get_each(from: &mut Reader<'_>, count: usize) -> Result<Vec<Self>> {
+        from.get_all(count)
+    }
+}
+
+impl Saved for usize {
+    fn put(&self, to: &mut Writer) {
+        to.put_count(*self);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        from.get_count()
+    }
+}
+
+impl<S: Saved> Saved for Vec<S> {
+    fn put(&self, to: &mut Writer) {
+        to.put_count(self.len());
+        S::put_each(self, to);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let count = from.get_count()?;
+        S::get_each(from, count)
+    }
+}
+
+impl<S: Saved> Saved for Option<S> {
+    fn put(&self, to: &mut Writer) {
+        to.put(self.is_some());
+        self.iter().for_each(|value| value.put(to));
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let is_some: bool = from.get()?;
+        is_some.then(|| S::get(from)).transpose()
+    }
+}
+
+impl Saved for Range<u32> {
+    fn put(&self, to: &mut Writer) {
+        to.put([self.start, self.end]);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let [start, end] = from.get()?;
+        Ok(start..end)
+    }
+}
+
+impl Saved for String {
+    fn put(&self, to: &mut Writer) {
+        to.put_count(self.len());
+        to.put_all(self.as_bytes());
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Self::from_utf8(Saved::get(from)?).map_err(|_| damaged("a text in it is not UTF-8"))
+    }
+}
+
+/// Implements [`Saved`](crate::bytes::Saved) for a struct or an enum. The fields of a struct after the semicolon are
+/// not written, and are read as default values. A variant of an enum has a number, which is never used for another.
+#[macro_export]
+macro_rules! saved {
+    (struct $name:ident { $($field:ident),* $(; $($left_out:ident),*)? }) => {
+        impl $crate::bytes::Saved for $name {
+            fn put(&self, to: &mut $crate::bytes::Writer) {
+                let Self { $($field,)* $($($left_out: _,)*)? } = self;
+                $($crate::bytes::Saved::put($field, to);)*
+            }
+            fn get(from: &mut $crate::bytes::Reader<'_>) -> $crate::error::Result<Self> {
+                Ok(Self {
+                    $($field: $crate::bytes::Saved::get(from)?,)*
+                    $($($left_out: Default::default(),)*)?
+                })
+            }
+        }
+    };
+    (enum $name:ident($what:literal) {
+        $($code:literal => $variant:ident $(($inner:ident))? $({ $($field:ident),* })?),*
+    }) => {
+        impl $crate::bytes::Saved for $name {
+            fn put(&self, to: &mut $crate::bytes::Writer) {
+                match self {
+                    $(Self::$variant $(($inner))? $({ $($field),* })? => {
+                        to.put::<u8>($code);
+                        $($crate::bytes::Saved::put($inner, to);)?
+                        $($($crate::bytes::Saved::put($field, to);)*)?
+                    })*
+                }
+            }
+            fn get(from: &mut $crate::bytes::Reader<'_>) -> $crate::error::Result<Self> {
+                Ok(match from.get::<u8>()? {
+                    $($code => {
+                        $(let $inner = $crate::bytes::Saved::get(from)?;)?
+                        $($(let $field = $crate::bytes::Saved::get(from)?;)*)?
+                        Self::$variant $(($inner))? $({ $($field),* })?
+                    })*
+                    _ => return Err($crate::bytes::damaged(concat!("there is no such ", $what))),
+                })
+            }
+        }
+    };
+}
+
 /// The error for `all` bytes that are not what they should be.
 pub fn foreign(all: u64) -> Error {
     let rule = "it does not begin as a snapshot does";
@@ -65,12 +251,12 @@ pub fn foreign(all: u64) -> Error {
 /// Bytes of the header: magic, version, length and checksum.
 pub const HEAD: usize = 28;
 
-/// Writes values after a header with a magic number, the version, the length and a checksum.
-#[derive(Debug)]
+/// Writes values, in files after a header with a magic number, the version, the length and a checksum.
+#[derive(Debug, Default)]
 pub struct Writer(Vec<u8>);
 
 impl Writer {
-    /// A writer with capacity for `bytes` bytes after the header.
+    /// A writer of a file with capacity for `bytes` bytes after the header.
     pub fn with_capacity(bytes: usize) -> Self {
         let mut all = Vec::with_capacity(HEAD + bytes);
         all.resize(HEAD, 0);
@@ -78,7 +264,7 @@ impl Writer {
     }
 
     /// Appends a value.
-    pub fn put(&mut self, value: impl Plain) {
+    pub fn put<P: Plain>(&mut self, value: P) {
         self.put_all(&[value]);
     }
 
@@ -108,6 +294,35 @@ impl Writer {
             self.0[start - 1] = 1;
             self.0.truncate(start + P::SIZE);
         }
+    }
+
+    /// Appends the number of values, a bit for each that says whether it differs from the default value, and
+    /// those that do; no values, if none does. Bits of numbers are compared: −0 is not 0.
+    pub fn put_sparse<P: Plain + Default>(&mut self, values: &[P]) {
+        let begin = self.0.len();
+        self.put_count(values.len());
+        let bits = self.0.len();
+        self.0.resize(bits + values.len().div_ceil(8), 0);
+        let mut default = Vec::new();
+        append(&mut default, P::default());
+        for (row, value) in values.iter().enumerate() {
+            let start = self.0.len();
+            self.put(*value);
+            if self.0[start..] == default {
+                self.0.truncate(start);
+            } else {
+                self.0[bits + row / 8] |= 1 << (row % 8);
+            }
+        }
+        if self.0[bits..].iter().all(|byte| *byte == 0) {
+            self.0.truncate(begin);
+            self.put_count(0);
+        }
+    }
+
+    /// All bytes, without a header unless there is room for one.
+    pub fn into_bytes(self) -> Vec<u8> {
+        self.0
     }
 
     /// Fills in the header and returns all bytes.
@@ -182,6 +397,14 @@ impl<'a> Reader<'a> {
         let is_same: bool = self.get()?;
         // `put_uniform` of no values writes 1 and nothing else: all of none are equal.
         if is_same && count > 0 { Ok(vec![self.get()?; count]) } else { self.get_all(count) }
+    }
+
+    /// The next values that [`Writer::put_sparse`] has written.
+    pub fn get_sparse<P: Plain + Default>(&mut self) -> Result<Vec<P>> {
+        let count = self.get_count()?;
+        let bits = self.take(count.div_ceil(8))?;
+        let differs = |row: usize| bits[row / 8] >> (row % 8) & 1 > 0;
+        (0..count).map(|row| if differs(row) { self.get() } else { Ok(P::default()) }).collect()
     }
 
     /// Refuses bytes after the last value.

@@ -1,6 +1,7 @@
 //! Settings of trees and pair searches: defaults and limits.
 
 use crate::error::{Error, Result};
+use crate::saved;
 
 /// Maximum number of shapes in a leaf, unless the leaf is at the maximum depth.
 pub const DEFAULT_LEAF_CAPACITY: usize = 96;
@@ -25,6 +26,8 @@ pub struct Settings {
     /// Number of threads; `None`: one for each core.
     pub threads: Option<usize>,
 }
+
+saved! { struct Settings { leaf_capacity, max_depth, threads } }
 
 impl Default for Settings {
     fn default() -> Self {
@@ -61,3 +64,5 @@ pub enum Method {
     /// Every shape is tested against every other.
     Brute,
 }
+
+saved! { enum Method("method") { 0 => Quadtree, 1 => Brute } }

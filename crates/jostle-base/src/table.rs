@@ -5,8 +5,8 @@
 //! *dense*, with a value for each row; *uniform*, dense, but often with the same value in all rows, so that
 //! files contain it once; *sparse*, empty if all rows have the default value; or *nested*, a table itself.
 
-use crate::bytes::Plain;
-use crate::error::Result;
+use crate::bytes::{Plain, Reader, Saved, Writer};
+use crate::error::{Error, Result};
 
 /// Operations on all columns of a table. `len` is the number of rows before the operation, which a sparse
 /// column does not know.
@@ -68,6 +68,81 @@ pub enum Kind {
     Uniform,
     /// Empty if all rows have the default value.
     Sparse,
+}
+
+/// Writes columns into files.
+#[derive(Debug)]
+pub struct PutColumns<'a>(pub &'a mut Writer);
+
+impl Visitor for PutColumns<'_> {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        match about.kind {
+            Kind::Dense => {
+                self.0.put_count(column.len());
+                self.0.put_all(column);
+            }
+            Kind::Uniform => self.0.put_uniform(column),
+            Kind::Sparse => self.0.put_sparse(column),
+        }
+    }
+}
+
+/// Reads columns from files. Their lengths may be wrong, see [`check_lengths`]. A uniform column has that of the
+/// dense one before it: only the bytes of dense ones limit what a damaged file makes of it.
+#[derive(Debug)]
+pub struct GetColumns<'a, 'b> {
+    from: &'a mut Reader<'b>,
+    len: usize,
+}
+
+impl<'a, 'b> GetColumns<'a, 'b> {
+    /// Columns that begin with the next byte.
+    pub fn new(from: &'a mut Reader<'b>) -> Self {
+        Self { from, len: 0 }
+    }
+}
+
+impl VisitorMut for GetColumns<'_, '_> {
+    fn column<V: Value>(&mut self, about: Declared, column: &mut Vec<V>) -> Result<()> {
+        *column = match about.kind {
+            Kind::Dense => Saved::get(self.from)?,
+            Kind::Uniform => self.from.get_uniform(self.len)?,
+            Kind::Sparse => self.from.get_sparse()?,
+        };
+        if about.kind == Kind::Dense {
+            self.len = column.len();
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a table of which a column does not have `expected` rows; `argument` gives the names of columns in errors.
+pub fn check_lengths(
+    table: &impl Table,
+    expected: usize,
+    argument: impl Fn(&'static str) -> &'static str,
+) -> Result<()> {
+    let mut lengths = Lengths { expected, wrong: None };
+    table.visit(&mut lengths);
+    lengths.wrong.map_or(Ok(()), |(name, found)| {
+        Err(Error::Length { argument: argument(name), found, expected })
+    })
+}
+
+/// Finds the first column with a wrong number of rows.
+struct Lengths {
+    expected: usize,
+    wrong: Option<(&'static str, usize)>,
+}
+
+impl Visitor for Lengths {
+    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
+        let found = column.len();
+        let is_right = found == self.expected || about.kind == Kind::Sparse && found == 0;
+        if !is_right {
+            self.wrong.get_or_insert((about.name, found));
+        }
+    }
 }
 
 /// The default value of rows that a sparse column does not have.
@@ -301,7 +376,8 @@ pub mod nested {
     }
 }
 
-/// Declares a struct of columns, each `dense`, `uniform`, `sparse` or `nested`, and implements [`Table`] for it.
+/// Declares a struct of columns, each `dense`, `uniform`, `sparse` or `nested`, and implements [`Table`] and
+/// [`Saved`] for it.
 #[macro_export]
 macro_rules! table {
     (
@@ -359,6 +435,19 @@ macro_rules! table {
             ) -> $crate::error::Result<()> {
                 $($crate::table!(@visit $kind self, $field, visitor, visit_mut, &mut)?;)*
                 Ok(())
+            }
+        }
+
+        impl $crate::bytes::Saved for $name {
+            fn put(&self, to: &mut $crate::bytes::Writer) {
+                $crate::table::Table::visit(self, &mut $crate::table::PutColumns(to));
+            }
+
+            fn get(from: &mut $crate::bytes::Reader<'_>) -> $crate::error::Result<Self> {
+                let mut all = Self::default();
+                let mut columns = $crate::table::GetColumns::new(from);
+                $crate::table::Table::visit_mut(&mut all, &mut columns)?;
+                Ok(all)
             }
         }
     };

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Scalar, Shape, middle};
 use crate::period::Period;
-use jostle_base::bytes::Plain;
 use jostle_base::error::{Error, Result};
+use jostle_base::plain;
 
 /// The category of a shape without one.
 pub const DEFAULT_CATEGORY: u32 = 1;
@@ -27,16 +27,7 @@ impl Default for Filter {
     }
 }
 
-impl Plain for Filter {
-    const SIZE: usize = 8;
-    fn store(self, to: &mut [u8]) {
-        [self.category, self.mask].store(to);
-    }
-    fn load(from: &[u8]) -> Self {
-        let [category, mask] = Plain::load(from);
-        Self { category, mask }
-    }
-}
+plain! { Filter { category, mask } }
 
 /// Maximum number of rows: row numbers fit into 31 bits.
 pub const MAX_ROWS: usize = u32::MAX as usize / 2;

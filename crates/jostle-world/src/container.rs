@@ -6,6 +6,7 @@ use crate::particles::FARTHEST;
 use crate::tolerance::ROUNDING;
 use crate::trajectory::{Impact, Limits, Segment, Vector, dot, flat_impact, round_impact, vector};
 use jostle_base::error::{Error, Result};
+use jostle_base::saved;
 use jostle_index::period::Period;
 
 /// Maximum number of times that a particle travels around a torus in a step.
@@ -36,6 +37,12 @@ pub enum Container {
         /// Width and height.
         size: [f32; 2],
     },
+}
+
+saved! {
+    enum Container("container") {
+        0 => None, 1 => Box { min, max }, 2 => Circle { center, radius }, 3 => Torus { size }
+    }
 }
 
 /// A wall near a disc.

@@ -31,6 +31,7 @@ mod sides;
 mod sleeping;
 mod slide;
 mod snapshot;
+mod snapshot_format;
 mod space;
 mod stages;
 mod thermal;

@@ -155,7 +155,7 @@ fn a_text_that_is_not_utf_8_is_refused() {
     let mut bytes = world.snapshot();
     let at = bytes.len() - 1;
     bytes[at] = b'!';
-    assert_eq!(refusal(&forged(bytes)), "data is a damaged snapshot; its attachment is not UTF-8");
+    assert_eq!(refusal(&forged(bytes)), "data is a damaged snapshot; a text in it is not UTF-8");
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn foreign_bytes_are_refused_in_a_sentence() {
     newer[8] = 9;
     assert_eq!(
         refusal(&newer),
-        "data is a snapshot in format 9; this version of jostle reads format 1"
+        "data is a snapshot in format 9; this version of jostle reads format 4"
     );
     let (there, whole) = (good.len() - 1, good.len());
     assert_eq!(

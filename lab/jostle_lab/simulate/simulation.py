@@ -36,7 +36,6 @@ from jostle_lab.simulate.frame import (
 from jostle_lab.simulate.settings import EVERY_CATEGORY, SETTINGS, Polyline, Settings, too_slow
 from jostle_lab.simulate.validation import (
     COUNT,
-    FARTHEST,
     Fields,
     Many,
     Rule,
@@ -376,7 +375,9 @@ class Simulation:
                 raise ValueError(f"{name} is {facts[name]}; its world has {there} {what}")
         times, counts = np.array(facts["born"], np.float64).reshape(-1, 2).T
         if (counts < 0).any() or (counts % 1).any() or counts.sum() != len(world):
-            raise ValueError(f"born has times of {counts.sum():g} particles; it must be {len(world)}")
+            raise ValueError(
+                f"born has {counts.sum():g} times; its world has {len(world)} particles"
+            )
         born = np.repeat(times, counts.astype(np.int64))
         drops = facts["emitters"]
         if (drops is None) != (settings.scene != "emitters"):

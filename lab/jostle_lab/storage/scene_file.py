@@ -1,4 +1,4 @@
-"""A scene in a file, `.jostle`: a world with settings, camera and view options as its attachment."""
+"""A scene in a file, `.jostle`: a world; settings, camera and view options are attached."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass

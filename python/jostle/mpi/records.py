@@ -9,8 +9,8 @@ from jostle._core import record_fields
 #: A particle: its fields are named as the columns of worlds.
 RECORD = np.dtype([("id", "<i8"), *record_fields()])
 
-#: Impulses of the sides of the container on a particle, and of their friction; how it has moved.
-KEPT = np.dtype([("id", "<i8"), ("impulses", "<f4", (2, 4)), ("drift", "<f4", (2, 3))])
+#: How a particle has moved.
+KEPT = np.dtype([("id", "<i8"), ("drift", "<f4", (2, 3))])
 
 #: Impulses of a resting contact; the smaller id is first.
 RESTING = np.dtype([("id", "<i8"), ("other", "<i8"), ("impulses", "<f4", 2)])
@@ -27,12 +27,12 @@ TOUCH = np.dtype(
         ("id", "<i8"),
         ("other", "<i8"),
         ("island", "<i8"),
+        ("rows", "<u4", 2),
         ("image", "<f4", 2),
         ("normal", "<f4", 2),
         ("gap", "<f4"),
         ("impulses", "<f4", 2),
         ("totals", "<f4", 2),
-        ("contact_distance", "<f4"),
         ("touched", "?"),
         ("is_near", "?"),
     ]

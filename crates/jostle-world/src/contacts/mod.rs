@@ -12,8 +12,9 @@ use crate::particles::Particles;
 use crate::tolerance::gap;
 pub use blocks::{Block, Blocks, Colour, Materials, RELAXATION};
 use colouring::{Colouring, Edge, prioritize};
-use jostle_base::parallel;
-use jostle_base::sorting;
+use jostle_base::bytes::{Reader, Saved, Writer};
+use jostle_base::error::Result;
+use jostle_base::{parallel, plain, sorting};
 use jostle_simd::LANES;
 use sequence::Sequence;
 pub use sequence::Sequential;
@@ -47,6 +48,13 @@ pub struct Contact {
     pub totals: [f32; 2],
     /// Whether the two touched or pushed each other during this step.
     pub touched: bool,
+}
+
+plain! {
+    Contact {
+        indices, image, normal, gap, impulse, friction_impulse, totals, touched;
+        inverse_masses
+    }
 }
 
 /// Kinds of contacts in a colour, in their order.
@@ -186,6 +194,16 @@ pub struct Contacts {
     /// Whether each particle has a contact of uneven masses; empty if none has.
     uneven: Vec<bool>,
     previous: Previous,
+}
+
+impl Saved for Contacts {
+    fn put(&self, to: &mut Writer) {
+        self.lasting().copied().collect::<Vec<Contact>>().put(to);
+    }
+    /// Only the list; [`Contacts::remember`] reads the impulses in it.
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Ok(Self { list: Saved::get(from)?, ..Self::default() })
+    }
 }
 
 /// Impulses of resting contacts of the last step, for warm starting.
@@ -447,7 +465,7 @@ impl Contacts {
     }
 
     /// Replaces all contacts by `list`, in canonical order; `count` is the number of particles.
-    pub fn recall(&mut self, list: Vec<Contact>, count: usize) {
+    fn recall(&mut self, list: Vec<Contact>, count: usize) {
         self.list = list;
         self.blocks.clear();
         self.remember(count);
@@ -498,6 +516,11 @@ impl Contacts {
     /// Those that touched or have an impulse, in canonical order.
     pub fn lasting(&self) -> impl Iterator<Item = &Contact> {
         self.list.iter().filter(|contact| contact.touched || contact.impulse > 0.0)
+    }
+
+    /// All contacts in the list.
+    pub fn all(&self) -> &[Contact] {
+        &self.list
     }
 
     /// Calls `act` on every contact, in any order; it may only write the contact.

@@ -9,10 +9,9 @@ use std::f64::consts::{PI, TAU};
 
 pub use changes::Effect;
 pub use fields::{Changes, Field, FieldVisitor, FieldVisitorMut};
-use jostle_base::bytes::Plain;
-use jostle_base::error::{Error, Result};
-use jostle_base::table;
-use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
+use jostle_base::error::Result;
+use jostle_base::table::{Table, check_lengths, sparse_value};
+use jostle_base::{plain, table};
 use jostle_index::shapes::Filter;
 pub use limits::{
     FARTHEST, MASS_RANGE, MAX_KINDS, check_angles, check_angular_velocities, check_friction,
@@ -46,17 +45,7 @@ impl Spin {
     }
 }
 
-impl Plain for Spin {
-    const SIZE: usize = 16;
-    fn store(self, to: &mut [u8]) {
-        [self.friction, self.velocity].store(&mut to[..8]);
-        self.angle.store(&mut to[8..]);
-    }
-    fn load(from: &[u8]) -> Self {
-        let [friction, velocity] = Plain::load(&from[..8]);
-        Self { friction, velocity, angle: f64::load(&from[8..]) }
-    }
-}
+plain! { Spin { friction, velocity, angle } }
 
 table! {
     /// Discs with a velocity and a mass, one row each.
@@ -118,12 +107,8 @@ impl Particles {
 
     /// Refuses columns of different lengths and values out of range.
     pub fn validate(&self) -> Result<()> {
-        let mut lengths = Lengths { expected: self.len(), wrong: None };
-        self.visit(&mut lengths);
-        match lengths.wrong {
-            Some(error) => Err(error),
-            None => self.check_values(),
-        }
+        check_lengths(self, self.len(), Self::field_in)?;
+        self.check_values()
     }
 
     /// Friction and rotation of a disc.
@@ -237,23 +222,6 @@ impl Particles {
     #[inline]
     pub fn inverse_mass(&self, row: usize) -> f32 {
         if self.movable[row] { 1.0 / self.masses[row] } else { 0.0 }
-    }
-}
-
-/// Finds the first column with a wrong number of rows.
-struct Lengths {
-    expected: usize,
-    wrong: Option<Error>,
-}
-
-impl Visitor for Lengths {
-    fn column<V: Value>(&mut self, about: Declared, column: &[V]) {
-        let (found, expected) = (column.len(), self.expected);
-        let is_right = found == expected || about.kind == Kind::Sparse && found == 0;
-        if !is_right && self.wrong.is_none() {
-            let argument = Particles::field_in(about.name);
-            self.wrong = Some(Error::Length { argument, found, expected });
-        }
     }
 }
 

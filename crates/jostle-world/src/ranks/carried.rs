@@ -9,9 +9,10 @@ use crate::world::World;
 use crate::world::asleep::Sleepers;
 use crate::world::discs::Persistent;
 use crate::world::touches::{Touch, WallImpulse, touch_of};
-use jostle_base::bytes::{Plain, Reader, damaged};
+use jostle_base::bytes::{Plain, Reader, append, damaged, read_all};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::plain;
 use jostle_base::table::{Declared, Table, Value, Visitor, VisitorMut, sparse_value};
 
 /// Stands for no own row.
@@ -28,32 +29,16 @@ pub(crate) struct Resting {
     pub(crate) impulses: [f32; 2],
 }
 
-impl Resting {
-    /// Bytes of a contact.
-    pub(crate) const SIZE: usize = 24;
-
-    /// Appends the contact without its rows.
-    pub(crate) fn put(&self, to: &mut Vec<u8>) {
-        let start = to.len();
-        to.resize(start + Self::SIZE, 0);
-        self.ids.map(|id| id as u64).store(&mut to[start..start + 16]);
-        self.impulses.store(&mut to[start + 16..]);
-    }
-
-    /// Reads one.
-    pub(crate) fn get(from: &[u8]) -> Self {
-        let ids = <[u64; 2]>::load(&from[..16]).map(|id| id as Id);
-        Self { ids, rows: [NONE; 2], impulses: <[f32; 2]>::load(&from[16..]) }
-    }
-}
+// Other ranks have other rows.
+plain! { Resting { ids, impulses; rows } }
 
 /// Bytes of what is kept of a particle: its id and its row of [`Persistent`].
-pub(crate) const KEPT: usize = u64::SIZE + Persistent::ROW_SIZE;
+pub(crate) const KEPT: usize = Id::SIZE + Persistent::ROW_SIZE;
 
 /// Appends what is kept of the particle at an index, if it differs from that of a new particle.
 pub(crate) fn put_kept(to: &mut Vec<u8>, id: Id, persistent: &Persistent, index: usize) {
     let start = to.len();
-    to.extend((id as u64).to_le_bytes());
+    append(to, id);
     let mut row = PutRow { to, row: index, is_default: true };
     persistent.visit(&mut row);
     if row.is_default {
@@ -72,9 +57,7 @@ impl Visitor for PutRow<'_> {
     fn column<V: Value>(&mut self, _about: Declared, column: &[V]) {
         let value = sparse_value(column, self.row);
         self.is_default &= value == V::default();
-        let start = self.to.len();
-        self.to.resize(start + V::SIZE, 0);
-        value.store(&mut self.to[start..]);
+        append(self.to, value);
     }
 }
 
@@ -106,28 +89,11 @@ pub(crate) struct Push {
     pub(crate) pushes: [f32; 2],
 }
 
-impl Push {
-    /// Bytes of a push.
-    pub(crate) const SIZE: usize = 28;
+plain! { Push { id, wall, impulses, pushes } }
 
+impl Push {
     /// Those of a wall.
     pub(crate) fn new(id: Id, &WallImpulse { wall, impulses, pushes, .. }: &WallImpulse) -> Self {
-        Self { id, wall, impulses, pushes }
-    }
-
-    /// Appends the push.
-    pub(crate) fn put(&self, to: &mut Vec<u8>) {
-        let start = to.len();
-        to.resize(start + Self::SIZE, 0);
-        (self.id as u64).store(&mut to[start..start + 8]);
-        self.wall.store(&mut to[start + 8..start + 12]);
-        [self.impulses, self.pushes].store(&mut to[start + 12..]);
-    }
-
-    /// Reads one.
-    pub(crate) fn get(from: &[u8]) -> Self {
-        let (id, wall) = (u64::load(&from[..8]) as Id, u32::load(&from[8..12]));
-        let [impulses, pushes] = Plain::load(&from[12..]);
         Self { id, wall, impulses, pushes }
     }
 
@@ -138,8 +104,8 @@ impl Push {
     }
 }
 
-/// Bytes of the id of a sleeping particle and of the name of its island.
-pub(crate) const MEMBER: usize = 16;
+/// The id of a sleeping particle and the name of its island.
+pub(crate) type Member = [Id; 2];
 
 /// What is kept of particles, as bytes: [`KEPT`], [`Resting`], [`Push`], members of sleeping islands,
 /// [`SleepingContact`].
@@ -194,7 +160,7 @@ impl World {
             put_kept(kept, domain.id(row), &self.persistent, index);
         }
         let all = self.resting_of_own();
-        all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| of.put(resting));
+        all.iter().filter(|of| of.rows[0] != NONE).for_each(|of| append(resting, *of));
         for of in self.wall_impulses.iter().filter(|of| domain.owns(of.row)) {
             put_push(pushes, domain.id(of.row), of);
         }
@@ -203,14 +169,13 @@ impl World {
             for at in island.particles.clone().map(|at| at as usize) {
                 let id = domain.id(discs.rows[at]);
                 put_kept(kept, id, &discs.persistent, at);
-                members.extend((id as u64).to_le_bytes());
-                members.extend((island.name as u64).to_le_bytes());
+                append::<Member>(members, [id, island.name]);
             }
         }
         for of in self.asleep.wall_impulses() {
-            Push::new(domain.id(of.row), of).put(pushes);
+            append(pushes, Push::new(domain.id(of.row), of));
         }
-        self.own_sleeping_contacts().for_each(|of| of.put(touches));
+        self.own_sleeping_contacts().for_each(|of| append(touches, *of));
         bytes
     }
 
@@ -240,18 +205,12 @@ impl World {
         };
         let rows: HashMap<Id, u32> = ids.into_iter().zip(0..).collect();
         let [kept, resting, pushes, members, touches] = bytes;
-        let (members, _) = members.as_chunks::<MEMBER>();
-        let members: HashMap<Id, Id> = members
-            .iter()
-            .map(|of| <[u64; 2]>::load(of).map(|id| id as Id))
-            .map(|[id, island]| (id, island))
-            .collect();
+        let members: HashMap<Id, Id> = read_all::<Member>(members).map(Into::into).collect();
         // The contacts of sleeping particles are among `touches`.
         let is_awake = |of: &Resting| !of.ids.iter().any(|id| members.contains_key(id));
-        let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).filter(is_awake);
+        let resting = read_all::<Resting>(resting).filter(is_awake);
         self.take_kept_of(&rows, [kept, pushes], resting.collect())?;
-        let touches = touches.chunks_exact(SleepingContact::SIZE).map(SleepingContact::get);
-        self.restore_sleepers(&rows, &members, touches.collect())
+        self.restore_sleepers(&rows, &members, read_all(touches).collect())
     }
 
     /// Adds what is kept of the particles with these ids, in these rows: of each, of walls, and contacts at
@@ -268,11 +227,11 @@ impl World {
         let indices = self.indices().to_vec();
         for of in kept.chunks_exact(KEPT) {
             let mut from = Reader::without_head(of);
-            let row = row_of(from.get::<u64>()? as Id)?;
+            let row = row_of(from.get()?)?;
             let index = indices[row as usize] as usize;
             self.persistent.visit_mut(&mut GetRow { from: &mut from, row: index, len: count })?;
         }
-        for push in pushes.chunks_exact(Push::SIZE).map(Push::get) {
+        for push in read_all::<Push>(pushes) {
             self.wall_impulses.push(push.of_row(row_of(push.id)?));
         }
         self.wall_impulses.sort_by_key(|of| (of.row, of.wall));
@@ -394,7 +353,7 @@ impl World {
 /// Appends the pushes of a wall on a particle, if there are any.
 pub(crate) fn put_push(to: &mut Vec<u8>, id: Id, of: &WallImpulse) {
     if of.pushes[0] > 0.0 {
-        Push { impulses: [0.0; 2], ..Push::new(id, of) }.put(to);
+        append(to, Push { impulses: [0.0; 2], ..Push::new(id, of) });
     }
 }
 

@@ -11,11 +11,12 @@ use crate::contacts::Contact;
 use crate::halo::Halo;
 use crate::world::World;
 use crate::world::sleeping::{IslandMotion, NONE, Scratch};
-use jostle_base::bytes::Plain;
+use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel::locked;
+use jostle_base::{plain, saved};
 
 /// Stands for no name.
 const NO_NAME: Id = Id::MAX;
@@ -33,10 +34,9 @@ pub(crate) struct SleepingContact {
     pub(crate) is_near: bool,
 }
 
-impl SleepingContact {
-    /// Bytes of a contact.
-    pub(crate) const SIZE: usize = 62;
+plain! { SleepingContact { ids, island, contact, is_near } }
 
+impl SleepingContact {
     /// A contact whose indices have these ids.
     pub(crate) fn new(island: Id, [a, b]: [Id; 2], contact: &Contact) -> Self {
         let is_first = match contact.inverse_masses.map(|inverse| inverse > 0.0) {
@@ -46,30 +46,6 @@ impl SleepingContact {
         let (ids, indices) = if is_first { ([a, b], [0, 1]) } else { ([b, a], [1, 0]) };
         let contact = Contact { indices, ..*contact }.ascending();
         Self { island, ids, contact, is_near: false }
-    }
-
-    /// Appends it.
-    pub(crate) fn put(&self, to: &mut Vec<u8>) {
-        let start = to.len();
-        to.resize(start + Self::SIZE, 0);
-        let [first, second] = self.ids.map(|id| id as u64);
-        [first, second, self.island as u64].store(&mut to[start..start + 24]);
-        let Contact { image: [x, y], normal: [u, v], totals: [n, t], .. } = self.contact;
-        let Contact { gap, impulse, friction_impulse, touched, .. } = self.contact;
-        let numbers = [x, y, u, v, gap, impulse, friction_impulse, n, t];
-        numbers.store(&mut to[start + 24..start + 60]);
-        [u8::from(touched), u8::from(self.is_near)].store(&mut to[start + 60..]);
-    }
-
-    /// Reads one.
-    pub(crate) fn get(from: &[u8]) -> Self {
-        let [first, second, island] = <[u64; 3]>::load(&from[..24]).map(|id| id as Id);
-        let [x, y, u, v, gap, impulse, friction_impulse, n, t] = <[f32; 9]>::load(&from[24..60]);
-        let [touched, is_near] = <[u8; 2]>::load(&from[60..]).map(|flag| flag > 0);
-        let (indices, image, normal, totals) = ([0, 1], [x, y], [u, v], [n, t]);
-        let contact = Contact { indices, image, normal, totals, ..Contact::default() };
-        let contact = Contact { gap, impulse, friction_impulse, touched, ..contact };
-        Self { island, ids: [first, second], contact, is_near }
     }
 }
 
@@ -82,31 +58,7 @@ struct Group {
     others: Vec<Id>,
 }
 
-impl Group {
-    /// Appends the group as whole numbers.
-    fn put(&self, to: &mut Vec<u64>) {
-        let IslandMotion { squares, is_supported, all_rest, change, count } = self.motion;
-        let flags = u64::from(is_supported) | u64::from(all_rest) << 1;
-        let squares = squares.map(|square| u64::from(square.to_bits()));
-        to.extend([self.label as u64, squares[0], squares[1], flags, u64::from(count)]);
-        to.extend(change.map(|change| change as u64));
-        to.push(self.others.len() as u64);
-        to.extend(self.others.iter().map(|&label| label as u64));
-    }
-
-    /// Reads the next group.
-    fn get(from: &mut impl Iterator<Item = u64>) -> Option<Self> {
-        let label = from.next()? as Id;
-        let mut next = || from.next().unwrap_or_default();
-        let squares = [next(), next()].map(|bits| f32::from_bits(bits as u32));
-        let (flags, count) = (next(), next() as u32);
-        let change = [next(), next(), next()].map(|change| change as i64);
-        let others = (0..next()).map(|_| next() as Id).collect();
-        let [is_supported, all_rest] = [flags & 1 > 0, flags & 2 > 0];
-        let motion = IslandMotion { squares, is_supported, all_rest, change, count };
-        Some(Self { label, motion, others })
-    }
-}
+saved! { struct Group { label, motion, others } }
 
 /// Joins groups to islands: the name of each and how it moves, by the labels of its groups.
 fn join(groups: &[Group]) -> HashMap<Id, (Id, IslandMotion)> {
@@ -148,13 +100,13 @@ impl World {
             return Ok(());
         }
         let own = groups_with_ghosts(domain, (first, names), of_islands)?;
-        let mut words = Vec::new();
-        own.values().for_each(|group| group.put(&mut words));
-        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-        let all = locked(&domain.group).share(&bytes)?.concat();
-        let (words, _) = all.as_chunks::<8>();
-        let mut words = words.iter().map(|word| u64::from_le_bytes(*word));
-        let groups: Vec<Group> = std::iter::from_fn(|| Group::get(&mut words)).collect();
+        let mut to = Writer::default();
+        to.put_count(own.len());
+        own.values().for_each(|group| group.put(&mut to));
+        let mut groups: Vec<Group> = Vec::new();
+        for bytes in locked(&domain.group).share(&to.into_bytes())? {
+            groups.append(&mut Saved::get(&mut Reader::without_head(&bytes))?);
+        }
         let islands = join(&groups);
         for (first, group) in own {
             (names[first as usize], of_islands[first as usize]) = islands[&group.label];
@@ -229,6 +181,7 @@ fn groups_with_ghosts(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use jostle_base::bytes::{append, read_all};
 
     fn group(label: Id, others: &[Id], square: f32) -> Group {
         let motion = IslandMotion { squares: [square, 0.5], count: 2, ..IslandMotion::default() };
@@ -256,15 +209,16 @@ mod tests {
     fn groups_and_contacts_are_read_as_they_were_written() {
         let mut of = group(3, &[1, 2], 0.25);
         of.motion = IslandMotion { is_supported: true, change: [-5, 0, 1 << 40], ..of.motion };
-        let mut words = Vec::new();
-        of.put(&mut words);
-        of.put(&mut words);
-        let mut from = words.into_iter();
+        let mut to = Writer::default();
+        of.put(&mut to);
+        of.put(&mut to);
+        let bytes = to.into_bytes();
+        let mut from = Reader::without_head(&bytes);
         for _ in 0..2 {
             let found = Group::get(&mut from).unwrap();
             assert_eq!((found.label, found.motion, found.others), (3, of.motion, vec![1, 2]));
         }
-        assert!(Group::get(&mut from).is_none());
+        from.close().unwrap();
         let contact = Contact {
             indices: [0, 1],
             image: [1.0, 2.0],
@@ -278,9 +232,8 @@ mod tests {
         };
         let of = SleepingContact { island: 8, ids: [9, 1 << 40], contact, is_near: true };
         let mut bytes = Vec::new();
-        of.put(&mut bytes);
-        assert_eq!(bytes.len(), SleepingContact::SIZE);
-        assert_eq!(SleepingContact::get(&bytes), of);
+        append(&mut bytes, of);
+        assert_eq!(read_all::<SleepingContact>(&bytes).collect::<Vec<_>>(), [of]);
     }
 
     #[test]

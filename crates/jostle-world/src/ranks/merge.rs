@@ -14,7 +14,7 @@ use crate::world::ids::Ids;
 use crate::world::merge::{joint_acceleration, union};
 use crate::world::touches::WallImpulse;
 use crate::world::{StepScratch, World};
-use jostle_base::bytes::Plain;
+use jostle_base::bytes::{Plain, append};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
@@ -55,7 +55,7 @@ impl Details {
         (self.island as u64).store(&mut to[start..start + 8]);
         self.given.store(&mut to[start + 8..start + 16]);
         [u32::from(self.is_exhausted), self.pushes.len() as u32].store(&mut to[start + 16..]);
-        self.pushes.iter().for_each(|push| push.put(to));
+        self.pushes.iter().for_each(|push| append(to, *push));
     }
 
     fn get(rest: &mut &[u8], rank: usize) -> Self {
@@ -63,7 +63,7 @@ impl Details {
         let head = take(HEAD);
         let island = u64::load(&head[..8]) as Id;
         let [is_exhausted, count] = <[u32; 2]>::load(&head[16..]);
-        let pushes = (0..count).map(|_| Push::get(take(Push::SIZE))).collect();
+        let pushes = (0..count).map(|_| Push::load(take(Push::SIZE))).collect();
         let given = Plain::load(&head[8..16]);
         Self { island, rank, given, is_exhausted: is_exhausted > 0, pushes }
     }

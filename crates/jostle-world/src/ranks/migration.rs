@@ -12,7 +12,7 @@ use super::{
 use crate::world::World;
 use crate::world::edits::retain_unless;
 use crate::world::ids::Ids;
-use jostle_base::bytes::Plain;
+use jostle_base::bytes::{Plain, append, read_all};
 use jostle_base::error::Result;
 use jostle_base::parallel::locked;
 use jostle_base::table::Table;
@@ -143,7 +143,7 @@ impl World {
         }
         let Some(domain) = self.domain() else { return Ok(()) };
         let rows = domain.ids[first..].iter().copied().zip(first as u32..).collect();
-        let resting = resting.chunks_exact(Resting::SIZE).map(Resting::get).collect();
+        let resting = read_all::<Resting>(&resting).collect();
         self.take_kept_of(&rows, [&kept, &pushes], resting)?;
         self.renumber();
         Ok(())
@@ -205,7 +205,7 @@ impl World {
                 destinations[1] = None;
             }
             for destination in destinations.into_iter().flatten() {
-                of.put(&mut leaving.resting[destination]);
+                append(&mut leaving.resting[destination], *of);
             }
         }
         for of in &self.wall_impulses {

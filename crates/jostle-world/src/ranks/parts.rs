@@ -2,11 +2,11 @@
 //! snapshot without particles, a table of chunks with their checksums, and the chunks, which have the particles
 //! of a range of ids and what the solver keeps of them.
 
-use super::carried::{KEPT, MEMBER, Push, Resting};
+use super::carried::{KEPT, Member, Push, Resting};
 use super::islands::SleepingContact;
 use super::{RECORD, read_records};
 use crate::world::World;
-use jostle_base::bytes::{Reader, checksum, damaged};
+use jostle_base::bytes::{Plain, Reader, checksum, damaged};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
@@ -21,7 +21,8 @@ const CHUNK: u64 = 1 << 14;
 
 /// Bytes of the rows of a chunk: particles, what is kept of them, contacts at rest, pushes of walls, members
 /// of sleeping islands, and their contacts.
-const SIZES: [usize; 6] = [RECORD, KEPT, Resting::SIZE, Push::SIZE, MEMBER, SleepingContact::SIZE];
+const SIZES: [usize; 6] =
+    [RECORD, KEPT, Resting::SIZE, Push::SIZE, Member::SIZE, SleepingContact::SIZE];
 
 impl World {
     /// Refuses the first bytes of `size` if neither a snapshot nor such a file begins with them, before

@@ -30,7 +30,7 @@ use crate::motion::{Motions, Scalars, Spins, Vectors};
 use crate::particles::Particles;
 use crate::walls::{self as segments, Around};
 use jostle_base::error::Result;
-use jostle_base::parallel;
+use jostle_base::{parallel, plain};
 use jostle_simd::LANES;
 pub use rule::are_touching;
 use rule::{FARTHEST, Start, Surfaces};
@@ -120,6 +120,8 @@ pub struct WallImpulse {
     /// Those over mass of the last sub-step, at rest, from which the next one starts.
     pub pushes: [f32; 2],
 }
+
+plain! { WallImpulse { row, wall, impulses, pushes } }
 
 /// The sum of two vectors.
 fn sum(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {

@@ -23,7 +23,9 @@ use crate::particles::FARTHEST;
 use crate::tolerance::{PRECISION, ROUNDING};
 use crate::trajectory::{Vector, dot, vector};
 pub use around::Around;
+use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
+use jostle_base::saved;
 use jostle_base::settings::Settings;
 use jostle_index::pairs::{LineSegment, LineSegments};
 use jostle_index::period::Period;
@@ -77,6 +79,8 @@ pub struct Wall {
     /// particle; None: that of the particle, as at the container.
     pub friction: Option<f32>,
 }
+
+saved! { struct Wall { ends, residuals, velocity, restitution, friction } }
 
 impl Wall {
     /// A wall that is elastic and has the friction of the particles.
@@ -160,6 +164,16 @@ pub struct Walls {
     any_moves: bool,
     /// Whether all coefficients of restitution are 1, apart from those of the sides.
     are_elastic: bool,
+}
+
+impl Saved for Walls {
+    fn put(&self, to: &mut Writer) {
+        self.all.put(to);
+    }
+    /// Only the list; [`Walls::new`] has the rest.
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Ok(Self { all: Saved::get(from)?, ..Self::default() })
+    }
 }
 
 impl Line {

@@ -14,8 +14,10 @@ use super::touches::WallImpulse;
 use super::{MAX_CANDIDATES, WorldSettings};
 use crate::contacts::Contact;
 use crate::particles::Particles;
+use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
+use jostle_base::saved;
 use jostle_base::settings::{Method, Settings};
 use jostle_base::table::Table;
 use jostle_index::pairs::{self, Filters, JoinScratch};
@@ -44,6 +46,9 @@ pub(crate) struct Sleepers {
     pub(crate) wall_impulses: Vec<WallImpulse>,
     pub(crate) islands: Vec<Island>,
 }
+
+saved! { struct Island { particles, contacts, wall_impulses; name } }
+saved! { struct Sleepers { discs, contacts, wall_impulses, islands } }
 
 impl Sleepers {
     /// Number of particles.
@@ -129,7 +134,26 @@ pub(crate) struct Asleep {
     layers: Vec<Layer>,
 }
 
+impl Saved for Asleep {
+    fn put(&self, to: &mut Writer) {
+        self.copy().put(to);
+    }
+    /// Only the columns; [`Asleep::rebuilt`] has the rest.
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Ok(Self { sleepers: Saved::get(from)?, ..Self::default() })
+    }
+}
+
 impl Asleep {
+    /// All that follows from the columns, of which no island is awake.
+    pub(crate) fn rebuilt(&self, settings: Settings) -> Result<Self> {
+        let mut all = Self::default();
+        if !self.sleepers.islands.is_empty() {
+            all.append(&self.sleepers, settings)?;
+        }
+        Ok(all)
+    }
+
     /// Number of sleeping particles.
     pub(crate) fn len(&self) -> usize {
         self.sleepers.len() - self.awake

@@ -3,6 +3,7 @@
 use super::World;
 use crate::particles::{check_friction, check_masses, check_radii, check_restitutions};
 use jostle_base::error::{Error, Result};
+use jostle_base::saved;
 use jostle_index::shapes::Filter;
 
 /// What callers of [`World::add`] take for columns that they leave out: the last number that was
@@ -23,6 +24,8 @@ pub struct Defaults {
     pub filter: Filter,
 }
 
+saved! { struct Defaults { radius, mass, density, restitution, friction, filter } }
+
 impl Default for Defaults {
     fn default() -> Self {
         Self {
@@ -38,7 +41,7 @@ impl Default for Defaults {
 
 impl Defaults {
     /// Refuses values that no particle can have.
-    fn validate(&self) -> Result<()> {
+    pub(super) fn validate(&self) -> Result<()> {
         check_radii(self.radius.as_slice())?;
         check_masses(self.mass.as_slice())?;
         if !(self.density > 0.0 && self.density.is_finite()) {

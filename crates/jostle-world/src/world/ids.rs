@@ -9,6 +9,7 @@ use super::World;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 use jostle_base::memory;
+use jostle_base::saved;
 
 /// Maximum length of the array that [`World::renumbered`] returns; it takes 2 GiB.
 const MAX_RENUMBERED: usize = 1 << 27;
@@ -22,6 +23,8 @@ pub(crate) struct Ids {
     next: Id,
 }
 
+saved! { struct Ids { listed, next } }
+
 impl Ids {
     /// Each id is its row.
     pub(crate) fn of_rows(len: usize) -> Self {
@@ -30,7 +33,15 @@ impl Ids {
 
     /// Those that were saved; refuses ids that no world can have.
     pub(crate) fn read(listed: Option<Vec<Id>>, len: usize, next: Id) -> Result<Self> {
-        let is_right = match &listed {
+        let ids = Self { listed, next };
+        ids.check(len)?;
+        Ok(ids)
+    }
+
+    /// Refuses ids that no world with `len` particles can have.
+    pub(crate) fn check(&self, len: usize) -> Result<()> {
+        let next = self.next;
+        let is_right = match &self.listed {
             None => next == len as Id,
             Some(all) => {
                 let is_ascending = all.windows(2).all(|two| two[0] < two[1]);
@@ -43,7 +54,7 @@ impl Ids {
             }
         };
         let refused = || Error::of("ids", next, "no world can have these ids");
-        if is_right { Ok(Self { listed, next }) } else { Err(refused()) }
+        if is_right { Ok(()) } else { Err(refused()) }
     }
 
     /// The id of each row, None while each id is its row, and the id that is given next.

@@ -4,8 +4,10 @@
 use std::cmp::Ordering;
 
 use super::World;
+use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
+use jostle_base::plain;
 
 /// Pairs in the list of those that touched before doubles are removed for the first time.
 const FEW: usize = 1024;
@@ -18,6 +20,8 @@ pub struct Collisions {
     /// Those of a particle and a wall or the container.
     pub walls: u64,
 }
+
+plain! { Collisions { pairs, walls } }
 
 /// Pairs of ids, the smaller first, sorted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -61,13 +65,34 @@ pub struct Record {
     previous: Option<Box<Record>>,
 }
 
+impl Saved for Record {
+    fn put(&self, to: &mut Writer) {
+        to.put(self.collisions);
+        // The order of `during` is not that of the state.
+        [&self.before, &self.sorted(), &self.at_end].iter().for_each(|list| list.put(to));
+    }
+
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let collisions = from.get()?;
+        let [before, during, at_end] = [Saved::get(from)?, Saved::get(from)?, Saved::get(from)?];
+        Ok(Self { collisions, before, during, at_end, ..Self::default() })
+    }
+}
+
 impl Record {
-    /// The one of a snapshot.
-    pub(crate) fn restored(
-        collisions: Collisions,
-        [before, during, at_end]: [Vec<[Id; 2]>; 3],
-    ) -> Self {
-        Self { collisions, before, during, at_end, ..Self::default() }
+    /// Refuses pairs that no record of particles with ids below `next` can have.
+    pub(crate) fn check(&self, next: Id, track_events: bool) -> Result<()> {
+        let lists = [&self.before, &self.during, &self.at_end];
+        let is_pair = |&[a, b]: &[Id; 2]| 0 <= a && a < b && b < next;
+        let is_right =
+            |list: &Vec<[Id; 2]>| list.iter().all(is_pair) && list.is_sorted_by(|a, b| a < b);
+        if !lists.iter().all(|list| is_right(list)) {
+            return Err(damaged("two particles that touched have no ids"));
+        }
+        if !track_events && lists.iter().any(|list| !list.is_empty()) {
+            return Err(damaged("it has events, but tracks none"));
+        }
+        Ok(())
     }
 
     /// The number of collisions.

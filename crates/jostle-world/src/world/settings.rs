@@ -3,6 +3,7 @@
 use crate::container::{Container, MAX_WALLS};
 use crate::particles;
 use jostle_base::error::{Error, Result};
+use jostle_base::saved;
 use jostle_base::settings::{Method, Settings};
 
 /// What happens to particles that touch.
@@ -17,6 +18,8 @@ pub enum OnTouch {
     /// They pass through each other.
     Ignore,
 }
+
+saved! { enum OnTouch("on_touch") { 0 => Bounce, 1 => Merge, 2 => Ignore } }
 
 /// The settings of a world, apart from its particles and forces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +51,13 @@ pub struct WorldSettings {
     pub track_events: bool,
     /// Leaf capacity, maximum depth and threads.
     pub tree: Settings,
+}
+
+saved! {
+    struct WorldSettings {
+        gravity, drag, restitution, container, container_restitution, on_touch, method, substeps,
+        sleeping, track_events, tree
+    }
 }
 
 /// Sub-steps of a step with forces or resting contacts: piles then rest with small overlaps.

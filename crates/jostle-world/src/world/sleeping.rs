@@ -16,11 +16,11 @@ use super::plan::Plan;
 use super::{OnTouch, World};
 use crate::forces::Force;
 use crate::particles::Particles;
-use jostle_base::bytes::Plain;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel;
+use jostle_base::plain;
 use jostle_base::table::{Table, dense};
 
 /// Limit of the mean speed of a quarter of a second, in units of √(g r).
@@ -68,16 +68,7 @@ impl Default for Drift {
     }
 }
 
-impl Plain for Drift {
-    const SIZE: usize = 24;
-    fn store(self, to: &mut [u8]) {
-        [self.before, self.now].store(to);
-    }
-    fn load(from: &[u8]) -> Self {
-        let [before, now] = Plain::load(from);
-        Self { before, now }
-    }
-}
+plain! { Drift { before, now } }
 
 /// Stands for no island.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -130,6 +121,8 @@ impl IslandMotion {
         self.is_supported && self.all_rest && is_slow && is_steady
     }
 }
+
+plain! { IslandMotion { squares, is_supported, all_rest, change, count } }
 
 impl Default for IslandMotion {
     fn default() -> Self {

@@ -1,0 +1,166 @@
+//! Checks of a world that was read: bytes with the right checksum may still be forged. A step relies on what is
+//! checked here.
+
+use std::mem;
+
+use super::super::asleep::{Island, Sleepers};
+use super::super::discs::Persistent;
+use super::super::drive::check_walls;
+use super::super::sleeping::Drift;
+use super::super::touches::WallImpulse;
+use super::super::{Walls, World, WorldSettings};
+use crate::contacts::Contact;
+use crate::forces;
+use crate::particles::{Particles, check_vectors};
+use crate::walls::index_of;
+use jostle_base::bytes::damaged;
+use jostle_base::error::{Error, Result};
+use jostle_base::ids::Id;
+use jostle_base::table::check_lengths;
+use jostle_index::shapes::MAX_ROWS;
+
+/// The error for a value that another check has refused.
+fn refused(error: Error) -> Error {
+    damaged(&error.to_string())
+}
+
+/// Refuses what is wrong, for this reason.
+fn ensure(is_right: bool, rule: &str) -> Result<()> {
+    if is_right { Ok(()) } else { Err(damaged(rule)) }
+}
+
+impl World {
+    /// Refuses values that no world can have, and computes what follows from the others.
+    pub(super) fn finish(&mut self) -> Result<()> {
+        let WorldSettings { container, tree, .. } = self.settings;
+        self.settings.validate().map_err(refused)?;
+        ensure(self.time.is_finite(), "its time is not finite")?;
+        self.check_discs(&self.particles, &self.persistent, self.rows.len())?;
+        self.particles.simplify();
+        let Sleepers { discs, contacts, wall_impulses, islands } = self.asleep.sleepers();
+        self.check_discs(&discs.particles, &discs.persistent, discs.rows.len())?;
+        check_islands(islands, [discs.rows.len(), contacts.len(), wall_impulses.len()])?;
+        let (awake, len) = (self.rows.len(), self.rows.len().saturating_add(discs.rows.len()));
+        ensure(len <= MAX_ROWS, "it has too many particles")?;
+        check_rows(self.rows.iter().chain(&discs.rows), len)?;
+        check_contacts(self.contacts.all(), awake)?;
+        check_contacts(contacts, len)?;
+        check_impulses(&self.wall_impulses, len)?;
+        check_impulses(wall_impulses, len)?;
+        self.contacts.remember(awake);
+        self.asleep = self.asleep.rebuilt(tree).map_err(refused)?;
+        self.check_sleeping()?;
+        forces::validate(&self.forces, |row| (0..len as Id).contains(&row))
+            .and_then(|()| forces::check_kinds(&self.forces, &self.kinds()))
+            .and_then(|()| forces::check_fit(&self.forces, container))
+            .map_err(refused)?;
+        let walls = mem::take(&mut self.walls).all().to_vec();
+        self.walls = Walls::new(walls, container, tree).map_err(refused)?;
+        self.walls.set_sides(self.settings.side_restitutions());
+        check_walls(&self.forces, self.walls.all().len()).map_err(refused)?;
+        self.check_wall_impulses()?;
+        self.ids.check(len).and_then(|()| self.defaults.validate()).map_err(refused)?;
+        if let Some(given) = &self.given {
+            ensure(given.len() == len, "it has accelerations of no particles")?;
+            check_vectors("accelerations", given).map_err(refused)?;
+        }
+        self.record.check(self.ids.parts().1, self.settings.track_events)?;
+        ensure(self.asleep.is_empty() || self.may_sleep(), "nothing can sleep in it")
+    }
+
+    fn check_discs(
+        &self,
+        particles: &Particles,
+        persistent: &Persistent,
+        len: usize,
+    ) -> Result<()> {
+        particles.validate().map_err(refused)?;
+        self.settings.container.check_fit(&particles.radii).map_err(refused)?;
+        let lengths = check_lengths(persistent, len, |column| column);
+        ensure(particles.len() == len && lengths.is_ok(), "its columns have different lengths")?;
+        let is_nan = |drift: &Drift| drift.before.iter().chain(&drift.now).any(|v| v.is_nan());
+        ensure(!persistent.drifts.iter().any(is_nan), "a mean speed is not possible")
+    }
+
+    /// Refuses impulses of walls that do not exist.
+    pub(crate) fn check_wall_impulses(&self) -> Result<()> {
+        let count = self.walls.all().len();
+        let mut all = self.wall_impulses.iter().chain(&self.asleep.sleepers().wall_impulses);
+        let is_known =
+            |of: &WallImpulse| index_of(of.wall).is_none_or(|index| (index as usize) < count);
+        ensure(all.all(is_known), "a wall has an impulse on no particle")
+    }
+
+    /// Refuses sleeping particles that move, and islands with contacts of others.
+    pub(crate) fn check_sleeping(&self) -> Result<()> {
+        let Sleepers { discs, contacts, wall_impulses, islands } = self.asleep.sleepers();
+        let particles = &discs.particles;
+        let indices = self.indices();
+        let at_rest = particles.velocities.iter().all(|&velocity| velocity == [0.0; 2])
+            && particles.spins.iter().all(|spin| spin.velocity == 0.0)
+            && particles.movable.iter().all(|&movable| movable);
+        let are_own = |island: &Island| {
+            let first = self.rows.len() as u32;
+            let own = first + island.particles.start..first + island.particles.end;
+            let index = |row: u32| indices[row as usize];
+            let is_own = |&row: &u32| own.contains(&index(row));
+            let is_fixed = |&row: &u32| {
+                self.particles.movable.get(index(row) as usize).is_some_and(|&movable| !movable)
+            };
+            let range = |range: &std::ops::Range<u32>| range.start as usize..range.end as usize;
+            contacts[range(&island.contacts)].iter().all(|contact| {
+                contact.indices.iter().any(is_own)
+                    && contact.indices.iter().all(|row| is_own(row) || is_fixed(row))
+            }) && wall_impulses[range(&island.wall_impulses)].iter().all(|of| is_own(&of.row))
+        };
+        let rule = "a sleeping particle moves, or touches one that is not in its island";
+        ensure(at_rest && islands.iter().all(are_own), rule)
+    }
+}
+
+/// Refuses islands that do not have all particles, contacts and impulses of walls, one after the other.
+fn check_islands(islands: &[Island], counts: [usize; 3]) -> Result<()> {
+    let mut ends = [0; 3];
+    for Island { particles, contacts, wall_impulses, .. } in islands {
+        let ranges = [particles, contacts, wall_impulses];
+        let follow =
+            ranges.iter().zip(ends).all(|(range, end)| range.start == end && range.end >= end);
+        ensure(follow && !particles.is_empty(), "an island is empty, or in no order")?;
+        ends = ranges.map(|range| range.end);
+    }
+    ensure(ends.map(|end| end as usize) == counts, "the sizes of its islands are wrong")
+}
+
+/// Refuses rows that are not a permutation of those of all particles.
+fn check_rows<'a>(rows: impl Iterator<Item = &'a u32>, len: usize) -> Result<()> {
+    let mut is_known = vec![false; len];
+    let is_new =
+        |row: &u32| is_known.get_mut(*row as usize).is_some_and(|of| !mem::replace(of, true));
+    ensure({ rows }.all(is_new), "its rows are not those of its particles")
+}
+
+/// Refuses contacts that are not between two of `len` particles, and impulses that no contact can have.
+fn check_contacts(all: &[Contact], len: usize) -> Result<()> {
+    for &Contact { indices: [a, b], image, normal, gap, .. } in all {
+        ensure(a.max(b) < len as u32 && a != b, "a contact is between no particles")?;
+        let numbers = [image[0], image[1], normal[0], normal[1], gap];
+        ensure(!numbers.iter().any(|number| number.is_nan()), "a number of a contact is NaN")?;
+    }
+    let is_right = |of: &Contact| {
+        let [normal, friction] = of.totals;
+        let numbers = [of.friction_impulse, normal, friction];
+        of.impulse >= 0.0 && !numbers.iter().any(|number| number.is_nan())
+    };
+    ensure(all.iter().all(is_right), "an impulse of a contact is negative or NaN")
+}
+
+/// Refuses impulses of walls on none of `len` particles, and impulses that no wall can give.
+fn check_impulses(all: &[WallImpulse], len: usize) -> Result<()> {
+    for &WallImpulse { row, impulses, pushes, .. } in all {
+        ensure((row as usize) < len, "a wall has an impulse on no particle")?;
+        let is_push = pushes[0] >= 0.0 && pushes.iter().all(|push| push.is_finite());
+        let is_right = is_push && !impulses.iter().any(|impulse| impulse.is_nan());
+        ensure(is_right, "an impulse of a wall is not a number, or negative")?;
+    }
+    Ok(())
+}
