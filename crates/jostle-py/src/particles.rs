@@ -4,7 +4,9 @@ use jostle_base::Error;
 use jostle_index::{Each, Filter};
 use jostle_world::particles::MASS_RANGE;
 use jostle_world::{Changes, Defaults, Particles};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
 
 use crate::arrays::{Argument, Maybe, reals};
 
@@ -20,14 +22,34 @@ macro_rules! arguments {
     ($($name:ident,)*) => {
         /// Columns that `World`, `World.add`, `World.set` and the properties of `World` read alike.
         #[derive(Default)]
-        pub struct Arguments<'a, 'py> {
-            $(pub $name: Maybe<'a, 'py>,)*
+        pub struct Arguments<'py> {
+            $(pub $name: Option<Bound<'py, PyAny>>,)*
         }
 
-        impl Arguments<'_, '_> {
+        impl<'py> Arguments<'py> {
+            /// The keywords of a call of `function` that are columns. Refuses others.
+            pub fn of(function: &str, keywords: Option<&Bound<'py, PyDict>>) -> PyResult<Self> {
+                let mut all = Self::default();
+                for (name, value) in keywords.into_iter().flatten() {
+                    let value = Some(value).filter(|value| !value.is_none());
+                    match &*name.cast::<PyString>()?.to_cow()? {
+                        $(stringify!($name) => all.$name = value,)*
+                        name => {
+                            let rule = "got an unexpected keyword argument";
+                            let message = format!("{function} {rule} '{name}'");
+                            return Err(PyTypeError::new_err(message));
+                        }
+                    }
+                }
+                Ok(all)
+            }
+
             /// Adds the columns of `len` particles to others.
             pub fn read(self, len: usize, others: Changes) -> PyResult<Changes> {
-                $(let $name = read(stringify!($name), self.$name, len)?.or(others.$name);)*
+                $(
+                    let own = read(stringify!($name), self.$name.as_ref(), len)?;
+                    let $name = own.or(others.$name);
+                )*
                 Ok(Changes { $($name,)* residuals: None })
             }
         }

@@ -10,78 +10,58 @@ use crate::arrays::{column, read_only, table};
 use crate::error::refused;
 use crate::particles::{Arguments, Draft};
 
-#[pymethods]
-impl PyWorld {
+/// Declares properties that are columns, by the names of their arguments.
+macro_rules! columns {
+    ($($(#[$doc:meta])* $name:ident, $set:ident: $array:ty = $read:ident($values:expr);)*) => {
+        #[pymethods]
+        impl PyWorld {
+            $(
+                $(#[$doc])*
+                #[getter]
+                fn $name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, $array>> {
+                    self.$read(py, $values)
+                }
+
+                #[setter]
+                fn $set(&self, py: Python<'_>, value: Bound<'_, PyAny>) -> PyResult<()> {
+                    self.assign(py, Arguments { $name: Some(value), ..Arguments::default() })
+                }
+            )*
+        }
+    };
+}
+
+columns! {
     /// Centres: ndarray of float32, shape (n, 2), a read-only copy in units of length.
     ///
     /// Writing into the copy, as in ``world.positions[0] = (1, 2)`` or
     /// ``world.positions += 1``, raises ValueError. Assign a whole column instead,
     /// ``world.positions = world.positions + 1``, or change some particles with
     /// ``world.set([0], positions=[(1, 2)])``. The same holds for every column.
-    #[getter]
-    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        self.vectors(py, World::positions)
-    }
-
-    #[setter]
-    fn set_positions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { positions: Some(value), ..Arguments::default() })
-    }
+    positions, set_positions: PyArray2<f32> = vectors(World::positions);
 
     /// Velocities: ndarray of float32, shape (n, 2), a read-only copy in units of length per
     /// second.
     ///
     /// To change them, assign a whole column, ``world.velocities = world.velocities * 2``,
     /// or change some particles with ``world.set([0], velocities=[(7, 7)])``.
-    #[getter]
-    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        self.vectors(py, World::velocities)
-    }
-
-    #[setter]
-    fn set_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { velocities: Some(value), ..Arguments::default() })
-    }
+    velocities, set_velocities: PyArray2<f32> = vectors(World::velocities);
 
     /// Radii: ndarray of float32, shape (n,), a read-only copy in units of length.
     ///
     /// To change all, assign an array or one number; to change some, use `set`. Masses stay
     /// the same.
-    #[getter]
-    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::radii)
-    }
-
-    #[setter]
-    fn set_radii(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { radii: Some(value), ..Arguments::default() })
-    }
+    radii, set_radii: PyArray1<f32> = column(World::radii);
 
     /// Masses: ndarray of float32, shape (n,), a read-only copy in units of mass.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    #[getter]
-    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::masses)
-    }
-
-    #[setter]
-    fn set_masses(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { masses: Some(value), ..Arguments::default() })
-    }
+    masses, set_masses: PyArray1<f32> = column(World::masses);
 
     /// Coefficients of restitution: ndarray of float32, shape (n,), a read-only copy.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    #[getter]
-    fn restitutions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::restitutions)
-    }
-
-    #[setter]
-    fn set_restitutions(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { restitutions: Some(value), ..Arguments::default() })
-    }
+    restitutions, set_restitutions: PyArray1<f32> = column(World::restitutions);
 
     /// Which particles are movable: ndarray of bool, shape (n,), a read-only copy.
     ///
@@ -89,15 +69,7 @@ impl PyWorld {
     /// kinematic.
     ///
     /// To change all, assign an array or one bool; to change some, use `set`.
-    #[getter]
-    fn movable<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        self.column(py, World::movable)
-    }
-
-    #[setter]
-    fn set_movable(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { movable: Some(value), ..Arguments::default() })
-    }
+    movable, set_movable: PyArray1<bool> = column(World::movable);
 
     /// Coefficients of friction: ndarray of float32, shape (n,), a read-only copy.
     ///
@@ -116,15 +88,7 @@ impl PyWorld {
     /// >>> world.set(1, friction=0.8)
     /// >>> world.friction
     /// array([0.5, 0.8], dtype=float32)
-    #[getter]
-    fn friction<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::friction)
-    }
-
-    #[setter]
-    fn set_friction(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { friction: Some(value), ..Arguments::default() })
-    }
+    friction, set_friction: PyArray1<f32> = column(World::friction);
 
     /// Angles: ndarray of float32, shape (n,), a read-only copy in radians, -π to π without π.
     ///
@@ -143,15 +107,7 @@ impl PyWorld {
     /// >>> world.step(0.25, steps=8)
     /// >>> world.angles
     /// array([1.], dtype=float32)
-    #[getter]
-    fn angles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::angles)
-    }
-
-    #[setter]
-    fn set_angles(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { angles: Some(value), ..Arguments::default() })
-    }
+    angles, set_angles: PyArray1<f32> = column(World::angles);
 
     /// Angular velocities: ndarray of float32, shape (n,), a read-only copy in radians per second.
     ///
@@ -166,15 +122,7 @@ impl PyWorld {
     /// See Also
     /// --------
     /// angles : The angles that follow from them.
-    #[getter]
-    fn angular_velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
-        self.column(py, World::angular_velocities)
-    }
-
-    #[setter]
-    fn set_angular_velocities(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { angular_velocities: Some(value), ..Arguments::default() })
-    }
+    angular_velocities, set_angular_velocities: PyArray1<f32> = column(World::angular_velocities);
 
     /// Categories: ndarray of uint32, shape (n,), a read-only copy of bit sets.
     ///
@@ -199,29 +147,15 @@ impl PyWorld {
     /// array([0., 0., 1.], dtype=float32)
     /// >>> world.categories
     /// array([2, 2, 1], dtype=uint32)
-    #[getter]
-    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        self.column(py, |world| world.filters().iter().map(|filter| filter.category).collect())
-    }
-
-    #[setter]
-    fn set_categories(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { categories: Some(value), ..Arguments::default() })
-    }
+    categories, set_categories: PyArray1<u32>
+        = column(|world| world.filters().iter().map(|filter| filter.category).collect());
 
     /// Masks: ndarray of uint32, shape (n,), a read-only copy of bit sets of the categories that
     /// each particle may touch, see `categories`.
     ///
     /// To change all, assign an array or one number; to change some, use `set`.
-    #[getter]
-    fn masks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u32>>> {
-        self.column(py, |world| world.filters().iter().map(|filter| filter.mask).collect())
-    }
-
-    #[setter]
-    fn set_masks(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { masks: Some(value), ..Arguments::default() })
-    }
+    masks, set_masks: PyArray1<u32>
+        = column(|world| world.filters().iter().map(|filter| filter.mask).collect());
 
     /// Which particles are sensors: ndarray of bool, shape (n,), a read-only copy.
     ///
@@ -251,16 +185,11 @@ impl PyWorld {
     /// (array([[0, 1]]), array([[0, 1]]))
     /// >>> world.velocities[0]
     /// array([900.,   0.], dtype=float32)
-    #[getter]
-    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        self.column(py, World::sensors)
-    }
+    sensors, set_sensors: PyArray1<bool> = column(World::sensors);
+}
 
-    #[setter]
-    fn set_sensors(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.assign(py, Arguments { sensors: Some(value), ..Arguments::default() })
-    }
-
+#[pymethods]
+impl PyWorld {
     /// Which particles are asleep: ndarray of bool, shape (n,), a read-only copy.
     ///
     /// An island of particles that touch or nearly touch falls asleep under gravity if each of them
@@ -319,7 +248,7 @@ impl PyWorld {
     }
 
     /// Replaces whole columns.
-    fn assign(&self, py: Python<'_>, columns: Arguments<'_, '_>) -> PyResult<()> {
+    fn assign(&self, py: Python<'_>, columns: Arguments<'_>) -> PyResult<()> {
         let len = self.len(py)?;
         let changes = columns.read(len, Changes::default())?;
         self.long(py, |state| state.write_all(changes, len))?.map_err(refused)

@@ -5,6 +5,7 @@ use jostle_world::Changes;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use super::PyWorld;
 use crate::arrays::{column, reals};
@@ -74,46 +75,26 @@ impl PyWorld {
     /// 3
     /// >>> world.radii
     /// array([1. , 0.5, 0.5, 1. ], dtype=float32)
-    #[pyo3(signature = (
-        positions, velocities, radii=None, *, masses=None, densities=None, restitutions=None,
-        movable=None, friction=None, angles=None, angular_velocities=None,
-        categories=None, masks=None, sensors=None, kinds=None,
-    ))]
-    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    #[pyo3(
+        signature = (positions, velocities, radii=None, *, densities=None, **columns),
+        text_signature = "($self, positions, velocities, radii=None, *, masses=None, \
+                          densities=None, restitutions=None, movable=None, friction=None, \
+                          angles=None, angular_velocities=None, categories=None, masks=None, \
+                          sensors=None, kinds=None)"
+    )]
     fn add<'py>(
         &self,
         py: Python<'py>,
         positions: &Bound<'py, PyAny>,
         velocities: &Bound<'py, PyAny>,
         radii: Option<&Bound<'py, PyAny>>,
-        masses: Option<&Bound<'py, PyAny>>,
         densities: Option<&Bound<'py, PyAny>>,
-        restitutions: Option<&Bound<'py, PyAny>>,
-        movable: Option<&Bound<'py, PyAny>>,
-        friction: Option<&Bound<'py, PyAny>>,
-        angles: Option<&Bound<'py, PyAny>>,
-        angular_velocities: Option<&Bound<'py, PyAny>>,
-        categories: Option<&Bound<'py, PyAny>>,
-        masks: Option<&Bound<'py, PyAny>>,
-        sensors: Option<&Bound<'py, PyAny>>,
-        kinds: Option<&Bound<'py, PyAny>>,
+        columns: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = Arguments::of("World.add()", columns)?;
         let (columns, many) = Draft::of_one_or_many(positions, velocities, radii)?;
         let len = many.unwrap_or(1);
         let densities = reals("densities", densities, len)?;
-        let arguments = Arguments {
-            masses,
-            restitutions,
-            movable,
-            friction,
-            angles,
-            angular_velocities,
-            categories,
-            masks,
-            sensors,
-            kinds,
-            ..Arguments::default()
-        };
         let draft = Draft { columns: arguments.read(len, columns)?, densities };
         if radii.is_none() && self.state(py)?.world.defaults().radius.is_none() {
             let rule = "add needs radii: no number was given for all particles of this world";
@@ -208,52 +189,29 @@ impl PyWorld {
     /// >>> world.momentum
     /// (6.0, 0.0)
     /// >>> world.set(0, positions=(2, 1))
-    #[pyo3(signature = (
-        ids, *, positions=None, velocities=None, radii=None, masses=None, restitutions=None,
-        movable=None, friction=None, angles=None, angular_velocities=None, categories=None,
-        masks=None, sensors=None, kinds=None,
-    ))]
-    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
+    #[pyo3(
+        signature = (ids, **columns),
+        text_signature = "($self, ids, *, positions=None, velocities=None, radii=None, \
+                          masses=None, restitutions=None, movable=None, friction=None, \
+                          angles=None, angular_velocities=None, categories=None, masks=None, \
+                          sensors=None, kinds=None)"
+    )]
     fn set(
         &self,
         py: Python<'_>,
         ids: &Bound<'_, PyAny>,
-        positions: Option<&Bound<'_, PyAny>>,
-        velocities: Option<&Bound<'_, PyAny>>,
-        radii: Option<&Bound<'_, PyAny>>,
-        masses: Option<&Bound<'_, PyAny>>,
-        restitutions: Option<&Bound<'_, PyAny>>,
-        movable: Option<&Bound<'_, PyAny>>,
-        friction: Option<&Bound<'_, PyAny>>,
-        angles: Option<&Bound<'_, PyAny>>,
-        angular_velocities: Option<&Bound<'_, PyAny>>,
-        categories: Option<&Bound<'_, PyAny>>,
-        masks: Option<&Bound<'_, PyAny>>,
-        sensors: Option<&Bound<'_, PyAny>>,
-        kinds: Option<&Bound<'_, PyAny>>,
+        columns: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
+        let mut arguments = Arguments::of("World.set()", columns)?;
         let ids = Ids::read(ids, "particle")?;
         let len = ids.all.len();
-        let columns = Changes {
-            positions: vectors_of(&ids, "positions", positions)?.map(Each::Rows),
-            velocities: vectors_of(&ids, "velocities", velocities)?.map(Each::Rows),
-            radii: reals("radii", radii, len)?,
+        let [positions, velocities] = [arguments.positions.take(), arguments.velocities.take()];
+        let vectors = Changes {
+            positions: vectors_of(&ids, "positions", positions.as_ref())?.map(Each::Rows),
+            velocities: vectors_of(&ids, "velocities", velocities.as_ref())?.map(Each::Rows),
             ..Changes::default()
         };
-        let arguments = Arguments {
-            masses,
-            restitutions,
-            movable,
-            friction,
-            angles,
-            angular_velocities,
-            categories,
-            masks,
-            sensors,
-            kinds,
-            ..Arguments::default()
-        };
-        let changes = arguments.read(len, columns)?;
+        let changes = arguments.read(len, vectors)?;
         ids.result_of(self.long(py, |state| state.world.set(&ids.all, &changes))?)
     }
 

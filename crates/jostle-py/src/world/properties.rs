@@ -1,5 +1,7 @@
 //! Settings and forces as properties.
 
+use std::convert::identity;
+
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -9,44 +11,80 @@ use crate::error::refused;
 use crate::forces::{self, Forces};
 use crate::settings;
 
-#[pymethods]
-impl PyWorld {
-    /// Acceleration of all movable particles, (x, y), units of length per second squared.
-    #[getter]
-    fn gravity(&self, py: Python<'_>) -> PyResult<(f64, f64)> {
-        Ok(self.rules(py)?.gravity.map(decimal).into())
-    }
+/// Declares properties that are settings: what Python assigns and reads, where it is in the settings, how it is
+/// shown, and how it is read.
+macro_rules! properties {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident, $set:ident($value:ty): $shown:ty = $($place:ident).+, $show:expr, $read:expr;
+    )*) => {
+        #[pymethods]
+        impl PyWorld {
+            $(
+                $(#[$doc])*
+                #[getter]
+                fn $name(&self, py: Python<'_>) -> PyResult<$shown> {
+                    let show = $show;
+                    Ok(show(self.rules(py)?.$($place).+))
+                }
 
-    #[setter]
-    fn set_gravity(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let gravity = point("gravity", value)?;
-        self.change_rules(py, |rules| rules.gravity = gravity)
-    }
+                #[setter]
+                fn $set(&self, py: Python<'_>, value: $value) -> PyResult<()> {
+                    let read = $read;
+                    let new = read(value)?;
+                    self.change_rules(py, |rules| rules.$($place).+ = new)
+                }
+            )*
+        }
+    };
+}
+
+properties! {
+    /// Acceleration of all movable particles, (x, y), units of length per second squared.
+    gravity, set_gravity(&Bound<'_, PyAny>): (f64, f64)
+        = gravity, |xy: [f32; 2]| xy.map(decimal).into(), |value| point("gravity", value);
 
     /// Linear damping, per second.
-    #[getter]
-    fn drag(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(decimal(self.rules(py)?.drag))
-    }
-
-    #[setter]
-    fn set_drag(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let drag = number("drag", value)? as f32;
-        self.change_rules(py, |rules| rules.drag = drag)
-    }
+    drag, set_drag(&Bound<'_, PyAny>): f64
+        = drag, decimal, |value| real("drag", value);
 
     /// The world's coefficient of restitution, 0 to 1; `restitutions` has those of the particles.
-    #[getter]
-    fn restitution(&self, py: Python<'_>) -> PyResult<f64> {
-        Ok(decimal(self.rules(py)?.restitution))
-    }
+    restitution, set_restitution(&Bound<'_, PyAny>): f64
+        = restitution, decimal, |value| real("restitution", value);
 
-    #[setter]
-    fn set_restitution(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let restitution = number("restitution", value)? as f32;
-        self.change_rules(py, |rules| rules.restitution = restitution)
-    }
+    /// What happens to particles that touch: "bounce", "merge" or "ignore".
+    on_touch, set_on_touch(Given<'_>): &'static str
+        = on_touch, settings::on_touch_name, |value| settings::on_touch(&value);
 
+    /// How pairs are found: "quadtree" or "brute".
+    method, set_method(Given<'_>): &'static str
+        = method, settings::method_name, |value| settings::method(&value);
+
+    /// Number of threads that was set; None for one on each core. A call uses at most one on
+    /// each core.
+    threads, set_threads(Option<&Bound<'_, PyAny>>): Option<usize>
+        = tree.threads, identity, settings::threads;
+
+    /// Particles that a box of the tree may hold before it splits.
+    leaf_capacity, set_leaf_capacity(Given<'_>): usize
+        = tree.leaf_capacity, identity, |value| settings::leaf_capacity(&value);
+
+    /// Maximum number of subdivisions of the tree.
+    max_depth, set_max_depth(Given<'_>): usize
+        = tree.max_depth, identity, |value| settings::max_depth(&value);
+
+    /// Whether resting islands may fall asleep, see `asleep`. If it is set to False, all wake.
+    sleeping, set_sleeping(Given<'_>): bool
+        = sleeping, identity, |value| settings::sleeping(&value);
+
+    /// Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
+    /// counts as touching before the next step.
+    track_events, set_track_events(Given<'_>): bool
+        = track_events, identity, |value| settings::track_events(&value);
+}
+
+#[pymethods]
+impl PyWorld {
     /// The forces: a tuple of `Attractor`, `Gravitation`, `Springs`, `PairForce`, `Flocking`,
     /// `Thermostat`, `ThermalWalls`,
     /// `AndersenThermostat` and `Motor`. Assign any sequence of them. They refer to particles by
@@ -63,67 +101,6 @@ impl PyWorld {
     fn set_forces(&self, py: Python<'_>, value: &Bound<'_, PyAny>) -> PyResult<()> {
         let forces = Forces::read(value)?;
         self.long(py, |state| forces.assign(&mut state.world))?.map_err(refused)
-    }
-
-    /// What happens to particles that touch: "bounce", "merge" or "ignore".
-    #[getter]
-    fn on_touch(&self, py: Python<'_>) -> PyResult<&'static str> {
-        Ok(settings::on_touch_name(self.rules(py)?.on_touch))
-    }
-
-    #[setter]
-    fn set_on_touch(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let on_touch = settings::on_touch(&value)?;
-        self.change_rules(py, |rules| rules.on_touch = on_touch)
-    }
-
-    /// How pairs are found: "quadtree" or "brute".
-    #[getter]
-    fn method(&self, py: Python<'_>) -> PyResult<&'static str> {
-        Ok(settings::method_name(self.rules(py)?.method))
-    }
-
-    #[setter]
-    fn set_method(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let method = settings::method(&value)?;
-        self.change_rules(py, |rules| rules.method = method)
-    }
-
-    /// Number of threads that was set; None for one on each core. A call uses at most one on
-    /// each core.
-    #[getter]
-    fn threads(&self, py: Python<'_>) -> PyResult<Option<usize>> {
-        Ok(self.rules(py)?.tree.threads)
-    }
-
-    #[setter]
-    fn set_threads(&self, py: Python<'_>, value: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let threads = settings::threads(value)?;
-        self.change_rules(py, |rules| rules.tree.threads = threads)
-    }
-
-    /// Particles that a box of the tree may hold before it splits.
-    #[getter]
-    fn leaf_capacity(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.rules(py)?.tree.leaf_capacity)
-    }
-
-    #[setter]
-    fn set_leaf_capacity(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let leaf_capacity = settings::leaf_capacity(&value)?;
-        self.change_rules(py, |rules| rules.tree.leaf_capacity = leaf_capacity)
-    }
-
-    /// Maximum number of subdivisions of the tree.
-    #[getter]
-    fn max_depth(&self, py: Python<'_>) -> PyResult<usize> {
-        Ok(self.rules(py)?.tree.max_depth)
-    }
-
-    #[setter]
-    fn set_max_depth(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let max_depth = settings::max_depth(&value)?;
-        self.change_rules(py, |rules| rules.tree.max_depth = max_depth)
     }
 
     /// Sub-steps of a step: the number that was set, or as many as the scene needs. Set it to None
@@ -144,29 +121,8 @@ impl PyWorld {
         let substeps = settings::substeps(value)?;
         self.change_rules(py, |rules| rules.substeps = substeps)
     }
+}
 
-    /// Whether resting islands may fall asleep, see `asleep`. If it is set to False, all wake.
-    #[getter]
-    fn sleeping(&self, py: Python<'_>) -> PyResult<bool> {
-        Ok(self.rules(py)?.sleeping)
-    }
-
-    #[setter]
-    fn set_sleeping(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let sleeping = settings::sleeping(&value)?;
-        self.change_rules(py, |rules| rules.sleeping = sleeping)
-    }
-
-    /// Whether `events` are tracked. The motion does not depend on it. If it is turned on, no pair
-    /// counts as touching before the next step.
-    #[getter]
-    fn track_events(&self, py: Python<'_>) -> PyResult<bool> {
-        Ok(self.rules(py)?.track_events)
-    }
-
-    #[setter]
-    fn set_track_events(&self, py: Python<'_>, value: Given<'_>) -> PyResult<()> {
-        let track_events = settings::track_events(&value)?;
-        self.change_rules(py, |rules| rules.track_events = track_events)
-    }
+fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f32> {
+    Ok(number(name, value)? as f32)
 }
