@@ -72,13 +72,13 @@ def test_heat_flows_from_a_hot_side_to_a_cold_one() -> None:
 def test_they_are_values() -> None:
     walls = jostle.ThermalWalls(2.5, sides=[3, 0], seed=7)
     bath = jostle.AndersenThermostat(2.5, rate=0.5)
-    assert repr(walls) == "ThermalWalls(2.5, [0, 3], 7)"
+    assert repr(walls) == "ThermalWalls(2.5, (0, 3), 7)"
     assert repr(bath) == "AndersenThermostat(2.5, 0.5, 0)"
     assert (walls.temperature, walls.sides, walls.seed) == (2.5, (0, 3), 7)
     assert (bath.temperature, bath.rate, bath.seed) == (2.5, 0.5, 0)
     assert jostle.ThermalWalls(1).sides == (0, 1, 2, 3) and walls.walls == ()
     plates = jostle.ThermalWalls(2.5, walls=[2, 0])
-    assert repr(plates) == "ThermalWalls(2.5, [], 0, walls=[2, 0])"
+    assert repr(plates) == "ThermalWalls(2.5, (), 0, walls=(2, 0))"
     assert (plates.sides, plates.walls) == ((), (2, 0)) and plates != jostle.ThermalWalls(2.5)
     for force in (walls, bath, plates):
         for same in (pickle.loads(pickle.dumps(force)), copy.deepcopy(force)):

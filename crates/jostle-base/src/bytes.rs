@@ -4,6 +4,7 @@
 //! fields. The list must have all fields, so that none is forgotten.
 
 use core::ops::Range;
+use std::sync::Arc;
 
 use crate::error::{Error, Result};
 
@@ -174,6 +175,15 @@ impl<S: Saved> Saved for Option<S> {
     fn get(from: &mut Reader<'_>) -> Result<Self> {
         let is_some: bool = from.get()?;
         is_some.then(|| S::get(from)).transpose()
+    }
+}
+
+impl<S: Saved> Saved for Arc<S> {
+    fn put(&self, to: &mut Writer) {
+        (**self).put(to);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        S::get(from).map(Self::new)
     }
 }
 

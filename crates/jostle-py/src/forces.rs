@@ -1,6 +1,7 @@
 //! The forces of a world: reading and showing them; the files in this folder have a class each.
 
 mod andersen;
+mod arguments;
 mod attractor;
 mod flocking;
 mod gravitation;
@@ -11,12 +12,12 @@ mod thermal_walls;
 mod thermostat;
 
 use jostle_base::error::{Error, Result, counted};
-use jostle_world::{Force, World};
+use jostle_world::{Influence, World};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::arrays::{Given, count, number};
-use crate::error::{type_error, value_error};
+use crate::error::{refused, type_error, value_error};
 pub use andersen::PyAndersenThermostat;
 pub use attractor::PyAttractor;
 pub use flocking::PyFlocking;
@@ -30,7 +31,7 @@ pub use thermostat::PyThermostat;
 /// Forces as Python has them: each `PairForce` with the kinds of all particles.
 #[derive(Default)]
 pub struct Forces {
-    all: Vec<Force>,
+    all: Vec<Influence>,
     /// The kinds of each `PairForce`, with its index.
     kinds: Vec<(usize, Vec<u8>)>,
 }
@@ -45,7 +46,7 @@ impl Forces {
             let item = item?;
             forces.all.push(read_one(index, &item)?);
             if let Ok(pair) = item.cast::<PyPairForce>() {
-                forces.kinds.push((index, pair.get().kinds.clone()));
+                forces.kinds.push((index, pair.get().1.clone()));
             }
         }
         Ok(forces)
@@ -73,60 +74,60 @@ impl Forces {
     }
 }
 
-fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Force> {
-    if let Ok(found) = value.cast::<PyAttractor>() {
-        Ok(Force::Attractor(found.get().0))
-    } else if let Ok(found) = value.cast::<PyGravitation>() {
-        Ok(Force::Gravitation(found.get().0))
-    } else if let Ok(found) = value.cast::<PySprings>() {
-        Ok(Force::Springs(found.get().0.clone()))
-    } else if let Ok(found) = value.cast::<PyThermostat>() {
-        Ok(Force::Thermostat(found.get().0))
-    } else if let Ok(found) = value.cast::<PyThermalWalls>() {
-        Ok(Force::ThermalWalls(found.get().0.clone()))
-    } else if let Ok(found) = value.cast::<PyAndersenThermostat>() {
-        Ok(Force::Andersen(found.get().0))
-    } else if let Ok(found) = value.cast::<PyMotor>() {
-        Ok(Force::Motor(found.get().0.clone()))
-    } else if let Ok(found) = value.cast::<PyPairForce>() {
-        Ok(Force::Pair(found.get().force.clone()))
-    } else if let Ok(found) = value.cast::<PyFlocking>() {
-        Ok(Force::Flocking(found.get().0))
-    } else {
-        let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
-                    jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, \
-                    jostle.PairForce or jostle.Flocking";
-        Err(type_error(&format!("forces[{index}]"), rule, value))
-    }
+/// Declares the class of each influence, a struct of it and of other values.
+macro_rules! classes {
+    ($kinds:ident: $($name:ident as $class:ident($($other:expr)?);)*) => {
+        fn read_one(index: usize, value: &Bound<'_, PyAny>) -> PyResult<Influence> {
+            $(if let Ok(found) = value.cast::<$class>() {
+                return Ok(found.get().0.clone().into());
+            })*
+            let rule = "a jostle.Attractor, jostle.Gravitation, jostle.Springs, jostle.Thermostat, \
+                        jostle.ThermalWalls, jostle.AndersenThermostat, jostle.Motor, \
+                        jostle.PairForce or jostle.Flocking";
+            Err(type_error(&format!("forces[{index}]"), rule, value))
+        }
+
+        /// The Python objects for forces of the core, in a world with particles of these kinds.
+        pub fn show<'py>(
+            py: Python<'py>,
+            forces: Vec<Influence>,
+            $kinds: &[u8],
+        ) -> PyResult<Bound<'py, PyTuple>> {
+            let one = |force| -> PyResult<Py<PyAny>> {
+                Ok(match force {
+                    $(Influence::$name(own) => Py::new(py, $class(own, $($other)?))?.into_any(),)*
+                })
+            };
+            PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)
+        }
+    };
+}
+classes! { kinds:
+    Attractor as PyAttractor();
+    Gravitation as PyGravitation();
+    Pair as PyPairForce(kinds.to_vec());
+    Flocking as PyFlocking();
+    Springs as PySprings();
+    Motor as PyMotor();
+    Thermostat as PyThermostat();
+    ThermalWalls as PyThermalWalls();
+    Andersen as PyAndersenThermostat();
 }
 
-/// The Python objects for forces of the core, in a world with particles of these kinds.
-pub fn show<'py>(
-    py: Python<'py>,
-    forces: Vec<Force>,
-    kinds: &[u8],
-) -> PyResult<Bound<'py, PyTuple>> {
-    let one = |force| -> PyResult<Py<PyAny>> {
-        Ok(match force {
-            Force::Attractor(attractor) => Py::new(py, PyAttractor(attractor))?.into_any(),
-            Force::Gravitation(gravitation) => Py::new(py, PyGravitation(gravitation))?.into_any(),
-            Force::Springs(springs) => Py::new(py, PySprings(springs))?.into_any(),
-            Force::Thermostat(thermostat) => Py::new(py, PyThermostat(thermostat))?.into_any(),
-            Force::ThermalWalls(walls) => Py::new(py, PyThermalWalls(walls))?.into_any(),
-            Force::Andersen(bath) => Py::new(py, PyAndersenThermostat(bath))?.into_any(),
-            Force::Motor(motor) => Py::new(py, PyMotor(motor))?.into_any(),
-            Force::Pair(force) => {
-                Py::new(py, PyPairForce { kinds: kinds.to_vec(), force })?.into_any()
-            }
-            Force::Flocking(flocking) => Py::new(py, PyFlocking(flocking))?.into_any(),
-        })
-    };
-    PyTuple::new(py, forces.into_iter().map(one).collect::<PyResult<Vec<_>>>()?)
+/// Refuses what is out of range.
+fn valid<V>(own: V, validate: fn(&V) -> Result<()>) -> PyResult<V> {
+    validate(&own).map_err(refused)?;
+    Ok(own)
+}
+
+/// A real number.
+fn real(name: &str, value: &Bound<'_, PyAny>) -> PyResult<f32> {
+    number(name, value).map(|value| value as f32)
 }
 
 /// A real number, or its default.
 fn real_or(name: &str, given: &Given<'_>, default: f32) -> PyResult<f32> {
-    given.value().map_or(Ok(default), |value| number(name, value).map(|v| v as f32))
+    given.value().map_or(Ok(default), |value| real(name, value))
 }
 
 /// The seed of random numbers.

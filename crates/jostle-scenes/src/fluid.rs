@@ -6,7 +6,7 @@ use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
 use jostle_world::container::Container;
-use jostle_world::forces::{Force, PairForce, PairTable};
+use jostle_world::forces::{Influence, PairForce, PairTable};
 use jostle_world::particles::Particles;
 use jostle_world::world::{OnTouch, WorldSettings};
 
@@ -70,7 +70,7 @@ pub(crate) fn fluid(n: usize, random: &mut Random) -> Start {
     };
     let table = PairTable::lennard_jones(1, &[EPSILON], &[SIGMA], CUTOFF * SIGMA);
     let table = Arc::new(table.expect("the numbers are valid"));
-    Start::new(particles, settings).with(Force::Pair(PairForce { table }))
+    Start::new(particles, settings).with(Influence::Pair(PairForce { table }))
 }
 
 /// The sites of a hexagonal lattice that are nearest to its centre.

@@ -6,7 +6,7 @@ use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
 use jostle_world::container::Container;
-use jostle_world::forces::{Flocking, Force, PairForce, PairTable};
+use jostle_world::forces::{Flocking, Influence, PairForce, PairTable};
 use jostle_world::particles::Particles;
 use jostle_world::world::{OnTouch, WorldSettings};
 
@@ -66,7 +66,7 @@ pub(crate) fn life(n: usize, random: &mut Random) -> Start {
     let table = PairTable::particle_life(KINDS, MATRIX.as_flattened(), REACH, CORE, STRENGTH);
     let table = Arc::new(table.expect("the matrix is valid"));
     let settings = WorldSettings { drag: LIFE_DRAG, ..settings };
-    Start::new(particles, settings).with(Force::Pair(PairForce { table }))
+    Start::new(particles, settings).with(Influence::Pair(PairForce { table }))
 }
 
 /// The flock; speeds are in px/s.
@@ -90,5 +90,5 @@ pub(crate) fn flock_view(n: usize) -> Area {
 pub(crate) fn flock(n: usize, random: &mut Random) -> Start {
     let side = side(n, FLOCK_AREA, FLOCK.cutoff);
     let (particles, settings) = scattered(n, side, FLOCK.max_speed, random);
-    Start::new(particles, settings).with(Force::Flocking(FLOCK))
+    Start::new(particles, settings).with(Influence::Flocking(FLOCK))
 }

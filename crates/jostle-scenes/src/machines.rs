@@ -6,7 +6,7 @@ use super::placing::{Area, immovable, lattice, lattice_where};
 use super::random::Random;
 use super::start::{Start, area_of, boxed, direction, side_for};
 use jostle_world::container::Container;
-use jostle_world::forces::{Force, Motor};
+use jostle_world::forces::{Influence, Motor};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
 use jostle_world::world::WorldSettings;
@@ -58,7 +58,12 @@ pub(crate) fn piston(n: usize, random: &mut Random) -> Start {
     let middle = 0.5 * height;
     start.walls.push(Wall::new([[length, middle], [(1.0 + STROKE) * length, middle]]));
     let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
-    start.with(Force::Motor(Motor { walls: vec![0, 1], velocity, period: PISTON_PERIOD, ..MOTOR }))
+    start.with(Influence::Motor(Motor {
+        walls: vec![0, 1],
+        velocity,
+        period: PISTON_PERIOD,
+        ..MOTOR
+    }))
 }
 
 const GRAINS: [f32; 2] = [3.0, 4.0];
@@ -112,7 +117,7 @@ pub(crate) fn mill(n: usize, random: &mut Random) -> Start {
     // From the Froude number ω² r / g, which decides the flow in a drum: at a quarter grains
     // tumble, at 1 they stay at the rim.
     let angular_velocity = (FROUDE * GRAVITY / radius).sqrt();
-    Start::new(particles, settings).with(Force::Motor(Motor { ids, angular_velocity, ..MOTOR }))
+    Start::new(particles, settings).with(Influence::Motor(Motor { ids, angular_velocity, ..MOTOR }))
 }
 
 /// Positions of `n` grains in the drum that overlap neither it nor the wheel.

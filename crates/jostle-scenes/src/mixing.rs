@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::placing::{Area, kept, lattice_places, lattice_where};
 use super::random::Random;
 use super::start::{Start, area_of, boxed, side_for};
-use jostle_world::forces::{Force, Thermostat};
+use jostle_world::forces::{Influence, Thermostat};
 use jostle_world::particles::Particles;
 
 /// Radius and coverage of both gases.
@@ -48,7 +48,7 @@ pub(crate) fn thermostat(n: usize, random: &mut Random, rows: Range<usize>) -> S
     let masses = particles.masses.iter_mut().zip(rows.start..);
     masses.for_each(|(mass, row)| *mass *= DENSITIES[kind(row)]);
     let settings = boxed(area);
-    Start::new(particles, settings).with(Force::Thermostat(WALLS))
+    Start::new(particles, settings).with(Influence::Thermostat(WALLS))
 }
 
 /// Radii of the large disc and of the small discs around it.

@@ -4,7 +4,7 @@ use super::machines::MOTOR;
 use super::placing::{Area, immovable, lattice};
 use super::random::Random;
 use super::start::{Start, boxed, direction};
-use jostle_world::forces::{Force, Motor};
+use jostle_world::forces::{Influence, Motor};
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
 use jostle_world::world::WorldSettings;
@@ -89,8 +89,8 @@ pub(crate) fn pinball(n: usize, random: &mut Random) -> Start {
     let (y, inset) = (0.96 * scale(n) * TABLE[1], 0.3 * BALL);
     let ends = [PIVOT[0] * width + inset, (1.0 - PIVOT[0]) * width - inset];
     start.walls.push(Wall::new(ends.map(|x| [x, y])));
-    start.forces.extend(flippers.map(Force::Motor));
-    start.with(Force::Motor(Motor {
+    start.forces.extend(flippers.map(Influence::Motor));
+    start.with(Influence::Motor(Motor {
         walls: vec![floor],
         velocity: [0.0, -FLOOR_SPEED],
         period: FLOOR_PERIOD,

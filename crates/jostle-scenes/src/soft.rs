@@ -4,7 +4,7 @@ use super::placing::Area;
 use super::random::Random;
 use super::start::{Start, boxed};
 use jostle_base::ids::Id;
-use jostle_world::forces::{Force, Spring, Springs};
+use jostle_world::forces::{Influence, Spring, Springs};
 use jostle_world::particles::Particles;
 use jostle_world::world::WorldSettings;
 
@@ -186,7 +186,7 @@ pub(crate) fn springs(n: usize, random: &mut Random) -> Start {
         restitution: 0.4,
         ..boxed(springs_view(n))
     };
-    Start::new(tissue.particles, settings).with(Force::Springs(Springs(tissue.springs)))
+    Start::new(tissue.particles, settings).with(Influence::Springs(Springs(tissue.springs)))
 }
 
 /// Fills a cell with `n` particles: the cloth on the left, the chain on the right, and rows of

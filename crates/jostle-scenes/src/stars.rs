@@ -3,7 +3,7 @@
 use super::placing::Area;
 use super::random::Random;
 use super::start::Start;
-use jostle_world::forces::{Force, Gravitation};
+use jostle_world::forces::{Gravitation, Influence};
 use jostle_world::particles::Particles;
 use jostle_world::world::{OnTouch, WorldSettings};
 
@@ -58,5 +58,5 @@ pub(crate) fn stars(n: usize, random: &mut Random) -> Start {
     let settings =
         WorldSettings { on_touch: OnTouch::Merge, substeps: Some(1), ..Default::default() };
     let pull = Gravitation { g, softening: 2.0 * DUST, theta: 0.7 };
-    Start::new(particles, settings).with(Force::Gravitation(pull))
+    Start::new(particles, settings).with(Influence::Gravitation(pull))
 }

@@ -1,7 +1,7 @@
 //! The initial state of a scene, and what several scenes need to make one.
 
 use jostle_world::container::Container;
-use jostle_world::forces::Force;
+use jostle_world::forces::Influence;
 use jostle_world::forces::motor::turn;
 use jostle_world::particles::Particles;
 use jostle_world::walls::Wall;
@@ -11,7 +11,7 @@ use jostle_world::world::WorldSettings;
 pub(crate) struct Start {
     pub(crate) particles: Particles,
     pub(crate) settings: WorldSettings,
-    pub(crate) forces: Vec<Force>,
+    pub(crate) forces: Vec<Influence>,
     pub(crate) walls: Vec<Wall>,
 }
 
@@ -20,7 +20,7 @@ impl Start {
         Self { particles, settings, forces: Vec::new(), walls: Vec::new() }
     }
 
-    pub(crate) fn with(mut self, force: Force) -> Self {
+    pub(crate) fn with(mut self, force: Influence) -> Self {
         self.forces.push(force);
         self
     }

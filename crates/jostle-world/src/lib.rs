@@ -20,7 +20,7 @@ pub mod world;
 pub mod ranks;
 
 pub use container::Container;
-pub use forces::Force;
+pub use forces::Influence;
 pub use particles::{Changes, Particles, Spin};
 pub use ranks::{Communicator, OwnParticles, Traffic};
 pub use walls::Wall;

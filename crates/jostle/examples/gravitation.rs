@@ -8,7 +8,7 @@ use std::time::Instant;
 use jostle_scenes::random::Random;
 use jostle_world::forces::Gravitation;
 use jostle_world::world::DEFAULT_SUBSTEPS;
-use jostle_world::{Force, Particles, World, WorldSettings};
+use jostle_world::{Influence, Particles, World, WorldSettings};
 
 const COUNTS: [usize; 6] = [256, 512, 1024, 2048, 10_000, 100_000];
 
@@ -40,7 +40,7 @@ fn milliseconds(count: usize, theta: f32, threads: usize, substeps: usize) -> f6
     settings.tree.threads = Some(threads);
     let mut world = World::new(bodies, settings).expect("the bodies are valid");
     let pull = Gravitation { g: 1e-4, softening: 0.1, theta };
-    world.set_forces(vec![Force::Gravitation(pull)]).expect("the force is valid");
+    world.set_forces(vec![Influence::Gravitation(pull)]).expect("the force is valid");
     let mut run = |steps| world.step(STEP, steps).expect("the bodies move slowly");
     run(2);
     let steps = (200_000 / count).clamp(3, 200);

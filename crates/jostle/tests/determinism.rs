@@ -9,7 +9,7 @@ use jostle_index::{Each, Scalar, Shapes};
 use jostle_scenes::{self as scenes, SCENES, Scene, random::Random};
 use jostle_simd::{self as simd, Instructions};
 use jostle_world::forces::Gravitation;
-use jostle_world::{Force, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{Influence, OnTouch, Particles, World, WorldSettings};
 
 use crate::common::worlds::{change, gathered, run, shuffled, walled, world_of};
 
@@ -163,7 +163,7 @@ fn dust_becomes_stars_of_a_pinned_state() {
     let settings = WorldSettings { on_touch: OnTouch::Merge, ..WorldSettings::default() };
     let mut world = world_of(dust, settings);
     let pull = Gravitation { g: 2.0, softening: 0.05, theta: 0.5 };
-    world.set_forces(vec![Force::Gravitation(pull)]).expect("a valid force");
+    world.set_forces(vec![Influence::Gravitation(pull)]).expect("a valid force");
     run(&mut world, 300);
     let found = (world.state_hash(), world.len());
     assert_eq!(found, PINNED_STARS, "{found:#x?}");
@@ -319,16 +319,16 @@ fn leaf_capacity_and_depth_do_not_show() {
 }
 
 /// The same forces on particles of which row `order[i]` has become row i.
-fn renamed(forces: &[Force], order: &[u32]) -> Vec<Force> {
+fn renamed(forces: &[Influence], order: &[u32]) -> Vec<Influence> {
     let mut rows = vec![0; order.len()];
     order.iter().zip(0..).for_each(|(&old, new)| rows[old as usize] = new);
     let mut forces = forces.to_vec();
     for force in &mut forces {
         match force {
-            Force::Springs(springs) => {
+            Influence::Springs(springs) => {
                 springs.0.iter_mut().for_each(|s| s.pair = s.pair.map(|row| rows[row as usize]));
             }
-            Force::Motor(motor) => {
+            Influence::Motor(motor) => {
                 motor.ids.iter_mut().for_each(|row| *row = rows[*row as usize]);
             }
             _ => {}

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use jostle_base::{Id, Method};
 use jostle_scenes::random::Random;
 use jostle_world::forces::{
-    self, Attractor, Bodies, Gravitation, Law, Pole, Spring, Springs, Thermostat,
+    self, Attractor, Bodies, Gravitation, Influences, Law, Pole, Spring, Springs, Thermostat,
 };
-use jostle_world::{Container, Force, Particles, World, WorldSettings};
+use jostle_world::{Container, Influence, Particles, World, WorldSettings};
 
 use crate::common::worlds::{
     boxed, falling, forced, gathered, inside, restored, run, run_for, world_of,
@@ -34,8 +34,8 @@ fn spring(pair: [Id; 2], length: f32, stiffness: f32) -> Spring {
     Spring { pair, length, stiffness, damping: 0.0, max_stretch: f32::INFINITY }
 }
 
-fn attractor(pole: Pole, strength: f32, law: Law) -> Force {
-    Force::Attractor(Attractor { pole, strength, law })
+fn attractor(pole: Pole, strength: f32, law: Law) -> Influence {
+    Influence::Attractor(Attractor { pole, strength, law })
 }
 
 // ---- gravitation ---------------------------------------------------------------------------------
@@ -81,7 +81,9 @@ fn accelerations(
         masses,
         radii,
         kinds: &[],
+        movable: &[],
         rows,
+        own_rows: u32::MAX,
         indices: places,
         container,
         seconds,
@@ -90,8 +92,8 @@ fn accelerations(
         extent: None,
     };
     let mut found = Vec::new();
-    let force = Force::Gravitation(gravitation);
-    forces::accelerate(&[force], &bodies, &mut forces::Scratch::default(), &mut found);
+    let influences = Influences::from(vec![Influence::Gravitation(gravitation)]);
+    influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found);
     found
 }
 
@@ -198,7 +200,7 @@ fn orbit_error(softer: f32, angle: f32) -> f64 {
     let start = [[-1.0, 0.0], [3.0, 0.0]].map(turned).to_vec();
     let velocities = [[0.0, -0.25 * speed], [0.0, 0.75 * speed]].map(turned).to_vec();
     let bodies = particles(start.clone(), velocities, vec![3.0, 1.0]);
-    let forces = vec![Force::Gravitation(gravitation(0.5))];
+    let forces = vec![Influence::Gravitation(gravitation(0.5))];
     let mut world = forced(bodies, forces, WorldSettings::default());
     let steps = 250 * 100; // of four sub-steps
     run_for(&mut world, 100.0 * period / steps as f64, steps);
@@ -225,7 +227,7 @@ fn momentum_is_kept() {
     bodies.velocities = uniform(count, 6).iter().map(|v| v.map(|v| v * 0.01)).collect();
     let ties = (0..2000).map(|i| spring([i, i + 1], 0.5, 50.0)).collect();
     let force = Gravitation { g: 0.01, softening: 0.05, theta: 0.5 };
-    let forces = vec![Force::Gravitation(force), Force::Springs(Springs(ties))];
+    let forces = vec![Influence::Gravitation(force), Influence::Springs(Springs(ties))];
     let scale: f64 = {
         let pairs = bodies.masses.iter().zip(&bodies.velocities);
         pairs.map(|(&m, v)| f64::from(m) * f64::from(v[0].hypot(v[1]))).sum()
@@ -335,7 +337,7 @@ fn a_spring_swings_with_its_period() {
             let mut bodies =
                 particles(vec![[0.0, 0.0], [2.2, 0.0]], vec![[0.0; 2]; 2], vec![3.0 * mass, mass]);
             bodies.movable[0] = free;
-            let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, stiffness)]))];
+            let forces = vec![Influence::Springs(Springs(vec![spring([0, 1], 2.0, stiffness)]))];
             let mut world = forced(bodies, forces, WorldSettings::default());
             // Two free ends swing as one of the reduced mass does.
             let expected = if free { expected * 0.75f64.sqrt() } else { expected };
@@ -360,7 +362,7 @@ fn stiff_springs_stay_bounded() {
         let springs = right.chain(down).map(|tie| Spring { damping: 1e-3 * stiffness, ..tie });
         let mut world = forced(
             bodies,
-            vec![Force::Springs(Springs(springs.collect()))],
+            vec![Influence::Springs(Springs(springs.collect()))],
             WorldSettings::default(),
         );
         let energy = world.kinetic_energy();
@@ -382,11 +384,11 @@ fn a_spring_breaks_where_it_is_stretched_too_far() {
         // It swings out by v √(m/k).
         let tie = Spring { max_stretch: 0.5, ..spring([0, 1], 1.0, 4.0) };
         let mut world =
-            forced(bodies, vec![Force::Springs(Springs(vec![tie]))], WorldSettings::default());
+            forced(bodies, vec![Influence::Springs(Springs(vec![tie]))], WorldSettings::default());
         run_for(&mut world, 0.01, 1000);
         assert_eq!(
             world.forces(),
-            [Force::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
+            [Influence::Springs(Springs(if breaks { vec![] } else { vec![tie] }))]
         );
         assert_eq!(world.positions()[1][0] > 2.0, breaks);
     }
@@ -401,7 +403,7 @@ fn a_step_does_not_depend_on_springs_that_were_removed() {
         vec![[0.0; 2], [3.0, 0.0], [0.0, 2.0]],
         vec![1.0; 3],
     );
-    let tie = Force::Springs(Springs(vec![spring([0, 1], 1.0, 1e6)]));
+    let tie = Influence::Springs(Springs(vec![spring([0, 1], 1.0, 1e6)]));
     let settings = WorldSettings { container: boxed([-2.0, 0.0], [3.0, 9.0]), ..falling(1.0) };
     let mut world = forced(all, vec![tie], settings);
     run(&mut world, 1);
@@ -418,9 +420,10 @@ fn a_step_does_not_depend_on_springs_that_were_removed() {
 fn a_spring_goes_with_either_end() {
     let bodies = particles(uniform(5, 0), vec![[0.0; 2]; 5], vec![1.0; 5]);
     let ties = vec![spring([0, 1], 1.0, 1.0), spring([4, 2], 1.0, 1.0), spring([2, 3], 1.0, 1.0)];
-    let mut world = forced(bodies, vec![Force::Springs(Springs(ties))], WorldSettings::default());
+    let mut world =
+        forced(bodies, vec![Influence::Springs(Springs(ties))], WorldSettings::default());
     world.remove(&[3, 0]).expect("they are there");
-    assert_eq!(world.forces(), [Force::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]);
+    assert_eq!(world.forces(), [Influence::Springs(Springs(vec![spring([4, 2], 1.0, 1.0)]))]);
     run_for(&mut world, 0.1, 10);
 }
 
@@ -430,7 +433,7 @@ fn springs_reach_over_the_seam_of_a_torus() {
     let settings =
         WorldSettings { container: Container::Torus { size: [10.0; 2] }, ..Default::default() };
     let tie = Spring { damping: 2.0, ..spring([0, 1], 1.0, 5.0) };
-    let mut world = forced(bodies, vec![Force::Springs(Springs(vec![tie]))], settings);
+    let mut world = forced(bodies, vec![Influence::Springs(Springs(vec![tie]))], settings);
     run_for(&mut world, 0.05, 400);
     let [a, b] = [world.positions()[0], world.positions()[1]];
     assert!((a[0] - 0.5).abs() < 1e-3 && (b[0] - 9.5).abs() < 1e-3, "{a:?} {b:?}");
@@ -452,7 +455,7 @@ fn a_thermostat_reaches_its_speed() {
     let round = Container::Circle { center: [0.0; 2], radius: 14.0 };
     for container in [walls, round] {
         let settings = inside(container);
-        let forces = vec![Force::Thermostat(Thermostat { speed: 3.0, rate: 0.2 })];
+        let forces = vec![Influence::Thermostat(Thermostat { speed: 3.0, rate: 0.2 })];
         let alone = particles(vec![[0.0, 0.0]], vec![[0.3, 0.1]], vec![1.0]);
         let mut world = forced(alone, forces.clone(), settings);
         run_for(&mut world, 0.1, 10_000);
@@ -488,7 +491,7 @@ fn a_spring_pendulum_keeps_its_energy() {
     let mut bodies = particles(vec![[0.0, 0.0], [2.5, 0.0]], vec![[0.0; 2]; 2], vec![1.0, 2.0]);
     bodies.movable[0] = false;
     let settings = WorldSettings { gravity: [0.0, 9.8], ..WorldSettings::default() };
-    let forces = vec![Force::Springs(Springs(vec![spring([0, 1], 2.0, 150.0)]))];
+    let forces = vec![Influence::Springs(Springs(vec![spring([0, 1], 2.0, 150.0)]))];
     assert!(drift(&mut forced(bodies, forces, settings), 1.0 / 60.0) < 0.01);
 }
 
@@ -496,7 +499,7 @@ fn a_spring_pendulum_keeps_its_energy() {
 fn a_kepler_orbit_keeps_its_energy() {
     let two =
         particles(vec![[-1.0, 0.0], [3.0, 0.0]], vec![[0.0, -0.2], [0.0, 0.6]], vec![3.0, 1.0]);
-    let pull = Force::Gravitation(gravitation(0.5));
+    let pull = Influence::Gravitation(gravitation(0.5));
     assert!(drift(&mut forced(two, vec![pull], WorldSettings::default()), 0.05) < 1e-4);
     let one = particles(vec![[3.0, 0.0]], vec![[0.0, 0.6]], vec![2.0]);
     let pull = attractor(Pole::Point([0.0, 0.0]), 1.5, Law::InverseSquare);
@@ -535,16 +538,16 @@ fn potentials_follow_their_formulas() {
     let follower = attractor(Pole::Particle(0), 6.0, Law::InverseSquare);
     near(energy(&two, 0.5, none, vec![follower]), -2.0 * 6.0 / 5.0);
     let ties = vec![spring([0, 1], 2.0, 10.0), spring([1, 0], 5.5, 4.0)];
-    near(energy(&two, 0.5, none, vec![Force::Springs(Springs(ties))]), 5.0 * 9.0 + 2.0 * 0.25);
+    near(energy(&two, 0.5, none, vec![Influence::Springs(Springs(ties))]), 5.0 * 9.0 + 2.0 * 0.25);
     let three = [[0.0, 0.0], [3.0, 4.0], [0.0, 10.0]]; // masses 1, 2, 3
     let pull = Gravitation { g: 7.0, softening: 0.0, theta: 0.5 };
     let sum = 2.0 / 5.0 + 3.0 / 10.0 + 6.0 / 45f64.sqrt();
-    near(energy(&three, 0.5, none, vec![Force::Gravitation(pull)]), -7.0 * sum);
+    near(energy(&three, 0.5, none, vec![Influence::Gravitation(pull)]), -7.0 * sum);
     let softer = Gravitation { softening: 12.0, ..pull };
-    near(energy(&two, 0.5, none, vec![Force::Gravitation(softer)]), -7.0 * 2.0 / 13.0);
+    near(energy(&two, 0.5, none, vec![Influence::Gravitation(softer)]), -7.0 * 2.0 / 13.0);
     let torus = Container::Torus { size: [100.0; 2] };
     let across = [[1.0, 1.0], [98.0, 97.0]];
-    near(energy(&across, 0.5, torus, vec![Force::Gravitation(pull)]), -7.0 * 2.0 / 5.0);
+    near(energy(&across, 0.5, torus, vec![Influence::Gravitation(pull)]), -7.0 * 2.0 / 5.0);
 }
 
 #[test]
@@ -554,7 +557,7 @@ fn many_bodies_have_the_energy_of_the_sum_over_all() {
         let of = |theta| {
             let bodies = particles(clustered(count, 2), vec![[0.0; 2]; count], mixed_masses(count));
             let pull = Gravitation { softening, ..gravitation(theta) };
-            forced(bodies, vec![Force::Gravitation(pull)], WorldSettings::default())
+            forced(bodies, vec![Influence::Gravitation(pull)], WorldSettings::default())
                 .potential_energy()
         };
         let (tree, direct) = (of(0.5), of(0.0));
@@ -566,7 +569,7 @@ fn many_bodies_have_the_energy_of_the_sum_over_all() {
 // ---- the same bits -------------------------------------------------------------------------------
 
 /// Every kind of force; `row` says where a particle stands.
-fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Force> {
+fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Influence> {
     let row = |particle: u32| Id::from(row(particle));
     let tie = |i: u32| Spring {
         pair: [row(i), row((i * 7 + 1) % count)],
@@ -581,9 +584,9 @@ fn all_forces(count: u32, row: impl Fn(u32) -> u32) -> Vec<Force> {
     vec![
         attractor(Pole::Point([40.0, 60.0]), 0.1, Law::Harmonic),
         attractor(Pole::Particle(row(17)), 3.0, Law::InverseSquare),
-        Force::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
-        Force::Springs(Springs(springs)),
-        Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
+        Influence::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
+        Influence::Springs(Springs(springs)),
+        Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
     ]
 }
 
@@ -675,16 +678,16 @@ fn forces_can_be_taken_away() {
 fn what_cannot_be_is_refused_by_name() {
     let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
     let mut world = forced(bodies, Vec::new(), WorldSettings::default());
-    let thermostat = Force::Thermostat(Thermostat { speed: 1.0, rate: 0.5 });
+    let thermostat = Influence::Thermostat(Thermostat { speed: 1.0, rate: 0.5 });
     let wrong = [
         (
             vec![attractor(Pole::Particle(3), 1.0, Law::Harmonic)],
             "forces[0] is a force on particle 3",
         ),
         (vec![attractor(Pole::Point([f32::NAN, 0.0]), 1.0, Law::Harmonic)], "point is (NaN, 0)"),
-        (vec![Force::Gravitation(gravitation(1.5))], "theta is 1.5"),
-        (vec![Force::Springs(Springs(vec![spring([1, 1], 1.0, 1.0)]))], "pairs[0] is (1, 1)"),
-        (vec![Force::Springs(Springs(vec![spring([0, 1], -1.0, 1.0)]))], "lengths[0] is -1"),
+        (vec![Influence::Gravitation(gravitation(1.5))], "theta is 1.5"),
+        (vec![Influence::Springs(Springs(vec![spring([1, 1], 1.0, 1.0)]))], "pairs[0] is (1, 1)"),
+        (vec![Influence::Springs(Springs(vec![spring([0, 1], -1.0, 1.0)]))], "lengths[0] is -1"),
         (vec![thermostat.clone(), thermostat], "forces[1] is another Thermostat"),
     ];
     for (forces, said) in wrong {
@@ -698,7 +701,7 @@ fn what_cannot_be_is_refused_by_name() {
 fn a_step_too_long_for_the_forces_is_refused() {
     let bodies = particles(uniform(3, 0), vec![[0.0; 2]; 3], vec![1.0; 3]);
     let pull = attractor(Pole::Point([1e6, 0.0]), 1.0, Law::Harmonic);
-    let tie = Force::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
+    let tie = Influence::Springs(Springs(vec![spring([0, 1], 1e6, 1.0)]));
     for force in [pull, tie] {
         let mut world = forced(bodies.clone(), vec![force], WorldSettings::default());
         let error = world.step(1e20, 1).expect_err("too long").to_string();

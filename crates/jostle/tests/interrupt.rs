@@ -9,7 +9,7 @@ use jostle_index::pairs::FindScratch;
 use jostle_index::query::{Circle, Ray};
 use jostle_index::{Each, Quadtree, Shapes, pairs, query};
 use jostle_space::Space;
-use jostle_world::forces::{Flocking, Force, Gravitation};
+use jostle_world::forces::{Flocking, Gravitation, Influence};
 use jostle_world::{OnTouch, Particles, WorldSettings};
 
 use crate::common::worlds::world_of;
@@ -167,7 +167,7 @@ fn forces_between_all_particles_and_neighbours_poll_often() {
         centers(20_000).iter().map(|at| at.map(|v| v as f32 * 1e-3)).collect();
     let count = positions.len();
     let all = Particles::new(positions, vec![[1.0, 0.0]; count], vec![1.0; count], 1.0);
-    let gravitation = Force::Gravitation(Gravitation { g: 1.0, softening: 1.0, theta: 0.5 });
+    let gravitation = Influence::Gravitation(Gravitation { g: 1.0, softening: 1.0, theta: 0.5 });
     let flocking = Flocking {
         cutoff: 10.0,
         separation: 1.0,
@@ -176,7 +176,7 @@ fn forces_between_all_particles_and_neighbours_poll_often() {
         max_speed: f32::INFINITY,
         min_speed: 0.0,
     };
-    for force in [gravitation, Force::Flocking(flocking)] {
+    for force in [gravitation, Influence::Flocking(flocking)] {
         let settings = WorldSettings { on_touch: OnTouch::Ignore, ..Default::default() };
         let mut world = world_of(all.clone(), settings);
         let without = polls(|| world.step(0.01, 1).unwrap());

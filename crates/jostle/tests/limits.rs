@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use jostle_base::interrupt::watch;
 use jostle_base::{Error, Id, Method, Settings};
-use jostle_world::forces::{Attractor, Force, Gravitation, Law, Pole, Spring, Springs};
+use jostle_world::forces::{Attractor, Gravitation, Influence, Law, Pole, Spring, Springs};
 use jostle_world::{Container, OnTouch, Particles, Stage, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, inside, still, world_of};
@@ -40,7 +40,7 @@ fn overflowing() -> World {
     };
     let mut world = world_of(all, settings);
     let gravitation = Gravitation { g: 1.0, softening: 0.1, theta: 0.5 };
-    let forces = vec![Force::Gravitation(gravitation)];
+    let forces = vec![Influence::Gravitation(gravitation)];
     world.set_forces(forces).unwrap();
     world
 }
@@ -108,7 +108,7 @@ fn worlds() -> Vec<(&'static str, World)> {
     one_fast.velocities[7] = [9000.0, 4000.0];
     let make = |all, settings| world_of(all, settings);
     let mut sprung = make(crowd(60, 30.0), pile);
-    sprung.set_forces(vec![Force::Springs(Springs((0..50).map(spring).collect()))]).unwrap();
+    sprung.set_forces(vec![Influence::Springs(Springs((0..50).map(spring).collect()))]).unwrap();
     let many_parts = {
         let mut all = crowd(60, 30.0);
         all.velocities.iter_mut().for_each(|v| *v = v.map(|v| v * 100.0));
@@ -296,7 +296,7 @@ fn strong_forces_on_a_torus_take_bounded_time() {
     for strength in [1e6, 1e8, 1e12] {
         let mut world = torus_with_one_fast(100.0, 200, OnTouch::Bounce);
         let pull = Attractor { pole, strength, law: Law::Harmonic };
-        world.set_forces(vec![Force::Attractor(pull)]).unwrap();
+        world.set_forces(vec![Influence::Attractor(pull)]).unwrap();
         let before = state(&world);
         let mut result = Ok(());
         within_bounds(|| result = world.step(0.01, 1));

@@ -3,7 +3,7 @@
 use jostle_base::{Id, Method};
 use jostle_scenes::random::Random;
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs};
-use jostle_world::{Container, Force, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{Container, Influence, OnTouch, Particles, World, WorldSettings};
 
 use crate::common::worlds::{boxed, gathered, run, run_for, world_of};
 
@@ -199,10 +199,11 @@ fn forces_follow_what_their_particles_become() {
     };
     let pull = |row| {
         let pole = Pole::Particle(row);
-        Force::Attractor(Attractor { pole, strength: 0.0, law: Law::Harmonic })
+        Influence::Attractor(Attractor { pole, strength: 0.0, law: Law::Harmonic })
     };
-    let ties =
-        |pairs: &[[Id; 2]]| Force::Springs(Springs(pairs.iter().map(|&pair| tie(pair)).collect()));
+    let ties = |pairs: &[[Id; 2]]| {
+        Influence::Springs(Springs(pairs.iter().map(|&pair| tie(pair)).collect()))
+    };
     world.set_forces(vec![pull(2), pull(3), ties(&[[0, 2], [2, 3], [1, 3]])]).expect("valid");
     run_for(&mut world, 1e-3, 1);
     assert_eq!(new_ids(&world), Some(vec![0, 1, 0, 3]));
@@ -270,7 +271,7 @@ fn star_settings(threads: Option<usize>, method: Method) -> WorldSettings {
 fn stars(all: Particles, threads: Option<usize>, method: Method) -> World {
     let mut world = world_of(all, star_settings(threads, method));
     let pull = Gravitation { g: 0.05, softening: 0.05, theta: 0.5 };
-    world.set_forces(vec![Force::Gravitation(pull)]).expect("valid");
+    world.set_forces(vec![Influence::Gravitation(pull)]).expect("valid");
     world
 }
 

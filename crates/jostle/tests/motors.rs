@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use jostle_base::Method;
 use jostle_scenes::random::Random;
-use jostle_world::forces::{Force, Motor};
+use jostle_world::forces::{Influence, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, run, still, walled, world_of};
@@ -35,7 +35,7 @@ fn a_paddle_turns_about_its_centre_for_an_hour() {
     let mut world = world_of(discs(&at, &[]), WorldSettings::default());
     let angular_velocity = 1.7;
     let turning = Motor { center, angular_velocity, ..motor(&[0, 1, 2], &[]) };
-    world.set_forces(vec![Force::Motor(turning)]).unwrap();
+    world.set_forces(vec![Influence::Motor(turning)]).unwrap();
     run(&mut world, 60 * 3600);
     let angle = f64::from(angular_velocity) * world.time();
     for (k, [x, y]) in world.positions().into_iter().enumerate() {
@@ -58,7 +58,7 @@ fn the_motion_does_not_depend_on_the_steps() {
             walled(discs(&[[1.0, 0.0]], &[]), vec![Wall::new([[9.0, 0.0], [9.0, 1.0]])], settings);
         let swing = Motor { angular_velocity: 0.8, period: 1.3, ..motor(&[0], &[]) };
         let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
-        world.set_forces(vec![Force::Motor(swing), Force::Motor(piston)]).unwrap();
+        world.set_forces(vec![Influence::Motor(swing), Influence::Motor(piston)]).unwrap();
         world.step(dt, steps).unwrap();
         (world.positions()[0], world.walls()[0].ends)
     };
@@ -83,7 +83,7 @@ fn a_disc_that_a_paddle_hits_leaves_with_its_speed() {
     // A paddle that turns by a right angle in a second, with a tip that moves at 4 · π/2.
     let mut world = world_of(discs(&[[4.0, 0.0]], &[[2.7, 2.95]]), WorldSettings::default());
     let turning = Motor { angular_velocity: PI as f32 / 2.0, ..motor(&[0], &[]) };
-    world.set_forces(vec![Force::Motor(turning)]).unwrap();
+    world.set_forces(vec![Influence::Motor(turning)]).unwrap();
     run(&mut world, 60);
     let [u, v] = world.velocities()[1].map(f64::from);
     let speed = u.hypot(v);
@@ -121,7 +121,7 @@ fn mill(method: Method, threads: usize) -> World {
     let mut world = walled(all, vec![Wall::new([[-3.0, -8.0], [3.0, -8.0]])], settings);
     let turning = Motor { angular_velocity: 2.0, ..motor(&ids, &[]) };
     let piston = Motor { velocity: [0.0, 0.7], period: 1.1, ..motor(&[], &[0]) };
-    world.set_forces(vec![Force::Motor(turning), Force::Motor(piston)]).unwrap();
+    world.set_forces(vec![Influence::Motor(turning), Influence::Motor(piston)]).unwrap();
     world
 }
 
@@ -156,7 +156,7 @@ fn grains_on_a_paddle_do_not_sleep_and_others_do() {
     };
     let mut world = world_of(all, settings);
     let lift = Motor { velocity: [0.0, 0.5], period: 4.0, ..motor(&[0], &[]) };
-    world.set_forces(vec![Force::Motor(lift)]).unwrap();
+    world.set_forces(vec![Influence::Motor(lift)]).unwrap();
     run(&mut world, 120);
     assert_eq!(world.asleep(), [false, true]);
     assert!((world.positions()[0][1] - 2.0).abs() < 1e-5, "it moves on while others sleep");
@@ -172,7 +172,7 @@ fn a_step_that_fails_leaves_the_velocities() {
     );
     let turning = Motor { angular_velocity: 1.0, velocity: [1.0, 0.0], ..motor(&[0], &[]) };
     let piston = Motor { velocity: [2.0, 1.0], period: 0.7, ..motor(&[], &[0]) };
-    world.set_forces(vec![Force::Motor(turning), Force::Motor(piston)]).unwrap();
+    world.set_forces(vec![Influence::Motor(turning), Influence::Motor(piston)]).unwrap();
     let before = world.snapshot();
     assert!(world.step(1e30, 1).is_err());
     assert_eq!(world.snapshot(), before);
@@ -183,7 +183,7 @@ fn motors_of_what_cannot_be_driven_are_refused() {
     let at = [[1.0, 0.0], [3.0, 0.0]];
     let mut world = world_of(discs(&at, &[[9.0, 0.0]]), WorldSettings::default());
     let refusal = |world: &mut World, motor: Motor| {
-        world.set_forces(vec![Force::Motor(motor)]).unwrap_err().to_string()
+        world.set_forces(vec![Influence::Motor(motor)]).unwrap_err().to_string()
     };
     let text = refusal(&mut world, motor(&[0, 2], &[]));
     assert_eq!(text, "forces[0] is a motor of particle 2; it drives immovable particles only");
@@ -195,12 +195,12 @@ fn motors_of_what_cannot_be_driven_are_refused() {
     let turning = Motor { angular_velocity: 1.0, ..motor(&[], &[0]) };
     assert!(refusal(&mut world, turning).contains("walls do not turn"));
     world.set_walls(vec![Wall::new([[0.0, 5.0], [1.0, 5.0]])]).unwrap();
-    world.set_forces(vec![Force::Motor(motor(&[0, 1], &[0]))]).unwrap();
+    world.set_forces(vec![Influence::Motor(motor(&[0, 1], &[0]))]).unwrap();
     let text = world.set_walls(vec![]).unwrap_err().to_string();
     assert_eq!(text, "forces[0] is a motor of wall 0; there are 0 walls");
     // A removed particle is driven no more, and a movable one neither.
     world.remove(&[0]).unwrap();
-    let [Force::Motor(left)] = &world.forces()[..] else { panic!("one motor") };
+    let [Influence::Motor(left)] = &world.forces()[..] else { panic!("one motor") };
     assert_eq!(left.ids, [1]);
     world
         .edit(|all| {

@@ -7,8 +7,8 @@ use jostle_base::Method;
 use jostle_index::Each;
 use jostle_scenes::random::Random;
 use jostle_simd::{self as simd, Instructions};
-use jostle_world::forces::{self, Bodies, Flocking, PairForce, PairTable};
-use jostle_world::{Changes, Container, Force, OnTouch, Particles, World, WorldSettings};
+use jostle_world::forces::{self, Bodies, Flocking, Influences, PairForce, PairTable};
+use jostle_world::{Changes, Container, Influence, OnTouch, Particles, World, WorldSettings};
 use proptest::prelude::*;
 
 use crate::common::worlds::{still, world_of};
@@ -39,7 +39,7 @@ impl State {
     /// The accelerations by a force.
     fn feel(
         &self,
-        force: &Force,
+        force: &Influence,
         container: Container,
         method: Method,
         threads: usize,
@@ -52,7 +52,9 @@ impl State {
             masses: &self.masses,
             radii: &vec![0.1; len],
             kinds: &self.kinds,
+            movable: &[],
             rows: &rows,
+            own_rows: u32::MAX,
             indices: &[],
             container,
             seconds: 0.01,
@@ -61,12 +63,8 @@ impl State {
             extent: None,
         };
         let mut found = Vec::new();
-        forces::accelerate(
-            std::slice::from_ref(force),
-            &bodies,
-            &mut forces::Scratch::default(),
-            &mut found,
-        );
+        let influences = Influences::from(vec![force.clone()]);
+        influences.accelerate(&bodies, &mut forces::Scratch::default(), &mut found);
         found
     }
 
@@ -81,18 +79,18 @@ impl State {
 }
 
 /// A table without symmetry for three kinds.
-fn any_table(cutoff: f32, damping: f32) -> Force {
+fn any_table(cutoff: f32, damping: f32) -> Influence {
     let mut random = Random::new(5);
     let values = (0..9 * 17).map(|_| random.between(-20.0, 20.0)).collect();
     pair(PairTable::new(3, values, cutoff, damping).unwrap())
 }
 
-fn pair(table: PairTable) -> Force {
-    Force::Pair(PairForce { table: Arc::new(table) })
+fn pair(table: PairTable) -> Influence {
+    Influence::Pair(PairForce { table: Arc::new(table) })
 }
 
-fn flocking(cutoff: f32) -> Force {
-    Force::Flocking(Flocking {
+fn flocking(cutoff: f32) -> Influence {
+    Influence::Flocking(Flocking {
         cutoff,
         separation: 20.0,
         alignment: 2.0,
@@ -107,7 +105,7 @@ fn bits(all: &[[f32; 2]]) -> Vec<[u32; 2]> {
 }
 
 /// The sum over all others in float64, from the definitions.
-fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
+fn oracle(state: &State, force: &Influence, container: Container) -> Vec<[f64; 2]> {
     let own = |i: usize| {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         for j in (0..state.positions.len()).filter(|&j| j != i) {
@@ -118,7 +116,7 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
                 .map(|k| f64::from(state.velocities[j][k]) - f64::from(state.velocities[i][k]));
             let distance = (x * x + y * y).sqrt();
             let by = match force {
-                Force::Pair(PairForce { table }) => {
+                Influence::Pair(PairForce { table }) => {
                     let cutoff = f64::from(table.cutoff());
                     if distance >= cutoff || distance == 0.0 {
                         continue;
@@ -136,7 +134,7 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
                     let mass = f64::from(state.masses[i]);
                     [x, y].map(|k| -repulsion * k / distance / mass)
                 }
-                Force::Flocking(flock) => {
+                Influence::Flocking(flock) => {
                     let [cutoff, separation, alignment, cohesion] =
                         [flock.cutoff, flock.separation, flock.alignment, flock.cohesion]
                             .map(f64::from);
@@ -151,7 +149,7 @@ fn oracle(state: &State, force: &Force, container: Container) -> Vec<[f64; 2]> {
             count += 1.0;
             sum = [sum[0] + by[0], sum[1] + by[1]];
         }
-        if matches!(force, Force::Flocking(_)) {
+        if matches!(force, Influence::Flocking(_)) {
             sum.map(|v| v / f64::max(count, 1.0))
         } else {
             sum
@@ -245,7 +243,7 @@ proptest! {
 
 // ---- worlds --------------------------------------------------------------------------------------
 
-fn lennard_jones() -> Force {
+fn lennard_jones() -> Influence {
     pair(PairTable::lennard_jones(1, &[1.0], &[1.0], 2.5).unwrap())
 }
 
@@ -428,7 +426,7 @@ fn forces_that_do_not_fit_are_refused() {
     let unknown = refused(&mut world, pair(table()));
     assert_eq!(unknown, "kinds[1] is 1; the table has 1 kind, from 0 to 0");
     let short = world.set_forces_and_kinds(vec![pair(table())], vec![0; 2]).unwrap_err();
-    assert_eq!(short.to_string(), "kinds has 2 rows, but there are 3");
+    assert_eq!(short.to_string(), "kinds has 2 rows; it must have 3, one for each shape");
     let unknown = world.set_forces_and_kinds(vec![pair(table())], vec![0, 0, 1]).unwrap_err();
     assert_eq!(unknown.to_string(), "kinds[2] is 1; the table has 1 kind, from 0 to 0");
     assert_eq!((world.forces(), world.kinds()), (before, vec![0, 1, 2]));

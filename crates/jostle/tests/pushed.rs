@@ -2,16 +2,23 @@
 
 use jostle_base::{Error, Method};
 use jostle_scenes::random::Random;
-use jostle_world::forces::{Force, Motor};
+use jostle_world::forces::{Influence, Motor};
 use jostle_world::{Container, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{STEP, discs, moving, run, still, walled, world_of};
 
 const RESTITUTIONS: [f32; 5] = [0.0, 0.3, 0.5, 0.8, 1.0];
 
-fn motor(walls: &[u32], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Force {
+fn motor(walls: &[u32], ids: Vec<i64>, velocity: [f32; 2], period: f32) -> Influence {
     let (center, angular_velocity) = ([0.0; 2], 0.0);
-    Force::Motor(Motor { ids, walls: walls.to_vec(), center, angular_velocity, velocity, period })
+    Influence::Motor(Motor {
+        ids,
+        walls: walls.to_vec(),
+        center,
+        angular_velocity,
+        velocity,
+        period,
+    })
 }
 
 /// Discs at random places in a rectangle, as many of them as fit without overlaps.

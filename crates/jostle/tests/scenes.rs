@@ -2,7 +2,7 @@
 
 use jostle_scenes::{self as scenes, STEP};
 use jostle_world::World;
-use jostle_world::forces::Force;
+use jostle_world::forces::Influence;
 
 fn create(name: &str, n: Option<usize>, seed: u64) -> World {
     scenes::find(name).unwrap().create(n, seed).unwrap()
@@ -48,7 +48,7 @@ fn a_wall_without_end_is_refused() {
 fn springs_hold_discs_that_do_not_overlap_at_rest() {
     let world = create("springs", None, 0);
     let radii = world.radii();
-    let [Force::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
+    let [Influence::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
     for spring in &springs.0 {
         let [a, b] = spring.pair.map(|row| radii[row as usize]);
         assert!(spring.length >= a + b);
@@ -60,7 +60,7 @@ fn soft_bodies_come_to_rest_in_one_piece() {
     let mut world = create("springs", Some(400), 1);
     run(&mut world, 30);
     let positions = world.positions();
-    let [Force::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
+    let [Influence::Springs(springs)] = &world.forces()[..] else { panic!("springs alone") };
     for spring in &springs.0 {
         let [a, b] = spring.pair.map(|row| positions[row as usize]);
         let share = distance(a, b) / spring.length;

@@ -6,7 +6,7 @@ use jostle_base::bytes::{HEAD, checksum};
 use jostle_base::{Method, Settings};
 use jostle_scenes::random::Random;
 use jostle_world::forces::Thermostat;
-use jostle_world::{Container, Force, OnTouch, Particles, Stage, Stats, World, WorldSettings};
+use jostle_world::{Container, Influence, OnTouch, Particles, Stage, Stats, World, WorldSettings};
 
 use crate::common::worlds::{STEP, boxed, change, gathered, run, still, with_friction, world_of};
 
@@ -130,13 +130,13 @@ fn nothing_sleeps_where_nothing_rests() {
     let mut mixed = world_of(elastic, WorldSettings { restitution: 1.0, ..settings() });
     run(&mut mixed, 120);
     assert_eq!(mixed.asleep(), [false, true]);
-    let thermostat = Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
+    let thermostat = Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 });
     let attractor = jostle_world::forces::Attractor {
         pole: jostle_world::forces::Pole::Point([0.0, 9.0]),
         strength: 1e-9,
         law: jostle_world::forces::Law::Harmonic,
     };
-    for (force, expected) in [(thermostat, 2), (Force::Attractor(attractor), 0)] {
+    for (force, expected) in [(thermostat, 2), (Influence::Attractor(attractor), 0)] {
         let mut world = world(lone());
         world.set_forces(vec![force]).unwrap();
         run(&mut world, 120);
@@ -390,7 +390,7 @@ fn changes_wake() {
         assert_eq!(count(&world), 0);
     }
     let mut world = base();
-    world.set_forces(vec![Force::Thermostat(Thermostat { speed: 1.0, rate: 0.1 })]).unwrap();
+    world.set_forces(vec![Influence::Thermostat(Thermostat { speed: 1.0, rate: 0.1 })]).unwrap();
     assert_eq!(count(&world), 0);
     let mut world = base();
     let mut wall = still(&[[0.0, 50.0]], 1.0);

@@ -6,7 +6,7 @@ use jostle_base::bytes::{HEAD, checksum};
 use jostle_base::{Method, Settings};
 use jostle_scenes::{SCENES, random::Random};
 use jostle_world::forces::{Attractor, Gravitation, Law, Pole, Spring, Springs, Thermostat};
-use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
 use proptest::prelude::*;
 
 use crate::common::worlds::{boxed, forced, restored, run, still};
@@ -29,7 +29,7 @@ fn assert_same(a: &World, b: &World, of: &str) {
 }
 
 /// Every kind of force; the first spring breaks soon.
-fn forces(count: u32) -> Vec<Force> {
+fn forces(count: u32) -> Vec<Influence> {
     let tie = |i: u32| Spring {
         pair: [i, (i * 7 + 1) % count].map(jostle_base::Id::from),
         length: 3.0,
@@ -38,13 +38,13 @@ fn forces(count: u32) -> Vec<Force> {
         max_stretch: if i == 2 { 0.01 } else { f32::INFINITY },
     };
     let springs = (2..40).map(tie).collect();
-    let attract = |pole, law| Force::Attractor(Attractor { pole, strength: 0.5, law });
+    let attract = |pole, law| Influence::Attractor(Attractor { pole, strength: 0.5, law });
     vec![
         attract(Pole::Point([4.0, -6.0]), Law::Harmonic),
         attract(Pole::Particle(17), Law::InverseSquare),
-        Force::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
-        Force::Springs(Springs(springs)),
-        Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
+        Influence::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
+        Influence::Springs(Springs(springs)),
+        Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
     ]
 }
 

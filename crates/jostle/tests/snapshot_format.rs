@@ -12,13 +12,13 @@ use jostle_world::forces::{
     Andersen, Attractor, Flocking, Gravitation, Law, Motor, PairForce, PairTable, Pole, Spring,
     Springs, ThermalWalls, Thermostat,
 };
-use jostle_world::{Changes, Defaults, Force, Wall, World, WorldSettings};
+use jostle_world::{Changes, Defaults, Influence, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, discs, forced, inside, moving, restored, run, still};
 
-fn spring(a: i64, b: i64) -> Force {
+fn spring(a: i64, b: i64) -> Influence {
     let (length, stiffness, damping) = (2.5, 20.0, 0.5);
-    Force::Springs(Springs(vec![Spring {
+    Influence::Springs(Springs(vec![Spring {
         pair: [a, b],
         length,
         stiffness,
@@ -51,7 +51,7 @@ fn asleep() -> World {
         velocity: [0.0; 2],
         period: f32::INFINITY,
     };
-    let mut world = forced(all, vec![spring(0, 1), Force::Motor(motor)], settings);
+    let mut world = forced(all, vec![spring(0, 1), Influence::Motor(motor)], settings);
     let shelf =
         Wall { restitution: 0.5, friction: Some(0.3), ..Wall::new([[3.0, 4.5], [7.0, 4.5]]) };
     world.set_walls(vec![shelf, Wall::new([[18.0, 2.0], [19.0, 3.0]])]).expect("valid");
@@ -75,28 +75,28 @@ fn with_forces() -> World {
     let places: Vec<[f32; 2]> = (0..6).map(|k| [2.0 + 3.0 * k as f32, 5.0]).collect();
     let table = PairTable::new(2, vec![0.5, 0.0, -1.0, 0.0, 1.0, 0.0, 0.25, 0.0], 4.0, 0.5);
     let forces = vec![
-        Force::Attractor(Attractor {
+        Influence::Attractor(Attractor {
             pole: Pole::Point([4.0, -6.0]),
             strength: 0.5,
             law: Law::Harmonic,
         }),
-        Force::Attractor(Attractor {
+        Influence::Attractor(Attractor {
             pole: Pole::Particle(2),
             strength: 0.25,
             law: Law::InverseSquare,
         }),
-        Force::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
+        Influence::Gravitation(Gravitation { g: 0.01, softening: 0.1, theta: 0.6 }),
         spring(3, 4),
-        Force::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
-        Force::ThermalWalls(ThermalWalls {
+        Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.3 }),
+        Influence::ThermalWalls(ThermalWalls {
             temperature: 2.0,
             sides: [true, false, false, true],
             walls: vec![1],
             seed: 7,
         }),
-        Force::Andersen(Andersen { temperature: 1.5, rate: 0.25, seed: 8 }),
-        Force::Pair(PairForce { table: Arc::new(table.expect("valid")) }),
-        Force::Flocking(Flocking {
+        Influence::Andersen(Andersen { temperature: 1.5, rate: 0.25, seed: 8 }),
+        Influence::Pair(PairForce { table: Arc::new(table.expect("valid")) }),
+        Influence::Flocking(Flocking {
             cutoff: 3.5,
             separation: 1.0,
             alignment: 0.5,

@@ -6,7 +6,7 @@ use jostle_base::Method;
 use jostle_index::Filter;
 use jostle_scenes::{self as scenes, STEP, random::Random};
 use jostle_world::forces::{Motor, Spring, Springs};
-use jostle_world::{Container, Force, Particles, Stage, Wall, World, WorldSettings};
+use jostle_world::{Container, Influence, Particles, Stage, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, change, moving, run, still, walled, with_friction, world_of};
 
@@ -133,7 +133,7 @@ fn belt() -> World {
     let (ids, walls) = (vec![60], vec![]);
     let motor = Motor { ids, walls, center, angular_velocity: 1.5, velocity, period: 0.5 };
     let springs = Springs(vec![spring([0, 1]), spring([1, 2]), spring([30, 40])]);
-    world.set_forces(vec![Force::Springs(springs), Force::Motor(motor)]).unwrap();
+    world.set_forces(vec![Influence::Springs(springs), Influence::Motor(motor)]).unwrap();
     world
 }
 

@@ -3,26 +3,26 @@
 use jostle_base::{Method, Settings};
 use jostle_scenes::random::Random;
 use jostle_world::forces::chance::Chance;
-use jostle_world::forces::{Andersen, ThermalWalls};
-use jostle_world::{Container, Force, OnTouch, Particles, Wall, World, WorldSettings, forces};
+use jostle_world::forces::{Andersen, Influences, ThermalWalls};
+use jostle_world::{Container, Influence, OnTouch, Particles, Wall, World, WorldSettings};
 
 use crate::common::worlds::{boxed, closed, discs, forced, gathered, inside, run};
 
 const KT: f32 = 4.0;
 const ALL: [bool; 4] = [true; 4];
 
-fn walls(sides: [bool; 4], seed: u32) -> Force {
-    Force::ThermalWalls(ThermalWalls { temperature: KT, sides, walls: vec![], seed })
+fn walls(sides: [bool; 4], seed: u32) -> Influence {
+    Influence::ThermalWalls(ThermalWalls { temperature: KT, sides, walls: vec![], seed })
 }
 
 /// Line segments at a temperature.
-fn segments(temperature: f32, walls: &[u32], seed: u32) -> Force {
+fn segments(temperature: f32, walls: &[u32], seed: u32) -> Influence {
     let (sides, walls) = ([false; 4], walls.to_vec());
-    Force::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
+    Influence::ThermalWalls(ThermalWalls { temperature, sides, walls, seed })
 }
 
-fn bath(rate: f32) -> Force {
-    Force::Andersen(Andersen { temperature: KT, rate, seed: 1 })
+fn bath(rate: f32) -> Influence {
+    Influence::Andersen(Andersen { temperature: KT, rate, seed: 1 })
 }
 
 /// Discs of two masses on a lattice, with small velocities.
@@ -309,9 +309,11 @@ fn an_undone_step_heats_nothing() {
 
 #[test]
 fn wrong_ones_are_refused() {
-    let refusal = |all: &[Force]| forces::validate(all, |id| id == 0).unwrap_err().to_string();
+    let refusal = |all: &[Influence]| {
+        Influences::from(all.to_vec()).validate(|id| id == 0).unwrap_err().to_string()
+    };
     let hot = |temperature| {
-        Force::ThermalWalls(ThermalWalls { temperature, sides: ALL, walls: vec![], seed: 0 })
+        Influence::ThermalWalls(ThermalWalls { temperature, sides: ALL, walls: vec![], seed: 0 })
     };
     assert_eq!(refusal(&[hot(0.0)]), "temperature is 0; it must be above 0");
     assert!(refusal(&[hot(f32::NAN)]).starts_with("temperature is NaN; it must be finite"));

@@ -1,11 +1,11 @@
 //! `jostle.AndersenThermostat`.
 
-use jostle_world::forces;
+use jostle_world::forces::Andersen;
 use pyo3::prelude::*;
 
-use super::read_seed;
-use crate::arrays::{Given, decimal, number};
-use crate::error::refused;
+use super::arguments::{arguments, plain_arguments};
+use super::{read_seed, real, valid};
+use crate::arrays::Given;
 
 /// A heat bath that gives each particle a new velocity at random times.
 ///
@@ -55,14 +55,10 @@ use crate::error::refused;
 /// True
 #[pyclass(module = "jostle", name = "AndersenThermostat", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyAndersenThermostat(pub forces::Andersen);
+pub struct PyAndersenThermostat(pub Andersen);
 
 #[pymethods]
 impl PyAndersenThermostat {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "rate", "seed");
-
     #[new]
     #[pyo3(
         signature = (temperature, rate, seed=Given::NOTHING),
@@ -73,40 +69,18 @@ impl PyAndersenThermostat {
         rate: &Bound<'_, PyAny>,
         seed: Given<'_>,
     ) -> PyResult<Self> {
-        let temperature = number("temperature", temperature)? as f32;
-        let rate = number("rate", rate)? as f32;
-        let bath = forces::Andersen { temperature, rate, seed: read_seed(&seed)? };
-        bath.validate().map_err(refused)?;
-        Ok(Self(bath))
-    }
-
-    /// Boltzmann's constant times the temperature.
-    #[getter]
-    fn temperature(&self) -> f64 {
-        decimal(self.0.temperature)
-    }
-
-    /// Mean number of new velocities of a particle per second.
-    #[getter]
-    fn rate(&self) -> f64 {
-        decimal(self.0.rate)
-    }
-
-    /// The seed of the random numbers.
-    #[getter]
-    fn seed(&self) -> u32 {
-        self.0.seed
-    }
-
-    fn __getnewargs__(&self) -> (f64, f64, u32) {
-        (self.temperature(), self.rate(), self.seed())
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("AndersenThermostat({:?}, {:?}, {})", self.temperature(), self.rate(), self.seed())
+        let temperature = real("temperature", temperature)?;
+        let (rate, seed) = (real("rate", rate)?, read_seed(&seed)?);
+        Ok(Self(valid(Andersen { temperature, rate, seed }, Andersen::validate)?))
     }
 }
+
+arguments! { PyAndersenThermostat {
+    /// Boltzmann's constant times the temperature.
+    temperature: |own| own.0.temperature;
+    /// Mean number of new velocities of a particle per second.
+    rate: |own| own.0.rate;
+    /// The seed of the random numbers.
+    seed: |own| own.0.seed;
+}}
+plain_arguments!(PyAndersenThermostat);

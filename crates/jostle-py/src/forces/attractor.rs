@@ -1,13 +1,14 @@
 //! `jostle.Attractor`.
 
 use jostle_base::Id;
-use jostle_world::forces::{self, Law, Pole};
+use jostle_world::forces::{Attractor, Law, Pole};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::arrays::{Given, count, decimal, number, point, word};
-use crate::error::{refused, value_error};
+use super::arguments::{arguments, plain_arguments};
+use super::{real, valid};
+use crate::arrays::{Given, count, point, word};
+use crate::error::value_error;
 
 /// A force towards a point or a particle.
 ///
@@ -52,7 +53,7 @@ use crate::error::{refused, value_error};
 /// Attractor(None, 9.0, 'inverse_square', particle=0)
 #[pyclass(module = "jostle", name = "Attractor", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyAttractor(pub forces::Attractor);
+pub struct PyAttractor(pub Attractor);
 
 #[pymethods]
 impl PyAttractor {
@@ -78,71 +79,35 @@ impl PyAttractor {
         let Some(strength) = strength else {
             return Err(PyTypeError::new_err("an Attractor needs a strength"));
         };
-        let strength = number("strength", strength)? as f32;
-        let attractor = forces::Attractor { pole, strength, law: read_law(&law)? };
-        attractor.validate().map_err(refused)?;
-        Ok(Self(attractor))
-    }
-
-    /// The attracting point, (x, y); None if it is a particle.
-    #[getter]
-    fn point(&self) -> Option<(f64, f64)> {
-        match self.0.pole {
-            Pole::Point(point) => Some(point.map(decimal).into()),
-            Pole::Particle(_) => None,
-        }
-    }
-
-    /// Acceleration per unit of distance, or G times the attracting mass.
-    #[getter]
-    fn strength(&self) -> f64 {
-        decimal(self.0.strength)
-    }
-
-    /// "harmonic" or "inverse_square".
-    #[getter]
-    fn law(&self) -> &'static str {
-        match self.0.law {
-            Law::Harmonic => "harmonic",
-            Law::InverseSquare => "inverse_square",
-        }
-    }
-
-    /// Id of the attracting particle, or None.
-    #[getter]
-    fn particle(&self) -> Option<Id> {
-        match self.0.pole {
-            Pole::Point(_) => None,
-            Pole::Particle(id) => Some(id),
-        }
-    }
-
-    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
-    fn __getnewargs_ex__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<((Option<(f64, f64)>, f64, &'static str), Bound<'py, PyDict>)> {
-        let keywords = [("particle", self.particle())].into_py_dict(py)?;
-        Ok(((self.point(), self.strength(), self.law()), keywords))
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        (self.point(), self.strength(), self.law(), self.particle()).into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        let (strength, law) = (self.strength(), self.law());
-        match self.0.pole {
-            Pole::Point(point) => {
-                let [x, y] = point.map(decimal);
-                format!("Attractor(({x:?}, {y:?}), {strength:?}, '{law}')")
-            }
-            Pole::Particle(id) => {
-                format!("Attractor(None, {strength:?}, '{law}', particle={id})")
-            }
-        }
+        let (strength, law) = (real("strength", strength)?, read_law(&law)?);
+        Ok(Self(valid(Attractor { pole, strength, law }, Attractor::validate)?))
     }
 }
+
+arguments! {
+    PyAttractor {
+        /// The attracting point, (x, y); None if it is a particle.
+        point: |own| match own.0.pole {
+            Pole::Point(point) => Some(point),
+            Pole::Particle(_) => None,
+        };
+        /// Acceleration per unit of distance, or G times the attracting mass.
+        strength: |own| own.0.strength;
+        /// "harmonic" or "inverse_square".
+        law: |own| match own.0.law {
+            Law::Harmonic => "harmonic",
+            Law::InverseSquare => "inverse_square",
+        };
+    }
+    keywords {
+        /// Id of the attracting particle, or None.
+        particle: |own| match own.0.pole {
+            Pole::Point(_) => None,
+            Pole::Particle(id) => Some(id),
+        };
+    }
+}
+plain_arguments!(PyAttractor);
 
 fn read_law(given: &Given<'_>) -> PyResult<Law> {
     let rule = "'harmonic' or 'inverse_square'";

@@ -3,9 +3,9 @@
 use jostle_world::forces::Flocking;
 use pyo3::prelude::*;
 
-use super::real_or;
-use crate::arrays::{Given, decimal, number};
-use crate::error::refused;
+use super::arguments::{arguments, plain_arguments};
+use super::{real, real_or, valid};
+use crate::arrays::Given;
 
 /// Flocking: separation, alignment and cohesion.
 ///
@@ -65,11 +65,6 @@ pub struct PyFlocking(pub Flocking);
 
 #[pymethods]
 impl PyFlocking {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str, &str, &str, &str) =
-        ("cutoff", "separation", "alignment", "cohesion", "max_speed", "min_speed");
-
     #[new]
     #[pyo3(
         signature = (cutoff, separation, alignment, cohesion, max_speed, min_speed=Given::NOTHING),
@@ -83,69 +78,30 @@ impl PyFlocking {
         max_speed: &Bound<'_, PyAny>,
         min_speed: Given<'_>,
     ) -> PyResult<Self> {
-        let flocking = Flocking {
-            cutoff: number("cutoff", cutoff)? as f32,
-            separation: number("separation", separation)? as f32,
-            alignment: number("alignment", alignment)? as f32,
-            cohesion: number("cohesion", cohesion)? as f32,
-            max_speed: number("max_speed", max_speed)? as f32,
+        let all = Flocking {
+            cutoff: real("cutoff", cutoff)?,
+            separation: real("separation", separation)?,
+            alignment: real("alignment", alignment)?,
+            cohesion: real("cohesion", cohesion)?,
+            max_speed: real("max_speed", max_speed)?,
             min_speed: real_or("min_speed", &min_speed, 0.0)?,
         };
-        flocking.validate().map_err(refused)?;
-        Ok(Self(flocking))
-    }
-
-    /// Distance below which particles are neighbours, in units of length.
-    #[getter]
-    fn cutoff(&self) -> f64 {
-        decimal(self.0.cutoff)
-    }
-
-    /// Acceleration away from a neighbour at distance 0.
-    #[getter]
-    fn separation(&self) -> f64 {
-        decimal(self.0.separation)
-    }
-
-    /// Rate at which velocities become equal, per second.
-    #[getter]
-    fn alignment(&self) -> f64 {
-        decimal(self.0.alignment)
-    }
-
-    /// Acceleration towards a neighbour per unit of distance.
-    #[getter]
-    fn cohesion(&self) -> f64 {
-        decimal(self.0.cohesion)
-    }
-
-    /// Limit of the speed.
-    #[getter]
-    fn max_speed(&self) -> f64 {
-        decimal(self.0.max_speed)
-    }
-
-    /// Lower limit of the speed of particles that move.
-    #[getter]
-    fn min_speed(&self) -> f64 {
-        decimal(self.0.min_speed)
-    }
-
-    fn __getnewargs__(&self) -> (f64, f64, f64, f64, f64, f64) {
-        let Flocking { cutoff, separation, alignment, cohesion, max_speed, min_speed } = self.0;
-        let [cutoff, separation, alignment] = [cutoff, separation, alignment].map(decimal);
-        let [cohesion, max_speed, min_speed] = [cohesion, max_speed, min_speed].map(decimal);
-        (cutoff, separation, alignment, cohesion, max_speed, min_speed)
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        let (cutoff, separation, alignment, cohesion, max, min) = self.__getnewargs__();
-        format!(
-            "Flocking({cutoff:?}, {separation:?}, {alignment:?}, {cohesion:?}, {max:?}, {min:?})"
-        )
+        Ok(Self(valid(all, Flocking::validate)?))
     }
 }
+
+arguments! { PyFlocking {
+    /// Distance below which particles are neighbours, in units of length.
+    cutoff: |own| own.0.cutoff;
+    /// Acceleration away from a neighbour at distance 0.
+    separation: |own| own.0.separation;
+    /// Rate at which velocities become equal, per second.
+    alignment: |own| own.0.alignment;
+    /// Acceleration towards a neighbour per unit of distance.
+    cohesion: |own| own.0.cohesion;
+    /// Limit of the speed.
+    max_speed: |own| own.0.max_speed;
+    /// Lower limit of the speed of particles that move.
+    min_speed: |own| own.0.min_speed;
+}}
+plain_arguments!(PyFlocking);

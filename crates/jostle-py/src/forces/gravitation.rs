@@ -1,11 +1,12 @@
 //! `jostle.Gravitation`.
 
-use jostle_world::forces;
+use jostle_world::forces::Gravitation;
+use jostle_world::forces::gravitation::DEFAULT_THETA;
 use pyo3::prelude::*;
 
-use super::real_or;
-use crate::arrays::{Given, decimal, number};
-use crate::error::refused;
+use super::arguments::{arguments, plain_arguments};
+use super::{real, real_or, valid};
+use crate::arrays::Given;
 
 /// Gravitation between all particles.
 ///
@@ -50,17 +51,13 @@ use crate::error::refused;
 /// [0.0, 0.0]
 #[pyclass(module = "jostle", name = "Gravitation", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyGravitation(pub forces::Gravitation);
+pub struct PyGravitation(pub Gravitation);
 
 // The default in the signature.
-const _: () = assert!(forces::gravitation::DEFAULT_THETA == 0.5);
+const _: () = assert!(DEFAULT_THETA == 0.5);
 
 #[pymethods]
 impl PyGravitation {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str) = ("G", "softening", "theta");
-
     #[new]
     #[pyo3(
         signature = (G, softening=Given::NOTHING, theta=Given::NOTHING),
@@ -68,42 +65,18 @@ impl PyGravitation {
     )]
     #[expect(non_snake_case, reason = "its usual name")]
     fn new(G: &Bound<'_, PyAny>, softening: Given<'_>, theta: Given<'_>) -> PyResult<Self> {
-        let g = number("G", G)? as f32;
-        let softening = real_or("softening", &softening, 0.0)?;
-        let theta = real_or("theta", &theta, forces::gravitation::DEFAULT_THETA)?;
-        let gravitation = forces::Gravitation { g, softening, theta };
-        gravitation.validate().map_err(refused)?;
-        Ok(Self(gravitation))
-    }
-
-    /// The gravitational constant.
-    #[getter(G)]
-    fn g(&self) -> f64 {
-        decimal(self.0.g)
-    }
-
-    /// Distance below which the force is reduced, in units of length.
-    #[getter]
-    fn softening(&self) -> f64 {
-        decimal(self.0.softening)
-    }
-
-    /// Diagonal divided by distance below which a box is treated as one body.
-    #[getter]
-    fn theta(&self) -> f64 {
-        decimal(self.0.theta)
-    }
-
-    fn __getnewargs__(&self) -> (f64, f64, f64) {
-        (self.g(), self.softening(), self.theta())
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        let (g, softening, theta) = self.__getnewargs__();
-        format!("Gravitation({g:?}, {softening:?}, {theta:?})")
+        let (g, softening) = (real("G", G)?, real_or("softening", &softening, 0.0)?);
+        let theta = real_or("theta", &theta, DEFAULT_THETA)?;
+        Ok(Self(valid(Gravitation { g, softening, theta }, Gravitation::validate)?))
     }
 }
+
+arguments! { PyGravitation {
+    /// The gravitational constant.
+    G: |own| own.0.g;
+    /// Distance below which the force is reduced, in units of length.
+    softening: |own| own.0.softening;
+    /// Diagonal divided by distance below which a box is treated as one body.
+    theta: |own| own.0.theta;
+}}
+plain_arguments!(PyGravitation);

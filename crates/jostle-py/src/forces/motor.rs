@@ -2,11 +2,11 @@
 
 use jostle_base::Id;
 use jostle_world::forces::Motor;
-use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::arrays::{Given, column, decimal, long_ids, number, point, read_only};
+use super::arguments::arguments;
+use super::{real, real_or, valid};
+use crate::arrays::{Given, long_ids, point};
 use crate::error::refused;
 
 /// A prescribed motion of immovable particles and walls.
@@ -74,10 +74,6 @@ pub struct PyMotor(pub Motor);
 
 #[pymethods]
 impl PyMotor {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str,) = ("ids",);
-
     #[new]
     #[pyo3(
         signature = (
@@ -99,74 +95,39 @@ impl PyMotor {
             value.map_or(Ok(Vec::new()), |value| Ok(long_ids(name, value, of)?.rows(1)))
         };
         let pair = |name, given: &Given<'_>| given.value().map_or(Ok([0.0; 2]), |v| point(name, v));
-        let angular_velocity =
-            angular_velocity.value().map_or(Ok(0.0), |v| number("angular_velocity", v))?;
         let motor = Motor {
             ids: all("ids", ids, "particle")?,
             walls: wall_numbers(&all("walls", walls, "wall")?)?,
             center: pair("center", &center)?,
-            angular_velocity: angular_velocity as f32,
+            angular_velocity: real_or("angular_velocity", &angular_velocity, 0.0)?,
             velocity: pair("velocity", &velocity)?,
-            period: period.map_or(Ok(f64::INFINITY), |value| number("period", value))? as f32,
+            period: period.map_or(Ok(f32::INFINITY), |value| real("period", value))?,
         };
-        motor.validate().map_err(refused)?;
-        Ok(Self(motor))
-    }
-
-    /// Ids of the particles that it drives: read-only ndarray of int64, shape (k,).
-    #[getter]
-    fn ids<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Id>> {
-        read_only(column(py, self.0.ids.clone()))
-    }
-
-    /// Indices of the walls that it drives: read-only ndarray of int64, shape (m,).
-    #[getter]
-    fn walls<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        read_only(column(py, self.0.walls.iter().map(|&wall| i64::from(wall)).collect()))
-    }
-
-    /// The centre of the rotation at time 0, (x, y).
-    #[getter]
-    fn center(&self) -> (f64, f64) {
-        self.0.center.map(decimal).into()
-    }
-
-    /// In radians per second.
-    #[getter]
-    fn angular_velocity(&self) -> f64 {
-        decimal(self.0.angular_velocity)
-    }
-
-    /// In units of length per second, (x, y).
-    #[getter]
-    fn velocity(&self) -> (f64, f64) {
-        self.0.velocity.map(decimal).into()
-    }
-
-    /// Period in seconds; None if the motion is not reversed.
-    #[getter]
-    fn period(&self) -> Option<f64> {
-        self.0.period.is_finite().then(|| decimal(self.0.period))
-    }
-
-    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
-    fn __getnewargs_ex__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<((Bound<'py, PyArray1<Id>>,), Bound<'py, PyDict>)> {
-        let keywords = [
-            ("walls", self.walls(py).into_any()),
-            ("center", self.center().into_pyobject(py)?.into_any()),
-            ("angular_velocity", self.angular_velocity().into_pyobject(py)?.into_any()),
-            ("velocity", self.velocity().into_pyobject(py)?.into_any()),
-            ("period", self.period().into_pyobject(py)?.into_any()),
-        ];
-        Ok(((self.ids(py),), keywords.into_py_dict(py)?))
+        Ok(Self(valid(motor, Motor::validate)?))
     }
 
     fn __repr__(&self) -> String {
         let (particles, walls) = (self.0.ids.len(), self.0.walls.len());
         format!("<jostle.Motor of {particles} particles and {walls} walls>")
+    }
+}
+
+arguments! {
+    PyMotor {
+        /// Ids of the particles that it drives: read-only ndarray of int64, shape (k,).
+        ids: |own| own.0.ids.clone();
+    }
+    keywords {
+        /// Indices of the walls that it drives: read-only ndarray of int64, shape (m,).
+        walls: |own| own.0.walls.iter().map(|&wall| Id::from(wall)).collect::<Vec<Id>>();
+        /// The centre of the rotation at time 0, (x, y).
+        center: |own| own.0.center;
+        /// In radians per second.
+        angular_velocity: |own| own.0.angular_velocity;
+        /// In units of length per second, (x, y).
+        velocity: |own| own.0.velocity;
+        /// Period in seconds; None if the motion is not reversed.
+        period: |own| Some(own.0.period).filter(|period| period.is_finite());
     }
 }
 

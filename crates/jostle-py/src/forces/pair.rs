@@ -7,12 +7,11 @@ use jostle_base::error::counted;
 use jostle_world::forces::{PairForce, PairTable};
 use jostle_world::particles::check_kinds_of_table;
 use numpy::ndarray::Array3;
-use numpy::{IntoPyArray, PyArray1, PyArray3};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
-use super::real_or;
-use crate::arrays::{Argument, Given, column, decimal, number, read_only};
+use super::arguments::arguments;
+use super::{real, real_or};
+use crate::arrays::{Argument, Given, decimal};
 use crate::error::refused;
 
 /// Forces between kinds of particles within a cutoff.
@@ -74,17 +73,10 @@ use crate::error::refused;
 ///        [1., 0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "PairForce", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyPairForce {
-    pub kinds: Vec<u8>,
-    pub force: PairForce,
-}
+pub struct PyPairForce(pub PairForce, pub Vec<u8>);
 
 #[pymethods]
 impl PyPairForce {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str, &str) = ("kinds", "table", "cutoff", "damping");
-
     #[new]
     #[pyo3(
         signature = (kinds, table, cutoff, damping=Given::NOTHING),
@@ -98,7 +90,7 @@ impl PyPairForce {
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
         let (count, values) = Argument::reals("table", table)?.cube()?;
-        let cutoff = number("cutoff", cutoff)? as f32;
+        let cutoff = real("cutoff", cutoff)?;
         let damping = real_or("damping", &damping, 0.0)?;
         Self::of(kinds, PairTable::new(count, values, cutoff, damping))
     }
@@ -161,7 +153,7 @@ impl PyPairForce {
     ) -> PyResult<Self> {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
         let (count, matrix) = Argument::reals("matrix", matrix)?.square(None)?;
-        let cutoff = number("cutoff", cutoff)? as f32;
+        let cutoff = real("cutoff", cutoff)?;
         let core = real_or("core", &core, 0.3)?;
         let strength = real_or("strength", &strength, 1.0)?;
         Self::of(kinds, PairTable::particle_life(count, &matrix, cutoff, core, strength))
@@ -226,7 +218,7 @@ impl PyPairForce {
         let kinds = Argument::integers("kinds", kinds)?.kinds()?;
         let squares = Squares::read(&kinds, [("epsilon", epsilon), ("sigma", sigma)])?;
         let (count, [epsilon, sigma]) = (squares.count, &squares.all);
-        let cutoff = number("cutoff", cutoff)? as f32;
+        let cutoff = real("cutoff", cutoff)?;
         let table = PairTable::lennard_jones(count, epsilon, sigma, cutoff);
         Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
     }
@@ -284,56 +276,41 @@ impl PyPairForce {
         Self::of(kinds, table.map_err(|error| squares.of_numbers(error)))
     }
 
-    /// The kind of each particle: read-only ndarray of uint8, shape (n,).
-    #[getter]
-    fn kinds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        read_only(column(py, self.kinds.clone()))
-    }
-
-    /// The forces: read-only ndarray of float32, shape (K, K, m).
-    #[getter]
-    fn table<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
-        let table = &self.force.table;
-        let shape = (table.kinds(), table.kinds(), table.points());
-        let values = Array3::from_shape_vec(shape, table.values().to_vec());
-        read_only(values.expect("a table has this shape").into_pyarray(py))
-    }
-
-    /// Distance from which there is no force, in units of length.
-    #[getter]
-    fn cutoff(&self) -> f64 {
-        decimal(self.force.table.cutoff())
-    }
-
-    /// Force that resists a relative speed of 1 at distance 0.
-    #[getter]
-    fn damping(&self) -> f64 {
-        decimal(self.force.table.damping())
-    }
-
     /// Whether all kinds act on each other with equal and opposite forces, so that momentum is
     /// conserved: bool.
     #[getter]
     fn reciprocal(&self) -> bool {
-        self.force.table.is_reciprocal()
-    }
-
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        (self.kinds(py), self.table(py), self.cutoff(), self.damping()).into_pyobject(py)
+        self.0.table.is_reciprocal()
     }
 
     fn __repr__(&self) -> String {
-        let kinds_of_table = counted(self.force.table.kinds(), "kind");
-        let (particles, cutoff) = (counted(self.kinds.len(), "particle"), self.cutoff());
+        let table = &self.0.table;
+        let (kinds_of_table, cutoff) = (counted(table.kinds(), "kind"), decimal(table.cutoff()));
+        let particles = counted(self.1.len(), "particle");
         format!("<jostle.PairForce of {particles} of {kinds_of_table}, cutoff {cutoff:?}>")
     }
 }
+
+arguments! { PyPairForce {
+    /// The kind of each particle: read-only ndarray of uint8, shape (n,).
+    kinds: |own| own.1.clone();
+    /// The forces: read-only ndarray of float32, shape (K, K, m).
+    table: |own| {
+        let table = &own.0.table;
+        let shape = (table.kinds(), table.kinds(), table.points());
+        Array3::from_shape_vec(shape, table.values().to_vec()).expect("a table has this shape")
+    };
+    /// Distance from which there is no force, in units of length.
+    cutoff: |own| own.0.table.cutoff();
+    /// Force that resists a relative speed of 1 at distance 0.
+    damping: |own| own.0.table.damping();
+}}
 
 impl PyPairForce {
     fn of(kinds: Vec<u8>, table: jostle_base::Result<PairTable>) -> PyResult<Self> {
         let table = table.map_err(refused)?;
         check_kinds_of_table(&kinds, table.kinds()).map_err(refused)?;
-        Ok(Self { kinds, force: PairForce { table: Arc::new(table) } })
+        Ok(Self(PairForce { table: Arc::new(table) }, kinds))
     }
 }
 

@@ -1,13 +1,12 @@
 //! `jostle.Springs`.
 
 use jostle_index::Each;
-use jostle_world::forces::{self, Spring};
-use numpy::{PyArray1, PyArray2};
+use jostle_world::forces::{Spring, Springs};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
-use crate::arrays::{Argument, Given, column, read_only, reals, table};
-use crate::error::refused;
+use super::arguments::arguments;
+use super::valid;
+use crate::arrays::{Argument, Given, reals};
 
 /// Springs between pairs of particles.
 ///
@@ -55,15 +54,10 @@ use crate::error::refused;
 ///        [2.5, 0. ]], dtype=float32)
 #[pyclass(module = "jostle", name = "Springs", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PySprings(pub forces::Springs);
+pub struct PySprings(pub Springs);
 
 #[pymethods]
 impl PySprings {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str, &str, &str) =
-        ("pairs", "lengths", "stiffness", "damping", "max_stretch");
-
     #[new]
     #[pyo3(
         signature = (pairs, lengths, stiffness, damping=Given::NOTHING, max_stretch=None),
@@ -92,53 +86,34 @@ impl PySprings {
             damping: damping.at(row),
             max_stretch: max_stretch.at(row),
         };
-        let springs = forces::Springs((0..len).map(spring).collect());
-        springs.validate().map_err(refused)?;
-        Ok(Self(springs))
-    }
-
-    /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
-    #[getter]
-    fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
-        Ok(read_only(table(py, self.0.0.iter().map(|spring| spring.pair).collect())?))
-    }
-
-    /// Lengths at rest: ndarray of float32, shape (m,).
-    #[getter]
-    fn lengths<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        read_only(column(py, self.0.0.iter().map(|spring| spring.length).collect()))
-    }
-
-    /// Force per unit of stretch: ndarray of float32, shape (m,).
-    #[getter]
-    fn stiffness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        read_only(column(py, self.0.0.iter().map(|spring| spring.stiffness).collect()))
-    }
-
-    /// Force per unit of speed: ndarray of float32, shape (m,).
-    #[getter]
-    fn damping<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        read_only(column(py, self.0.0.iter().map(|spring| spring.damping).collect()))
-    }
-
-    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
-    /// breaks.
-    #[getter]
-    fn max_stretch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        read_only(column(py, self.0.0.iter().map(|spring| spring.max_stretch).collect()))
+        Ok(Self(valid(Springs((0..len).map(spring).collect()), Springs::validate)?))
     }
 
     fn __len__(&self) -> usize {
         self.0.0.len()
     }
 
-    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let columns = [self.lengths(py), self.stiffness(py), self.damping(py)];
-        let [lengths, stiffness, damping] = columns;
-        (self.pairs(py)?, lengths, stiffness, damping, self.max_stretch(py)).into_pyobject(py)
-    }
-
     fn __repr__(&self) -> String {
         format!("<jostle.Springs between {} pairs>", self.0.0.len())
     }
 }
+
+impl PySprings {
+    fn column<V>(&self, value: fn(&Spring) -> V) -> Vec<V> {
+        self.0.0.iter().map(value).collect()
+    }
+}
+
+arguments! { PySprings {
+    /// Ids of the ends: read-only ndarray of int64, shape (m, 2).
+    pairs: |own| own.column(|spring| spring.pair);
+    /// Lengths at rest: ndarray of float32, shape (m,).
+    lengths: |own| own.column(|spring| spring.length);
+    /// Force per unit of stretch: ndarray of float32, shape (m,).
+    stiffness: |own| own.column(|spring| spring.stiffness);
+    /// Force per unit of speed: ndarray of float32, shape (m,).
+    damping: |own| own.column(|spring| spring.damping);
+    /// Stretch beyond which each breaks: ndarray of float32, shape (m,); infinite if it never
+    /// breaks.
+    max_stretch: |own| own.column(|spring| spring.max_stretch);
+}}

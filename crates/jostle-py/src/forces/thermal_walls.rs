@@ -1,13 +1,13 @@
 //! `jostle.ThermalWalls`.
 
 use jostle_base::Error;
-use jostle_world::forces;
+use jostle_world::forces::ThermalWalls;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
+use super::arguments::{Numbers, arguments, plain_arguments};
 use super::motor::wall_numbers;
-use super::read_seed;
-use crate::arrays::{Given, decimal, long_ids, number};
+use super::{read_seed, real, valid};
+use crate::arrays::{Given, long_ids};
 use crate::error::refused;
 
 /// Sides of the container, and walls, with a temperature.
@@ -76,14 +76,10 @@ use crate::error::refused;
 /// >>> world.step(1 / 60, steps=10)
 #[pyclass(module = "jostle", name = "ThermalWalls", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyThermalWalls(pub forces::ThermalWalls);
+pub struct PyThermalWalls(pub ThermalWalls);
 
 #[pymethods]
 impl PyThermalWalls {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str, &str) = ("temperature", "sides", "seed");
-
     #[new]
     #[pyo3(
         signature = (temperature, sides=None, seed=Given::NOTHING, *, walls=None),
@@ -95,65 +91,30 @@ impl PyThermalWalls {
         seed: Given<'_>,
         walls: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let temperature = number("temperature", temperature)? as f32;
+        let temperature = real("temperature", temperature)?;
         let sides = sides.map_or(Ok([walls.is_none(); 4]), self::sides)?;
         let indices = walls.map(|value| long_ids("walls", value, "wall")).transpose()?;
         let walls = wall_numbers(&indices.map_or(Vec::new(), |indices| indices.rows(1)))?;
-        let hot = forces::ThermalWalls { temperature, sides, walls, seed: read_seed(&seed)? };
-        hot.validate().map_err(refused)?;
-        Ok(Self(hot))
-    }
-
-    /// Boltzmann's constant times the temperature.
-    #[getter]
-    fn temperature(&self) -> f64 {
-        decimal(self.0.temperature)
-    }
-
-    /// The sides of the container that have it: a tuple of int, ascending.
-    #[getter]
-    fn sides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.numbers())
-    }
-
-    /// The seed of the random numbers.
-    #[getter]
-    fn seed(&self) -> u32 {
-        self.0.seed
-    }
-
-    /// The indices of the walls that have it: a tuple of int.
-    #[getter]
-    fn walls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, &self.0.walls)
-    }
-
-    #[expect(clippy::type_complexity, reason = "the protocol of pickle")]
-    fn __getnewargs_ex__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<((f64, Bound<'py, PyTuple>, u32), Bound<'py, PyDict>)> {
-        let keywords = [("walls", self.walls(py)?)].into_py_dict(py)?;
-        Ok(((self.temperature(), self.sides(py)?, self.seed()), keywords))
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        let all = (self.temperature(), self.sides(py)?, self.seed(), self.walls(py)?);
-        all.into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        let (sides, walls) = (self.numbers(), &self.0.walls);
-        let walls = if walls.is_empty() { String::new() } else { format!(", walls={walls:?}") };
-        format!("ThermalWalls({:?}, {sides:?}, {}{walls})", self.temperature(), self.seed())
+        let seed = read_seed(&seed)?;
+        Ok(Self(valid(ThermalWalls { temperature, sides, walls, seed }, ThermalWalls::validate)?))
     }
 }
 
-impl PyThermalWalls {
-    fn numbers(&self) -> Vec<usize> {
-        (0..4).filter(|&side| self.0.sides[side]).collect()
+arguments! {
+    PyThermalWalls {
+        /// Boltzmann's constant times the temperature.
+        temperature: |own| own.0.temperature;
+        /// The sides of the container that have it: a tuple of int, ascending.
+        sides: |own| Numbers((0..4).filter(|&side| own.0.sides[side as usize]).collect());
+        /// The seed of the random numbers.
+        seed: |own| own.0.seed;
+    }
+    keywords {
+        /// The indices of the walls that have it: a tuple of int.
+        walls: |own| Numbers(own.0.walls.clone());
     }
 }
+plain_arguments!(PyThermalWalls);
 
 /// The sides of the container with the numbers in an array.
 fn sides(value: &Bound<'_, PyAny>) -> PyResult<[bool; 4]> {

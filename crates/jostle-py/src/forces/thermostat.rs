@@ -1,10 +1,10 @@
 //! `jostle.Thermostat`.
 
-use jostle_world::forces;
+use jostle_world::forces::Thermostat;
 use pyo3::prelude::*;
 
-use crate::arrays::{decimal, number};
-use crate::error::refused;
+use super::arguments::{arguments, plain_arguments};
+use super::{real, valid};
 
 /// Walls that heat or cool the particles that bounce off them.
 ///
@@ -42,43 +42,21 @@ use crate::error::refused;
 /// array([[-2.,  0.]], dtype=float32)
 #[pyclass(module = "jostle", name = "Thermostat", frozen, eq)]
 #[derive(PartialEq)]
-pub struct PyThermostat(pub forces::Thermostat);
+pub struct PyThermostat(pub Thermostat);
 
 #[pymethods]
 impl PyThermostat {
-    #[classattr]
-    #[pyo3(name = "__match_args__")]
-    const MATCH_ARGS: (&str, &str) = ("speed", "rate");
-
     #[new]
     fn new(speed: &Bound<'_, PyAny>, rate: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let (speed, rate) = (number("speed", speed)? as f32, number("rate", rate)? as f32);
-        let thermostat = forces::Thermostat { speed, rate };
-        thermostat.validate().map_err(refused)?;
-        Ok(Self(thermostat))
-    }
-
-    /// The target speed.
-    #[getter]
-    fn speed(&self) -> f64 {
-        decimal(self.0.speed)
-    }
-
-    /// Relative change by one bounce, 0 to 1.
-    #[getter]
-    fn rate(&self) -> f64 {
-        decimal(self.0.rate)
-    }
-
-    fn __getnewargs__(&self) -> (f64, f64) {
-        (self.speed(), self.rate())
-    }
-
-    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
-        self.__getnewargs__().into_pyobject(py)?.hash()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Thermostat({:?}, {:?})", self.speed(), self.rate())
+        let (speed, rate) = (real("speed", speed)?, real("rate", rate)?);
+        Ok(Self(valid(Thermostat { speed, rate }, Thermostat::validate)?))
     }
 }
+
+arguments! { PyThermostat {
+    /// The target speed.
+    speed: |own| own.0.speed;
+    /// Relative change by one bounce, 0 to 1.
+    rate: |own| own.0.rate;
+}}
+plain_arguments!(PyThermostat);

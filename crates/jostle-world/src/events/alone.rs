@@ -17,7 +17,8 @@ impl Simulation<'_> {
         let window = self.window;
         let Event { time, kind, code: wall, pair: [index, partner], .. } = *event;
         let flight = window.flight;
-        let is_plain = !flight.has_friction && flight.thermostat.is_none() && flight.hot.is_empty();
+        let is_plain =
+            !flight.has_friction && flight.thermostat.is_none() && flight.temperatures.is_empty();
         if kind != Kind::Bounce || partner != WALL || !is_plain {
             return false;
         }

@@ -4,7 +4,7 @@ use super::history::{Carried, Course};
 use super::neighbors::PairList;
 use super::queue::Event;
 use crate::flow::{Flow, Kick};
-use crate::forces::{HotWalls, Thermostat};
+use crate::forces::{Thermostat, WallTemperatures};
 use crate::halo::Halo;
 use crate::motion::{Motion, Motions, Spins, exact};
 use crate::particles::Particles;
@@ -89,7 +89,7 @@ pub struct Flight<'a> {
     /// What walls do to speeds.
     pub thermostat: Option<Thermostat>,
     /// The walls at temperatures.
-    pub hot: &'a HotWalls,
+    pub temperatures: &'a WallTemperatures,
     /// Whether discs bounce off each other.
     pub pairs: bool,
     /// The candidate pairs, a list for each image.

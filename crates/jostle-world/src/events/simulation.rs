@@ -459,7 +459,7 @@ impl Simulation<'_> {
         if let Some(thermostat) = window.flight.thermostat {
             for touch in touches.iter().filter(|touch| touch.key[1] == WALL) {
                 let body = touch.bodies[0].expect("a disc touches the wall");
-                velocities[body] = thermostat.drive(velocities[body]);
+                velocities[body] = thermostat.bounced(velocities[body]);
             }
         }
         let is_heated = self.heat(time);
@@ -500,8 +500,8 @@ impl Simulation<'_> {
     /// Gives the discs of the group that touch walls at a temperature the velocities with which they
     /// leave them; returns whether there are any.
     fn heat(&mut self, time: f64) -> bool {
-        let hot = self.window.flight.hot;
-        if hot.is_empty() {
+        let temperatures = self.window.flight.temperatures;
+        if temperatures.is_empty() {
             return false;
         }
         let Scratch { group, touches, velocities, impulses, .. } = &mut *self.scratch;
@@ -510,7 +510,7 @@ impl Simulation<'_> {
             let (Some(body), [_, WALL, wall]) = (touch.bodies[0], touch.key) else { continue };
             let (now, inverse_mass) = (&group[body].now, touch.inverse_masses[0]);
             let before = [now.position, now.velocity];
-            let speeds = hot.speeds(wall, inverse_mass, time, before);
+            let speeds = temperatures.speeds(wall, inverse_mass, time, before);
             let Some([leaving, along]) = speeds else { continue };
             let [x, y] = touch.normal.map(|v| -v);
             let own = [leaving * x - along * y, leaving * y + along * x];

@@ -1,10 +1,12 @@
 //! Attractors: a central force towards a point or a particle.
 
-use super::{Bodies, check_number, check_pair};
+use super::record::{Record, References, Renamed, record, refers_to_nothing};
+use super::{Bodies, Force, Reach, Scratch, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::parallel;
+use jostle_base::saved;
 
 /// The centre of an attraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,16 +28,36 @@ pub enum Law {
     InverseSquare,
 }
 
-/// A force on all particles towards the pole, without a reaction force. With a negative strength it
-/// is repulsive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Attractor {
-    /// The centre of the force.
-    pub pole: Pole,
-    /// Acceleration per unit of distance (harmonic), or G · M (inverse square).
-    pub strength: f32,
-    /// The force law.
-    pub law: Law,
+record! {
+    /// A force on all particles towards the pole, without a reaction force. With a negative strength it
+    /// is repulsive.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Attractor {
+        /// The centre of the force.
+        pub pole: Pole,
+        /// Acceleration per unit of distance (harmonic), or G · M (inverse square).
+        pub strength: f32,
+        /// The force law.
+        pub law: Law,
+    }
+}
+
+saved! { enum Pole("pole") { 0 => Point(point), 1 => Particle(id) } }
+saved! { enum Law("force law") { 0 => Harmonic, 1 => InverseSquare } }
+refers_to_nothing! { Law }
+
+impl Record for Pole {
+    fn list(&self, to: &mut References) {
+        if let Self::Particle(id) = self {
+            id.list(to);
+        }
+    }
+    fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
+        match self {
+            Self::Point(_) => true,
+            Self::Particle(id) => id.renumber(renamed),
+        }
+    }
 }
 
 impl Attractor {
@@ -46,11 +68,56 @@ impl Attractor {
         }
         check_number("strength", self.strength, -FARTHEST)
     }
+
+    /// The position of the pole, and the index of its particle, if it is one.
+    fn place(&self, bodies: &Bodies<'_>) -> ([f32; 2], Option<usize>) {
+        match self.pole {
+            Pole::Point(point) => (point, None),
+            Pole::Particle(row) => {
+                let index = bodies.indices[row as usize] as usize;
+                (bodies.positions[index], Some(index))
+            }
+        }
+    }
+}
+
+impl Force for Attractor {
+    fn accelerate(&self, bodies: &Bodies<'_>, _: &mut Scratch, sums: &mut [[f32; 2]]) {
+        let (pole, _) = self.place(bodies);
+        let threads = parallel::worthwhile(bodies.threads, sums.len());
+        parallel::for_chunks(threads, sums, |first, chunk| {
+            let rows = bodies.positions[first..].iter().zip(&bodies.radii[first..]);
+            for (acceleration, (position, &radius)) in chunk.iter_mut().zip(rows) {
+                let offset =
+                    bodies.container.period().minimum_image([0, 1].map(|k| pole[k] - position[k]));
+                let pull = pull(self, offset, radius);
+                *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
+            }
+        });
+    }
+
+    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+
+    /// The pole is taken as fixed. It does not act on its own particle.
+    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+        let (pole, own) = self.place(bodies);
+        let energy_of = |index: usize| {
+            let offset = [0, 1].map(|k| pole[k] - bodies.positions[index][k]);
+            let offset = bodies.container.period().minimum_image(offset);
+            f64::from(bodies.masses[index]) * energy(self, offset, bodies.radii[index])
+        };
+        let is_moved = |&index: &usize| bodies.movable[index] && own != Some(index);
+        (0..bodies.positions.len()).filter(is_moved).map(energy_of).sum()
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::All
+    }
 }
 
 /// Potential energy of a body of mass 1 at `offset` from the pole: 0 at the pole for the harmonic
 /// law, 0 at infinity for the inverse square law.
-pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
+fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
     let strength = f64::from(attractor.strength);
     let [x, y] = offset.map(f64::from);
     let square = x * x + y * y;
@@ -64,24 +131,6 @@ pub fn energy(attractor: &Attractor, offset: [f32; 2], radius: f32) -> f64 {
             strength * (square / (radius * radius) - 3.0) / (2.0 * radius)
         }
     }
-}
-
-/// Adds the acceleration by the attractor to that of every body.
-pub fn add(attractor: &Attractor, bodies: &Bodies<'_>, accelerations: &mut [[f32; 2]]) {
-    let pole = match attractor.pole {
-        Pole::Point(point) => point,
-        Pole::Particle(row) => bodies.positions[bodies.indices[row as usize] as usize],
-    };
-    let threads = parallel::worthwhile(bodies.threads, accelerations.len());
-    parallel::for_chunks(threads, accelerations, |first, chunk| {
-        let rows = bodies.positions[first..].iter().zip(&bodies.radii[first..]);
-        for (acceleration, (position, &radius)) in chunk.iter_mut().zip(rows) {
-            let offset =
-                bodies.container.period().minimum_image([0, 1].map(|k| pole[k] - position[k]));
-            let pull = pull(attractor, offset, radius);
-            *acceleration = [0, 1].map(|k| acceleration[k] + pull[k]);
-        }
-    });
 }
 
 fn pull(attractor: &Attractor, offset: [f32; 2], radius: f32) -> [f32; 2] {

@@ -2,32 +2,36 @@
 //!
 //! C. W. Reynolds, *Flocks, herds and schools: a distributed behavioral model*, SIGGRAPH (1987).
 
-use super::neighbors::{self, Found, Law, Own, total};
+use super::neighbors::{Found, Law, Own, total};
 use super::pair::check_cutoff;
-use super::{Bodies, check_number};
+use super::record::record;
+use super::{Bodies, Force, Reach, Scratch, check_number};
+use crate::particles::MAX_KINDS;
 use jostle_base::error::Result;
 use jostle_simd::{LANES, Simd, block};
 
 /// Lower limit of squared distances, which prevents a division by 0.
 const MIN_SQUARE: f32 = 1e-24;
 
-/// The acceleration of each particle is the mean over its neighbours of separation (1 − d/cutoff)
-/// away from the neighbour, alignment times the difference of velocities, and cohesion times the
-/// offset d.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flocking {
-    /// Distance below which particles are neighbours.
-    pub cutoff: f32,
-    /// Acceleration away from a neighbour at distance 0.
-    pub separation: f32,
-    /// Rate at which velocities become equal, per second.
-    pub alignment: f32,
-    /// Acceleration towards a neighbour per unit of distance.
-    pub cohesion: f32,
-    /// Speed limit; no limit if infinite.
-    pub max_speed: f32,
-    /// Lower limit of the speed of particles that move.
-    pub min_speed: f32,
+record! {
+    /// The acceleration of each particle is the mean over its neighbours of separation (1 − d/cutoff)
+    /// away from the neighbour, alignment times the difference of velocities, and cohesion times the
+    /// offset d.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Flocking {
+        /// Distance below which particles are neighbours.
+        pub cutoff: f32,
+        /// Acceleration away from a neighbour at distance 0.
+        pub separation: f32,
+        /// Rate at which velocities become equal, per second.
+        pub alignment: f32,
+        /// Acceleration towards a neighbour per unit of distance.
+        pub cohesion: f32,
+        /// Speed limit; no limit if infinite.
+        pub max_speed: f32,
+        /// Lower limit of the speed of particles that move.
+        pub min_speed: f32,
+    }
 }
 
 impl Flocking {
@@ -47,7 +51,35 @@ impl Flocking {
         let rule = format!("it must be at most max_speed, {}", self.max_speed);
         Err(jostle_base::error::Error::of("min_speed", self.min_speed, &rule))
     }
+}
 
+impl Force for Flocking {
+    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+        let neighbors = &mut scratch.neighbors;
+        neighbors.fill(0, |row| bodies.velocities[row][0]);
+        neighbors.fill(1, |row| bodies.velocities[row][1]);
+        neighbors.sum(bodies, self.cutoff, 2, self, |row, by| {
+            sums[row] = [0, 1].map(|k| sums[row][k] + by[k] as f32);
+        });
+    }
+
+    /// Keeps the speeds within the limits.
+    fn limit(&self, bodies: &Bodies<'_>, sums: &mut [[f32; 2]]) {
+        for (acceleration, &velocity) in sums.iter_mut().zip(bodies.velocities) {
+            *acceleration = self.limited(velocity, *acceleration, bodies.seconds);
+        }
+    }
+
+    fn energy(&self, _: &Bodies<'_>) -> f64 {
+        0.0
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Neighbors { cutoff: self.cutoff, kinds: MAX_KINDS }
+    }
+}
+
+impl Flocking {
     /// The acceleration that keeps the speed within the limits: that of a particle whose velocity
     /// changes to v + a h.
     #[inline]
@@ -60,20 +92,6 @@ impl Flocking {
         }
         [0, 1].map(|k| (new[k] * (right / speed) - velocity[k]) / h)
     }
-}
-
-/// Adds the accelerations by the neighbours of each. The bodies are sorted in `scratch`.
-pub fn add(
-    flocking: &Flocking,
-    bodies: &Bodies<'_>,
-    scratch: &mut neighbors::Scratch,
-    accelerations: &mut [[f32; 2]],
-) {
-    scratch.fill(0, |row| bodies.velocities[row][0]);
-    scratch.fill(1, |row| bodies.velocities[row][1]);
-    scratch.sum(bodies, flocking.cutoff, 2, flocking, |row, by| {
-        accelerations[row] = [0, 1].map(|k| accelerations[row][k] + by[k] as f32);
-    });
 }
 
 impl Law for Flocking {

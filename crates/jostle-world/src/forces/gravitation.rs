@@ -16,8 +16,9 @@
 use std::ops::Range;
 use std::sync::Mutex;
 
+use super::record::record;
 use super::sorted::Sorted;
-use super::{Bodies, check_number};
+use super::{Bodies, Force, Reach, check_number};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::interrupt::Stop;
@@ -45,16 +46,18 @@ const MIN_SQUARE: f32 = 1e-24;
 /// The default of [`Gravitation::theta`].
 pub const DEFAULT_THETA: f32 = 0.5;
 
-/// a = Σ G m d / (d² + softening²)^³⁄₂ over all others.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gravitation {
-    /// The gravitational constant.
-    pub g: f32,
-    /// Softening length.
-    pub softening: f32,
-    /// Opening parameter θ: a node counts as one body if its diagonal divided by its distance is
-    /// below θ; 0 is direct summation.
-    pub theta: f32,
+record! {
+    /// a = Σ G m d / (d² + softening²)^³⁄₂ over all others.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Gravitation {
+        /// The gravitational constant.
+        pub g: f32,
+        /// Softening length.
+        pub softening: f32,
+        /// Opening parameter θ: a node counts as one body if its diagonal divided by its distance is
+        /// below θ; 0 is direct summation.
+        pub theta: f32,
+    }
 }
 
 impl Gravitation {
@@ -69,7 +72,7 @@ impl Gravitation {
     }
 }
 
-/// Scratch of [`add`].
+/// Scratch of the accelerations.
 #[derive(Debug, Default)]
 pub struct Scratch {
     sorted: Sorted,
@@ -88,53 +91,57 @@ struct Moment {
     width: f32,
 }
 
-/// Adds the accelerations by all bodies on each.
-pub fn add(
-    gravitation: &Gravitation,
-    bodies: &Bodies<'_>,
-    scratch: &mut Scratch,
-    accelerations: &mut [[f32; 2]],
-) {
-    let direct = prepare(gravitation, bodies, scratch);
-    let Scratch { sorted, all, moments, pulls, lists } = scratch;
-    let tree = &sorted.tree;
-    let walk = Walk { gravitation, tree, all, moments, period: bodies.container.period() };
-    pulls.clear();
-    pulls.resize(tree.len(), [0.0; 2]);
-    let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
-    let (tasks, stop) = (sorted.tasks(TASK_GROUPS, pulls), Stop::current());
-    parallel::for_each(threads, tasks, |(share, mut pulls)| {
-        let mut list = locked(lists).pop().unwrap_or_default();
-        // An interruption is reported by the caller, which then does not use the accelerations.
-        for &group in share.iter().take_while(|_| !stop.is_set()) {
-            let len = sorted.range(group).len();
-            let own = pulls.split_off_mut(..len).expect("the sizes add up");
-            walk.pull(group, direct, &mut list, own);
+impl Force for Gravitation {
+    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut super::Scratch, sums: &mut [[f32; 2]]) {
+        let direct = prepare(self, bodies, &mut scratch.gravitation);
+        let Scratch { sorted, all, moments, pulls, lists } = &mut scratch.gravitation;
+        let tree = &sorted.tree;
+        let walk =
+            Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
+        pulls.clear();
+        pulls.resize(tree.len(), [0.0; 2]);
+        let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
+        let (tasks, stop) = (sorted.tasks(TASK_GROUPS, pulls), Stop::current());
+        parallel::for_each(threads, tasks, |(share, mut pulls)| {
+            let mut list = locked(lists).pop().unwrap_or_default();
+            // An interruption is reported by the caller, which then does not use the sums.
+            for &group in share.iter().take_while(|_| !stop.is_set()) {
+                let len = sorted.range(group).len();
+                let own = pulls.split_off_mut(..len).expect("the sizes add up");
+                walk.pull(group, direct, &mut list, own);
+            }
+            locked(lists).push(list);
+        });
+        subtract_mean(pulls, &all.mass);
+        let g = f64::from(self.g);
+        for (pull, &row) in pulls.iter().zip(tree.rows()) {
+            let to = &mut sums[row as usize];
+            *to = [0, 1].map(|k| to[k] + (g * pull[k]) as f32);
         }
-        locked(lists).push(list);
-    });
-    subtract_mean(pulls, &all.mass);
-    let g = f64::from(gravitation.g);
-    for (pull, &row) in pulls.iter().zip(tree.rows()) {
-        let to = &mut accelerations[row as usize];
-        *to = [0, 1].map(|k| to[k] + (g * pull[k]) as f32);
     }
-}
 
-/// Potential energy of gravitation, 0 at infinity: summed over the same pairs of bodies, or over
-/// the same bodies and nodes, as in [`add`].
-pub fn energy(gravitation: &Gravitation, bodies: &Bodies<'_>) -> f64 {
-    let mut scratch = Scratch::default();
-    let direct = prepare(gravitation, bodies, &mut scratch);
-    let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
-    let walk = Walk { gravitation, tree, all, moments, period: bodies.container.period() };
-    let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
-    let stop = Stop::current();
-    let parts = parallel::map(threads, groups.len(), |index| {
-        if stop.is_set() { 0.0 } else { walk.energy(groups[index], direct) }
-    });
-    // Every pair was summed twice.
-    -0.5 * f64::from(gravitation.g) * parts.iter().sum::<f64>()
+    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+
+    /// It is 0 at infinity, and summed over the same pairs of bodies, or over the same bodies and nodes, as the
+    /// accelerations.
+    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+        let mut scratch = Scratch::default();
+        let direct = prepare(self, bodies, &mut scratch);
+        let Scratch { sorted: Sorted { tree, groups, .. }, all, moments, .. } = &scratch;
+        let walk =
+            Walk { gravitation: self, tree, all, moments, period: bodies.container.period() };
+        let threads = parallel::threads_for(bodies.threads, tree.len(), DIRECT, DIRECT);
+        let stop = Stop::current();
+        let parts = parallel::map(threads, groups.len(), |index| {
+            if stop.is_set() { 0.0 } else { walk.energy(groups[index], direct) }
+        });
+        // Every pair was summed twice.
+        -0.5 * f64::from(self.g) * parts.iter().sum::<f64>()
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::All
+    }
 }
 
 /// Sorts the bodies and computes the moments of the nodes. Returns whether direct summation is

@@ -3,29 +3,31 @@
 //! The motion is a function of time. A step uses the velocities that lead from the position at its
 //! beginning to that at its end, so that the displacements sum to the motion for every step length.
 
-use std::collections::HashSet;
 use std::f64::consts::TAU;
 
+use super::record::record;
 use super::{check_distinct, check_number, check_pair};
 use crate::particles::FARTHEST;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
-/// A rotation about a centre and a translation, both reversed in the second half of each period.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Motor {
-    /// The immovable particles that it drives.
-    pub ids: Vec<Id>,
-    /// The indices of the walls that it drives. Walls do not rotate.
-    pub walls: Vec<u32>,
-    /// The centre of the rotation at time 0. It moves with the translation.
-    pub center: [f32; 2],
-    /// Radians per second.
-    pub angular_velocity: f32,
-    /// Units of length per second.
-    pub velocity: [f32; 2],
-    /// Period in seconds; infinite if the motion is never reversed.
-    pub period: f32,
+record! {
+    /// A rotation about a centre and a translation, both reversed in the second half of each period.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Motor {
+        /// The immovable particles that it drives.
+        pub ids: Vec<Id>,
+        /// The indices of the walls that it drives. Walls do not rotate.
+        pub walls: Vec<u32>,
+        /// The centre of the rotation at time 0. It moves with the translation.
+        pub center: [f32; 2],
+        /// Radians per second.
+        pub angular_velocity: f32,
+        /// Units of length per second.
+        pub velocity: [f32; 2],
+        /// Period in seconds; infinite if the motion is never reversed.
+        pub period: f32,
+    }
 }
 
 impl Motor {
@@ -43,14 +45,6 @@ impl Motor {
         }
         check_distinct("ids", &self.ids)?;
         check_distinct("walls", &self.walls)
-    }
-
-    /// Renumbers particles, see [`follow`](super::follow). Removed particles are no longer driven;
-    /// merged ones are listed once.
-    pub fn follow(&mut self, renamed: impl Fn(Id) -> Option<Id>) {
-        let mut known = HashSet::new();
-        let new = self.ids.iter().filter_map(|&id| renamed(id));
-        self.ids = new.filter(|&id| known.insert(id)).collect();
     }
 
     /// Seconds of forward motion minus seconds of backward motion since time 0.

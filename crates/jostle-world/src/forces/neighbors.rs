@@ -5,7 +5,6 @@
 //! a body are then packed into dense columns, in the order of blocks and bodies. So a law sums them
 //! in an order that depends only on the state, and not on the blocks that were tested in vain.
 
-use std::cmp::Ordering;
 use std::sync::Mutex;
 
 use super::Bodies;
@@ -94,9 +93,9 @@ struct List {
 }
 
 impl Scratch {
-    /// Sorts the bodies; `tie` compares rows whose positions coincide.
-    pub fn sort(&mut self, bodies: &Bodies<'_>, tie: impl Fn(usize, usize) -> Ordering) {
-        self.sorted.sort(bodies, MAX_GROUP, &tie);
+    /// Sorts the bodies.
+    pub fn sort(&mut self, bodies: &Bodies<'_>) {
+        self.sorted.sort(bodies, MAX_GROUP, &|a, b| bodies.compare(a, b));
         let (tree, len) = (&self.sorted.tree, self.sorted.tree.len());
         let columns = tree.columns();
         for (to, from) in [(&mut self.x, &columns.x), (&mut self.y, &columns.y)] {

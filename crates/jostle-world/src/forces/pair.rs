@@ -9,8 +9,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use super::neighbors::{self, Found, Law, Own, total};
-use super::{Bodies, check_number};
+use super::record::{record, refers_to_nothing};
+use super::{Bodies, Force, Reach, Scratch, check_number};
 use crate::particles::{FARTHEST, MAX_KINDS};
+use jostle_base::bytes::{Reader, Saved, Writer, damaged};
 use jostle_base::error::{Error, Result, counted};
 use jostle_simd::{LANES, PairIndices, Simd, block};
 
@@ -26,11 +28,13 @@ const MIN_SQUARE: f32 = 1e-24;
 /// Number of neighbours whose forces are summed in float32; these sums are added in float64.
 const RUN: usize = 16 * LANES;
 
-/// Forces between kinds of particles.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PairForce {
-    /// The forces.
-    pub table: Arc<PairTable>,
+record! {
+    /// Forces between kinds of particles.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct PairForce {
+        /// The forces.
+        pub table: Arc<PairTable>,
+    }
 }
 
 /// The forces of kinds on each other, by distance.
@@ -188,48 +192,71 @@ fn potentials_of(line: &[f32], step: f64) -> Vec<f64> {
     all
 }
 
-/// Adds the accelerations by the neighbours of each. The bodies are sorted in `scratch`.
-pub fn add(
-    force: &PairForce,
-    bodies: &Bodies<'_>,
-    scratch: &mut neighbors::Scratch,
-    accelerations: &mut [[f32; 2]],
-) {
-    let table = &*force.table;
-    let segments = table.points - 1;
-    scratch.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32);
-    let mut count = 1;
-    if table.damping > 0.0 {
-        scratch.fill(1, |row| bodies.velocities[row][0]);
-        scratch.fill(2, |row| bodies.velocities[row][1]);
-        count = 3;
+impl PairForce {
+    /// Refuses nothing: a table is valid.
+    pub fn validate(&self) -> Result<()> {
+        Ok(())
     }
-    scratch.sum(bodies, table.cutoff, count, table, |row, by| {
-        let mass = f64::from(bodies.masses[row]);
-        accelerations[row] = [0, 1].map(|k| accelerations[row][k] + (by[k] / mass) as f32);
-    });
 }
 
-/// Potential energy of the bodies whose rows are below `own`, half of that of each pair; 0 beyond
-/// the cutoff. 0 if the forces are not equal and opposite. The bodies are sorted in `scratch`.
-pub fn energy(
-    force: &PairForce,
-    bodies: &Bodies<'_>,
-    own: usize,
-    scratch: &mut neighbors::Scratch,
-) -> f64 {
-    let table = &*force.table;
-    if table.potentials.is_empty() {
-        return 0.0;
+refers_to_nothing! { Arc<PairTable> }
+
+/// The segments and potentials follow from the rest.
+impl Saved for PairTable {
+    fn put(&self, to: &mut Writer) {
+        let Self { kinds, values, cutoff, damping, segments: _, potentials: _, points: _ } = self;
+        kinds.put(to);
+        values.put(to);
+        to.put([*cutoff, *damping]);
     }
-    scratch.fill(0, |row| f32::from(bodies.kind(row)));
-    scratch.fill(1, |row| f32::from((bodies.rows[row] as usize) < own));
-    let [kinds, weights, ..] = scratch.columns();
-    // Every pair is summed twice.
-    0.5 * scratch.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
-        let [a, b] = indices.map(|index| kinds[index] as usize);
-        f64::from(weights[indices[0]]) * table.potential(a, b, distance)
-    })
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        let (kinds, values, [cutoff, damping]) =
+            (Saved::get(from)?, Saved::get(from)?, from.get()?);
+        Self::new(kinds, values, cutoff, damping).map_err(|error| damaged(&error.to_string()))
+    }
+}
+
+impl Force for PairForce {
+    fn accelerate(&self, bodies: &Bodies<'_>, scratch: &mut Scratch, sums: &mut [[f32; 2]]) {
+        let (table, neighbors) = (&*self.table, &mut scratch.neighbors);
+        let segments = table.points - 1;
+        neighbors.fill(0, |row| (usize::from(bodies.kind(row)) * segments) as f32);
+        let mut count = 1;
+        if table.damping > 0.0 {
+            neighbors.fill(1, |row| bodies.velocities[row][0]);
+            neighbors.fill(2, |row| bodies.velocities[row][1]);
+            count = 3;
+        }
+        neighbors.sum(bodies, table.cutoff, count, table, |row, by| {
+            let mass = f64::from(bodies.masses[row]);
+            sums[row] = [0, 1].map(|k| sums[row][k] + (by[k] / mass) as f32);
+        });
+    }
+
+    fn limit(&self, _: &Bodies<'_>, _: &mut [[f32; 2]]) {}
+
+    /// Half of that of each pair for each of its own bodies; 0 beyond the cutoff, and if the forces are not equal
+    /// and opposite.
+    fn energy(&self, bodies: &Bodies<'_>) -> f64 {
+        let table = &*self.table;
+        if table.potentials.is_empty() {
+            return 0.0;
+        }
+        let mut neighbors = neighbors::Scratch::default();
+        neighbors.sort(bodies);
+        neighbors.fill(0, |row| f32::from(bodies.kind(row)));
+        neighbors.fill(1, |row| f32::from(bodies.rows[row] < bodies.own_rows));
+        let [kinds, weights, ..] = neighbors.columns();
+        // Every pair is summed twice.
+        0.5 * neighbors.sum_of_pairs(bodies, table.cutoff, |indices, distance| {
+            let [a, b] = indices.map(|index| kinds[index] as usize);
+            f64::from(weights[indices[0]]) * table.potential(a, b, distance)
+        })
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Neighbors { cutoff: self.table.cutoff, kinds: self.table.kinds }
+    }
 }
 
 /// The first column has the index of the first segment of the kind of each body among those that

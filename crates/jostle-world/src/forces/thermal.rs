@@ -1,6 +1,7 @@
 //! Thermal walls and Andersen's thermostat, which both sample the canonical ensemble.
 
 use super::chance::Chance;
+use super::record::record;
 use super::{check_distinct, check_number};
 use crate::container::{Container, MAX_WALLS};
 use crate::particles::FARTHEST;
@@ -10,26 +11,28 @@ use jostle_base::error::{Error, Result};
 /// Maximum standard deviation of a velocity, so that velocities are within the limits of a world.
 const LARGEST: f64 = FARTHEST as f64 / 16.0;
 
-/// Sides of the container, and walls, with a temperature. A disc leaves such a wall with the
-/// velocity of a particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along
-/// the normal, and a normal distribution along the wall (R. Tehver et al., *Thermal walls in
-/// computer simulations*, Phys. Rev. E 57, R17, 1998).
-#[derive(Clone, Debug, PartialEq)]
-pub struct ThermalWalls {
-    /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
-    pub temperature: f32,
-    /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
-    pub sides: [bool; MAX_WALLS],
-    /// The indices of the walls that have the temperature, on both sides.
-    pub walls: Vec<u32>,
-    /// Seed of the random numbers.
-    pub seed: u32,
+record! {
+    /// Sides of the container, and walls, with a temperature. A disc leaves such a wall with the
+    /// velocity of a particle that enters through it from an ideal gas: p(v) ∝ v e^(−m v²/2kT) along
+    /// the normal, and a normal distribution along the wall (R. Tehver et al., *Thermal walls in
+    /// computer simulations*, Phys. Rev. E 57, R17, 1998).
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ThermalWalls {
+        /// Boltzmann's constant times the temperature: the mean kinetic energy of a disc.
+        pub temperature: f32,
+        /// Whether each side has the temperature: min x, max x, min y, max y; a circle uses the first.
+        pub sides: [bool; MAX_WALLS],
+        /// The indices of the walls that have the temperature, on both sides.
+        pub walls: Vec<u32>,
+        /// Seed of the random numbers.
+        pub seed: u32,
+    }
 }
 
 impl ThermalWalls {
     /// The numbers of all its walls.
     pub fn numbers(&self) -> impl Iterator<Item = u32> + '_ {
-        let sides = (0..).zip(self.sides).filter_map(|(side, is_hot)| is_hot.then_some(side));
+        let sides = (0..).zip(self.sides).filter_map(|(side, has_it)| has_it.then_some(side));
         sides.chain(self.walls.iter().map(|&wall| number_of(wall)))
     }
 
@@ -64,17 +67,19 @@ impl ThermalWalls {
     }
 }
 
-/// A heat bath that gives each disc a new, normally distributed velocity at random times (H. C.
-/// Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, J. Chem.
-/// Phys. 72, 2384, 1980).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Andersen {
-    /// Boltzmann's constant times the temperature.
-    pub temperature: f32,
-    /// Mean number of new velocities of a disc per second.
-    pub rate: f32,
-    /// Seed of the random numbers.
-    pub seed: u32,
+record! {
+    /// A thermostat that gives each disc a new, normally distributed velocity at random times (H. C.
+    /// Andersen, *Molecular dynamics simulations at constant pressure and/or temperature*, J. Chem.
+    /// Phys. 72, 2384, 1980).
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Andersen {
+        /// Boltzmann's constant times the temperature.
+        pub temperature: f32,
+        /// Mean number of new velocities of a disc per second.
+        pub rate: f32,
+        /// Seed of the random numbers.
+        pub seed: u32,
+    }
 }
 
 impl Andersen {
@@ -99,7 +104,7 @@ impl Andersen {
 
 /// The sides of the container and the walls that have a temperature, in one step.
 #[derive(Debug, Default)]
-pub struct HotWalls {
+pub struct WallTemperatures {
     /// Temperature and seed of the wall with each number; None if it has no temperature. Empty if
     /// no wall has one.
     all: Vec<Option<(f32, u32)>>,
@@ -107,7 +112,7 @@ pub struct HotWalls {
     time: f64,
 }
 
-impl HotWalls {
+impl WallTemperatures {
     /// Lists the walls that have a temperature in a step that begins at `time`.
     pub fn fill<'a>(&mut self, forces: impl Iterator<Item = &'a ThermalWalls>, time: f64) {
         self.all.clear();

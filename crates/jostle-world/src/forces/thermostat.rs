@@ -1,16 +1,19 @@
 //! The article's thermostat: walls change the speed of particles that bounce off them.
 
 use super::check_number;
+use super::record::record;
 use jostle_base::error::{Error, Result};
 
-/// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
-/// article.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thermostat {
-    /// The target speed.
-    pub speed: f32,
-    /// Relative change by one bounce, 0 to 1.
-    pub rate: f32,
+record! {
+    /// Every bounce off a wall changes the speed s to s + rate · (speed − s), as in the
+    /// article.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Thermostat {
+        /// The target speed.
+        pub speed: f32,
+        /// Relative change by one bounce, 0 to 1.
+        pub rate: f32,
+    }
 }
 
 impl Thermostat {
@@ -24,7 +27,7 @@ impl Thermostat {
     }
 
     /// The velocity after a bounce off a wall, from the velocity without the thermostat.
-    pub fn drive(&self, velocity: [f64; 2]) -> [f64; 2] {
+    pub fn bounced(&self, velocity: [f64; 2]) -> [f64; 2] {
         let [x, y] = velocity;
         let speed = (x * x + y * y).sqrt();
         if speed == 0.0 {

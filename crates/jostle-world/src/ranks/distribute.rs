@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use super::domain::Domain;
 use super::{Communicator, Group, RECORD, Traffic, put_record, read_records};
-use crate::forces::Force;
+use crate::forces::{Influence, Reach, Role};
 use crate::world::World;
 use crate::world::asleep::Asleep;
 use jostle_base::error::{Error, Result};
@@ -95,20 +95,18 @@ impl World {
 
     /// Refuses what a distributed world cannot do.
     pub fn check_distributable(&self) -> Result<()> {
-        for (index, force) in self.forces.iter().enumerate() {
-            let name = match force {
-                Force::Thermostat(_) | Force::ThermalWalls(_) | Force::Andersen(_) => continue,
-                Force::Pair(_) | Force::Flocking(_) => continue,
-                Force::Attractor(_) => "an Attractor",
-                Force::Gravitation(_) => "Gravitation",
-                Force::Springs(_) => "Springs",
-                Force::Motor(_) => "a Motor",
-            };
-            let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
-                        AndersenThermostat only";
-            return Err(Error::at("forces", index, name, rule));
-        }
-        Ok(())
+        let is_local = |influence: &Influence| match influence.role() {
+            Role::Force(force) => force.reach() != Reach::All,
+            Role::Springs(_) | Role::Motor(_) => false,
+            Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => true,
+        };
+        let influences = self.influences.list();
+        let Some(index) = influences.iter().position(|influence| !is_local(influence)) else {
+            return Ok(());
+        };
+        let rule = "a distributed world has PairForce, Flocking, Thermostat, ThermalWalls and \
+                    AndersenThermostat only";
+        Err(Error::at("forces", index, influences[index].noun(), rule))
     }
 
     /// The particles of this rank; None if the world is not distributed.

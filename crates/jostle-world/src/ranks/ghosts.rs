@@ -3,7 +3,6 @@
 use super::domain::{Announced, Domain};
 use super::waking::islands_of_circles;
 use super::{CircleBlocks, Grid, Near, RECORD, put_record};
-use crate::forces;
 use crate::halo::Halo;
 use crate::world::World;
 use crate::world::asleep::Asleep;
@@ -64,7 +63,7 @@ impl World {
         if self.halo.is_alone() {
             return Ok(());
         }
-        let half = 0.5 * forces::largest_cutoff(&self.forces);
+        let half = 0.5 * self.influences.largest_cutoff();
         self.exchange_within(&vec![half; self.rows.len()])
     }
 
@@ -174,7 +173,7 @@ impl World {
         domain.extent = (!is_torus).then_some(area);
         let extent = (right + left).max(bottom + top).max(0.0);
         let usual = f64::from(scratch.usual_speed) * f64::from(dt);
-        let of_forces = 0.5 * f64::from(forces::largest_cutoff(&self.forces));
+        let of_forces = 0.5 * f64::from(self.influences.largest_cutoff());
         let margin = (MARGIN * radius + usual) * domain.widened + of_forces;
         Ok((if domain.widened < ALL { margin } else { margin.max(extent) }, extent))
     }

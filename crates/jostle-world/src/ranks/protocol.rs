@@ -20,7 +20,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use super::domain::Domain;
 use crate::contacts::ContactShape;
-use crate::forces;
 use crate::halo::{Halo, digest, digest_all};
 use crate::motion::exact;
 use crate::world::distribution::{Agreement, Protocol};
@@ -256,7 +255,7 @@ impl World {
     /// need not have. Particles whose neighbours other ranks have not announced are noted as far.
     pub(crate) fn share_accelerations(&mut self) -> Result<()> {
         let has_accelerations = self.has_accelerations();
-        let Self { halo, rows, scratch, settings, forces, .. } = self;
+        let Self { halo, rows, scratch, settings, influences, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         if locked(&domain.group).size() < 2 || !has_accelerations {
             return Ok(());
@@ -270,7 +269,7 @@ impl World {
             |index| accelerations[index as usize].get(),
             |index, acceleration| accelerations[index as usize].set(acceleration),
         )?;
-        let half_cutoff = 0.5 * forces::largest_cutoff(forces);
+        let half_cutoff = 0.5 * influences.largest_cutoff();
         for (&position, &row) in force.halfway.iter().zip(&*rows) {
             let Some(of) = domain.announced.get(row as usize) else { continue };
             let offset = [0, 1].map(|k| f64::from(position[k]) - f64::from(of.position[k]));

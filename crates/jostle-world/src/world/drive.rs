@@ -1,7 +1,7 @@
 //! Motors drive immovable particles and walls.
 
 use super::World;
-use crate::forces::{self, Force, Motor};
+use crate::forces::{Influences, Role};
 use crate::motion::exact;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -20,7 +20,7 @@ impl World {
     /// those before.
     pub(crate) fn drive(&mut self, dt: f64) -> Driven {
         let mut before = Driven::default();
-        for motor in forces::motors(&self.forces) {
+        for motor in self.influences.motors() {
             let drive = motor.drive(self.time, dt);
             let rows: Vec<u32> = motor.ids.iter().map(|&row| row as u32).collect();
             for index in self.indices_of(&rows) {
@@ -62,11 +62,11 @@ impl World {
         self.particles.simplify();
     }
 
-    /// Refuses motors of movable particles, and forces of walls that do not exist.
-    pub(crate) fn check_motors(&self, forces: &[Force]) -> Result<()> {
-        check_walls(forces, self.walls.all().len())?;
+    /// Refuses motors of movable particles.
+    pub(crate) fn check_motors(&self, influences: &Influences) -> Result<()> {
         let indices = self.indices();
-        for (index, motor) in motors(forces) {
+        for (index, influence) in influences.list().iter().enumerate() {
+            let Role::Motor(motor) = influence.role() else { continue };
             let is_movable = |&&id: &&Id| {
                 let row = self.ids.row(id).expect("it is in the world");
                 // Immovable particles never sleep.
@@ -80,25 +80,4 @@ impl World {
         }
         Ok(())
     }
-}
-
-/// Refuses forces of walls that are not among the first `walls`.
-pub(crate) fn check_walls(forces: &[Force], walls: usize) -> Result<()> {
-    for (index, force) in forces.iter().enumerate() {
-        if let Some(wall) = force.walls().iter().find(|&&wall| wall as usize >= walls) {
-            let kind = if matches!(force, Force::Motor(_)) { "a motor" } else { "ThermalWalls" };
-            let (value, rule) =
-                (format!("{kind} of wall {wall}"), format!("there are {walls} walls"));
-            return Err(Error::at("forces", index, value, &rule));
-        }
-    }
-    Ok(())
-}
-
-/// The motors with their indices among the forces.
-fn motors(forces: &[Force]) -> impl Iterator<Item = (usize, &Motor)> {
-    forces.iter().enumerate().filter_map(|(index, force)| match force {
-        Force::Motor(motor) => Some((index, motor)),
-        _ => None,
-    })
 }

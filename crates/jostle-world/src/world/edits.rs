@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use super::World;
 use super::sleeping::Drift;
-use crate::forces;
 use crate::particles::{Changes, Effect, Particles};
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -17,7 +16,7 @@ impl World {
     pub fn add(&mut self, mut particles: Particles) -> Result<Range<Id>> {
         particles.validate()?;
         self.settings.container.check_fit(&particles.radii)?;
-        forces::check_kinds(&self.forces, &particles.kinds)?;
+        self.influences.check_kinds(&particles.kinds)?;
         particles.simplify();
         let (old, new) = (self.len(), self.len() + particles.len());
         if new > MAX_ROWS {
@@ -47,9 +46,8 @@ impl World {
         let mut gone = vec![false; self.len()];
         rows.iter().for_each(|&row| gone[row as usize] = true);
         let shifted = self.take_out(&gone);
-        forces::follow(&mut self.forces, |row| {
-            (!gone[row as usize]).then(|| Id::from(shifted[row as usize]))
-        });
+        self.influences
+            .renumber(|row| (!gone[row as usize]).then(|| Id::from(shifted[row as usize])));
         let ids = &self.ids;
         self.record.drop_merged(|id| ids.row(id).is_some());
         self.end_given_of_none()
@@ -127,7 +125,7 @@ impl World {
         }
         copy.validate()?;
         self.settings.container.check_fit(&copy.radii)?;
-        forces::check_kinds(&self.forces, &copy.kinds)?;
+        self.influences.check_kinds(&copy.kinds)?;
         let pairs = copy.residuals.iter_mut().zip(copy.positions.iter().zip(&before.positions));
         let moved = pairs.filter(|(_, (new, old))| new != old);
         moved.for_each(|(residual, _)| *residual = [0.0; 2]);
@@ -150,7 +148,7 @@ impl World {
             radii.check(|radii| self.settings.container.check_fit(radii))?;
         }
         if let Some(kinds) = &changes.kinds {
-            kinds.check(|kinds| forces::check_kinds(&self.forces, kinds))?;
+            kinds.check(|kinds| self.influences.check_kinds(kinds))?;
         }
         if self.may_wake() {
             let before = self.particles_in(rows);

@@ -4,7 +4,7 @@ use super::given::add_given;
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::flow::{Flow, Kick};
-use crate::forces::{self, ASLEEP, Bodies, Force, springs::SpringSolver};
+use crate::forces::{self, ASLEEP, Bodies, Influences, springs::SpringSolver};
 use crate::motion::Motions;
 use crate::particles::{self, Particles};
 use jostle_base::disjoint_sets::DisjointSets;
@@ -68,10 +68,10 @@ impl World {
         scratch.accelerations.clear();
         scratch.max_displacements.clear();
         scratch.are_springs_stiff = false;
-        if self.forces.is_empty() && self.given.is_none() {
+        if self.influences.is_empty() && self.given.is_none() {
             return Ok(());
         }
-        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut scratch.indices);
+        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut scratch.indices);
         let h = dt / substeps as f32;
         let particles = &self.particles;
         if has_accelerations {
@@ -100,11 +100,11 @@ impl World {
 
     /// Estimates displacements by springs, and finds out whether any are stiff.
     fn estimate_springs(&mut self, dt: f32, substeps: usize) {
-        let Self { forces: named, particles, rows, settings, scratch, .. } = self;
+        let Self { influences, particles, rows, settings, scratch, .. } = self;
         let h = f64::from(dt) / substeps as f64;
         let ForceScratch { indices, groups, max_displacements, sums, are_springs_stiff, .. } =
             &mut scratch.forces;
-        let all = awake_springs(named, indices);
+        let all = awake_springs(influences, indices);
         if all.clone().next().is_none() {
             return;
         }
@@ -123,15 +123,15 @@ impl World {
             &mut scratch.forces;
         let bodies = bodies(particles, halfway, (rows, indices), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
-        forces::accelerate(&self.forces, &bodies, scratch, accelerations);
+        self.influences.accelerate(&bodies, scratch, accelerations);
         add_given(accelerations, rows, given.as_deref());
         interrupt::check()?;
         self.halo.protocol().share_accelerations(self)
     }
 
-    /// Gives some particles the velocities of a bath at the end of a step of `dt` seconds.
-    pub(crate) fn apply_bath(&mut self, dt: f32, threads: Option<usize>) {
-        let Some(bath) = forces::bath(&self.forces) else { return };
+    /// Gives some particles new velocities by Andersen's thermostat, at the end of a step of `dt` seconds.
+    pub(crate) fn apply_andersen(&mut self, dt: f32, threads: Option<usize>) {
+        let Some(&andersen) = self.influences.andersen_thermostats().next() else { return };
         let time = self.time;
         let Particles { positions, residuals, velocities, masses, movable, .. } =
             &mut self.particles;
@@ -141,7 +141,8 @@ impl World {
                 let state = [x, y, a, b, u, v].map(f64::from);
                 let [x, y, a, b, u, v] = state;
                 if movable[index]
-                    && let Some(new) = bath.velocity(masses[index], dt, &[x, y, a, b, u, v, time])
+                    && let Some(new) =
+                        andersen.velocity(masses[index], dt, &[x, y, a, b, u, v, time])
                 {
                     *velocity = new;
                 }
@@ -152,39 +153,31 @@ impl World {
     /// Removes springs that are stretched too far.
     pub(crate) fn break_springs(&mut self) {
         let (particles, settings) = (&self.particles, &self.settings);
-        for force in &mut self.forces {
-            if let Force::Springs(springs) = force {
-                let indices = &self.scratch.forces.indices;
-                let rows = &self.rows;
-                let bodies = bodies(particles, &particles.positions, (rows, indices), settings);
-                springs.break_stretched(&bodies);
-            }
-        }
+        let rows = (&self.rows[..], &self.scratch.forces.indices[..]);
+        let bodies = bodies(particles, &particles.positions, rows, settings);
+        self.influences.break_springs(&bodies);
     }
-}
-
-/// The springs among the forces.
-pub(crate) fn springs(forces: &[Force]) -> impl Iterator<Item = &forces::Springs> + Clone {
-    forces.iter().filter_map(|force| match force {
-        Force::Springs(springs) => Some(springs),
-        _ => None,
-    })
 }
 
 /// The springs of particles that are awake.
 pub(crate) fn awake_springs<'a>(
-    forces: &'a [Force],
+    influences: &'a Influences,
     indices: &'a [u32],
 ) -> impl Iterator<Item = &'a forces::Spring> + Clone {
     let is_awake =
         |spring: &&forces::Spring| spring.pair.iter().all(|&row| indices[row as usize] != ASLEEP);
-    springs(forces).flat_map(|springs| &springs.0).filter(is_awake)
+    influences.springs().flat_map(|springs| &springs.0).filter(is_awake)
 }
 
-/// Writes the index of each row, if any force names particles, of which some are asleep.
-pub(crate) fn find_indices(forces: &[Force], rows: &[u32], asleep: usize, indices: &mut Vec<u32>) {
+/// Writes the index of each row, if any force or spring refers to particles, of which some are asleep.
+pub(crate) fn find_indices(
+    influences: &Influences,
+    rows: &[u32],
+    asleep: usize,
+    indices: &mut Vec<u32>,
+) {
     indices.clear();
-    if forces::name_any(forces) {
+    if influences.act_by_rows() {
         indices.resize(rows.len() + asleep, ASLEEP);
         for (index, &row) in rows.iter().enumerate() {
             indices[row as usize] = index as u32;
@@ -207,7 +200,9 @@ pub(crate) fn bodies<'a>(
         masses: &particles.masses,
         radii: &particles.radii,
         kinds: &particles.kinds,
+        movable: &particles.movable,
         rows,
+        own_rows: u32::MAX,
         indices,
         container,
         seconds: 0.0,

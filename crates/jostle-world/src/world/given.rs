@@ -2,7 +2,6 @@
 //! world all processes make the same calls, each for its own particles, and there are no ghosts.
 
 use super::World;
-use crate::forces;
 use crate::particles::check_vectors;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -102,7 +101,7 @@ impl World {
 
     /// Whether anything accelerates particles, apart from gravity and springs.
     pub(crate) fn has_accelerations(&self) -> bool {
-        self.given.is_some() || forces::pull(&self.forces)
+        self.given.is_some() || self.influences.has_forces()
     }
 }
 

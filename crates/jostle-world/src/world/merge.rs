@@ -8,7 +8,6 @@
 use super::edits::renumber;
 use super::{OnTouch, StepScratch, World};
 use crate::container::Container;
-use crate::forces;
 use crate::motion::Motions;
 use crate::particles::{FARTHEST, MASS_RANGE, Particles, Spin};
 use jostle_base::disjoint_sets::DisjointSets;
@@ -179,9 +178,7 @@ impl World {
         let StepScratch { wall_pushes, exhausted, .. } = &mut self.scratch;
         renumber(wall_pushes, |of| &mut of.row, (&gone, &shifted));
         renumber(exhausted, |row| row, (&gone, &shifted));
-        forces::follow(&mut self.forces, |row| {
-            Some(Id::from(shifted[heirs[row as usize] as usize]))
-        });
+        self.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
         self.record.add_merged(merged);
         self.end_given_of_none()
     }

@@ -47,7 +47,7 @@ use crate::contacts::{ContactShape, Contacts};
 use crate::correction::Correction;
 use crate::events::Events;
 use crate::flow::Kick;
-use crate::forces::{self, Force, HotWalls};
+use crate::forces::{Influence, Influences, WallTemperatures};
 use crate::motion::{Motions, Spins};
 use crate::particles::{Changes, Particles};
 use crate::resting::{Resting, WallImpulse};
@@ -146,8 +146,8 @@ pub struct Stats {
 #[derive(Debug, Default)]
 pub struct World {
     pub(crate) settings: WorldSettings,
-    /// They name particles by rows.
-    pub(crate) forces: Vec<Force>,
+    /// Forces, springs, motors and thermostats. They refer to particles by rows.
+    pub(crate) influences: Influences,
     pub(crate) walls: Walls,
     /// The accelerations of the rows by forces of the caller, if there are any on any process.
     pub(crate) given: Option<Vec<[f32; 2]>>,
@@ -238,7 +238,7 @@ pub(crate) struct StepScratch {
     /// Whether the processes agree on a part of the step, if that is known.
     pub(crate) agreement: Option<Agreement>,
     pub(crate) kicks: Vec<Kick>,
-    pub(crate) hot_walls: HotWalls,
+    pub(crate) wall_temperatures: WallTemperatures,
     pub(crate) forces: ForceScratch,
     pub(crate) before: Before,
     /// Columns to reorder into, for all parts of a step but the first.
@@ -274,11 +274,11 @@ impl World {
     pub fn configure(&mut self, settings: WorldSettings) -> Result<()> {
         settings.validate()?;
         settings.container.check_fit(&self.radii())?;
-        forces::check_fit(&self.forces, settings.container)?;
+        self.influences.check_fit(settings.container)?;
         let new_walls = if settings.container == self.settings.container {
             None
         } else {
-            forces::check_sides(&self.forces, settings.container)?;
+            self.influences.check_sides(settings.container)?;
             let walls = self.walls.all().to_vec();
             Some(Walls::new(walls, settings.container, settings.tree)?)
         };
@@ -308,7 +308,7 @@ impl World {
     /// Changes the walls. If they are refused, the old ones stay. All particles wake. Particles that
     /// overlap a wall are pushed out in several steps.
     pub fn set_walls(&mut self, walls: Vec<Wall>) -> Result<()> {
-        drive::check_walls(&self.forces, walls.len())?;
+        self.influences.check_walls(walls.len())?;
         let mut walls = Walls::new(walls, self.settings.container, self.settings.tree)?;
         walls.set_sides(self.settings.side_restitutions());
         self.wake_all();
@@ -322,28 +322,30 @@ impl World {
         Ok(())
     }
 
-    /// The forces. They name particles by ids.
-    pub fn forces(&self) -> Vec<Force> {
-        let mut forces = self.forces.clone();
-        forces::follow(&mut forces, |row| Some(self.ids.of(row as u32)));
-        forces
+    /// The forces and all else that acts on particles, as given to [`World::set_forces`].
+    pub fn forces(&self) -> Vec<Influence> {
+        let mut influences = self.influences.clone();
+        influences.renumber(|row| Some(self.ids.of(row as u32)));
+        influences.list().to_vec()
     }
 
-    /// Changes the forces. They name particles by ids. If they are refused, the old ones stay. All
+    /// Changes the forces and all else that acts on particles. If they are refused, the old ones stay. All
     /// particles wake.
-    pub fn set_forces(&mut self, forces: Vec<Force>) -> Result<()> {
-        forces::check_kinds(&forces, &self.kinds())?;
-        self.replace_forces(forces)
+    pub fn set_forces(&mut self, forces: Vec<Influence>) -> Result<()> {
+        let influences = Influences::from(forces);
+        influences.check_kinds(&self.kinds())?;
+        self.set_influences(influences)
     }
 
     /// Changes the forces, as [`World::set_forces`], and the kinds of all particles, in the order of adding.
-    pub fn set_forces_and_kinds(&mut self, forces: Vec<Force>, kinds: Vec<u8>) -> Result<()> {
+    pub fn set_forces_and_kinds(&mut self, forces: Vec<Influence>, kinds: Vec<u8>) -> Result<()> {
+        let influences = Influences::from(forces);
         let changes = Changes { kinds: Some(Each::Rows(kinds)), ..Changes::default() };
         changes.validate(self.len())?;
         if let Some(kinds) = &changes.kinds {
-            kinds.check(|kinds| forces::check_kinds(&forces, kinds))?;
+            kinds.check(|kinds| influences.check_kinds(kinds))?;
         }
-        self.replace_forces(forces)?;
+        self.set_influences(influences)?;
         let rows: Vec<u32> = (0..self.len() as u32).collect();
         // All particles are awake, so each index is one of `particles`.
         let indices = self.indices_of(&rows);
@@ -352,15 +354,16 @@ impl World {
         Ok(())
     }
 
-    fn replace_forces(&mut self, mut forces: Vec<Force>) -> Result<()> {
-        forces::validate(&forces, |id| self.contains(id))?;
-        forces::check_fit(&forces, self.settings.container)?;
-        forces::check_sides(&forces, self.settings.container)?;
-        self.check_motors(&forces)?;
-        forces::follow(&mut forces, |id| self.ids.row(id).map(Id::from));
+    fn set_influences(&mut self, mut influences: Influences) -> Result<()> {
+        influences.validate(|id| self.contains(id))?;
+        influences.check_fit(self.settings.container)?;
+        influences.check_sides(self.settings.container)?;
+        influences.check_walls(self.walls.all().len())?;
+        self.check_motors(&influences)?;
+        influences.renumber(|id| self.ids.row(id).map(Id::from));
         self.wake_all();
         self.persistent.drifts.clear();
-        self.forces = forces;
+        self.influences = influences;
         Ok(())
     }
 

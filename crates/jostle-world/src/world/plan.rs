@@ -5,9 +5,7 @@
 //! threads. `World::step_once` makes the plan after it has computed the forces, because these say how springs are
 //! solved, and hands it to the stages.
 
-use super::force_step::springs;
 use super::{DEFAULT_SUBSTEPS, World};
-use crate::forces;
 use jostle_base::parallel;
 
 /// Fewer particles times sub-steps than this are not worth sharing with other threads.
@@ -117,7 +115,7 @@ impl World {
     /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
         let is_short_ranged =
-            self.given.is_none() && forces::are_short_ranged(&self.forces) && !self.has_springs();
+            self.given.is_none() && self.influences.are_short_ranged() && !self.has_springs();
         let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
         self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
     }
@@ -155,7 +153,7 @@ impl World {
     }
 
     fn has_springs(&self) -> bool {
-        springs(&self.forces).next().is_some()
+        self.influences.springs().next().is_some()
     }
 }
 

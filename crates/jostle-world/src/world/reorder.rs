@@ -38,15 +38,15 @@ impl World {
 
     /// Reorders the accelerations, and prepares the springs for the new indices.
     fn reorder_forces(&mut self, threads: Option<usize>) {
-        if self.forces.is_empty() && self.given.is_none() {
+        if self.influences.is_empty() && self.given.is_none() {
             return;
         }
         let (order, forces) = (self.scratch.tree.rows(), &mut self.scratch.forces);
         if !forces.accelerations.is_empty() {
             gather(&mut forces.old_accelerations, &mut forces.accelerations, order, threads);
         }
-        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut forces.indices);
-        let all = awake_springs(&self.forces, &forces.indices);
+        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut forces.indices);
+        let all = awake_springs(&self.influences, &forces.indices);
         let (container, len) = (self.settings.container, self.rows.len());
         let inverse_mass = |index: usize| self.particles.inverse_mass(index);
         forces.sprung.prepare(all, &forces.indices, container, len, inverse_mass);

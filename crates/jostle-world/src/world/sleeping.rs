@@ -14,7 +14,7 @@ use super::asleep::{Island, Sleepers, run};
 use super::force_step::awake_springs;
 use super::plan::Plan;
 use super::{OnTouch, World};
-use crate::forces::Force;
+use crate::forces::{Influence, Role};
 use crate::particles::Particles;
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::Result;
@@ -157,13 +157,14 @@ impl World {
     /// Whether anything may fall asleep with the present settings and forces.
     pub(crate) fn may_sleep(&self) -> bool {
         let settings = &self.settings;
-        let pulls_none = |force: &Force| {
-            matches!(force, Force::Thermostat(_) | Force::Motor(_) | Force::Springs(_))
+        let lets_rest = |influence: &Influence| match influence.role() {
+            Role::Springs(_) | Role::Motor(_) | Role::Thermostat(_) => true,
+            Role::Force(_) | Role::ThermalWalls(_) | Role::Andersen(_) => false,
         };
         settings.sleeping
             && settings.on_touch == OnTouch::Bounce
             && settings.gravity != [0.0; 2]
-            && self.forces.iter().all(pulls_none)
+            && self.influences.list().iter().all(lets_rest)
             && !self.walls.move_any()
     }
 
@@ -345,12 +346,12 @@ impl World {
     /// count: which there are depends on the speeds of all particles. Static particles belong to no
     /// island; kinematic ones keep theirs awake.
     fn find_islands(&mut self) {
-        let Self { particles, contacts, wall_impulses, rows, scratch, halo, forces, .. } = self;
+        let Self { particles, contacts, wall_impulses, rows, scratch, halo, influences, .. } = self;
         let super::StepScratch { overlaps, events, sleeping, forces: scratch, .. } = scratch;
         let Scratch { groups, rests, .. } = sleeping;
         let (movable, own) = (&particles.movable, halo.own_rows());
         let indices = &scratch.indices;
-        let tied = awake_springs(forces, indices)
+        let tied = awake_springs(influences, indices)
             .map(|spring| spring.pair.map(|row| indices[row as usize]));
         groups.reset(movable.len());
         let touching = contacts.touching().map(|contact| contact.indices);

@@ -127,7 +127,7 @@ impl World {
         if self.scratch.meets_sleepers {
             return Ok(Outcome::MeetsSleepers);
         }
-        self.apply_bath(dt as f32, plan.threads);
+        self.apply_andersen(dt as f32, plan.threads);
         self.keep_wall_pushes();
         touches::add_up(&mut self.wall_impulses);
         let touching = self.contacts.touching().map(|contact| contact.indices);
@@ -151,7 +151,7 @@ impl World {
             self.halo.protocol().renew(self, dt)?;
             interrupt::check()?;
             self.apply_forces(dt, substeps)?;
-            if !self.forces.is_empty() || self.given.is_some() {
+            if !self.influences.is_empty() || self.given.is_some() {
                 watch(Stage::Forces, self);
             }
             let mut plan = self.plan(dt, substeps);

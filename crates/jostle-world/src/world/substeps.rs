@@ -7,7 +7,6 @@ use super::plan::Plan;
 use super::{OnTouch, Stage, StepScratch, Watch, World};
 use crate::events::Flight;
 use crate::flow::{Flow, Kick};
-use crate::forces;
 use crate::forces::springs::Surroundings;
 use crate::halo::Halo;
 use crate::motion::Motion;
@@ -78,7 +77,7 @@ impl World {
         scratch.grown.begin_step();
         scratch.renewed.clear();
         scratch.events.begin_step(particles.len());
-        scratch.hot_walls.fill(forces::thermal_walls(&self.forces), self.time);
+        scratch.wall_temperatures.fill(self.influences.thermal_walls(), self.time);
         scratch.wall_impulses.clear();
         if !plan.may_rest {
             scratch.wall_pushes.clear();
@@ -134,7 +133,7 @@ impl World {
         }
         kicks.resize(particles.len(), Kick::default());
         forces.kick(kicks, &common.flow);
-        if !forces.sprung.is_empty() && !self.forces.is_empty() {
+        if !forces.sprung.is_empty() && !self.influences.is_empty() {
             if forces.are_springs_stiff {
                 let surroundings = Surroundings {
                     particles,
@@ -212,8 +211,8 @@ impl World {
             restitution: settings.restitution,
             is_lossless: common.plan.is_lossless,
             lossy: &scratch.lossy,
-            thermostat: forces::thermostat(&self.forces),
-            hot: &scratch.hot_walls,
+            thermostat: self.influences.thermostats().next().copied(),
+            temperatures: &scratch.wall_temperatures,
             pairs: settings.on_touch == OnTouch::Bounce,
             candidates: &scratch.pairs,
             sensed: &scratch.sensed,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::World;
 use super::force_step::{bodies, find_indices};
-use crate::forces::{self, Attractor, Bodies, Force, Pole, Springs};
+use crate::forces::{Bodies, Influence, Role, Springs};
 use crate::particles::Particles;
 use jostle_base::bytes::Plain;
 use jostle_base::table::{Declared, Kind, Table, Value, Visitor, sparse_value};
@@ -53,24 +53,23 @@ impl World {
         let asleep = self.asleep.indices();
         let asleep = asleep.map(|at| energy(&self.asleep.sleepers().discs.particles, at));
         let gravity = awake.chain(asleep).sum::<f64>();
-        if self.forces.is_empty() { gravity } else { gravity + self.energy_in_forces() }
+        if self.influences.is_empty() { gravity } else { gravity + self.energy_in_forces() }
     }
 
     pub(crate) fn energy_in_forces(&self) -> f64 {
         let (mut indices, settings) = (Vec::new(), &self.settings);
-        find_indices(&self.forces, &self.rows, self.asleep.len(), &mut indices);
+        find_indices(&self.influences, &self.rows, self.asleep.len(), &mut indices);
         let positions = &self.particles.positions;
         let wrapped: Vec<[f32; 2]> =
             positions.iter().map(|&position| settings.container.period().wrap(position)).collect();
         let bodies = bodies(&self.particles, &wrapped, (&self.rows, &indices), settings);
-        let energy = |force: &Force| match force {
-            Force::Attractor(attractor) => self.energy_at(attractor, &bodies),
-            Force::Gravitation(gravitation) => forces::gravitation::energy(gravitation, &bodies),
-            Force::Springs(springs) => self.energy_of_springs(springs),
-            _ => 0.0,
+        let bodies = Bodies { own_rows: self.halo.own_rows(), ..bodies };
+        let of_influence = |influence: &Influence| match influence.role() {
+            Role::Force(force) => force.energy(&bodies),
+            Role::Springs(springs) => self.energy_of_springs(springs),
+            Role::Motor(_) | Role::Thermostat(_) | Role::ThermalWalls(_) | Role::Andersen(_) => 0.0,
         };
-        let pairs = forces::energy_of_pairs(&self.forces, &bodies, self.halo.own_rows() as usize);
-        self.forces.iter().map(energy).sum::<f64>() + pairs
+        self.influences.list().iter().map(of_influence).sum()
     }
 
     /// Energy of springs, also between sleeping particles.
@@ -85,27 +84,6 @@ impl World {
             positions[row as usize] = container.period().wrap(position);
         }
         springs.energy(&positions, &container)
-    }
-
-    /// Energy of all movable particles in the field of an attractor, which does not act on its
-    /// own particle.
-    fn energy_at(&self, attractor: &Attractor, bodies: &Bodies<'_>) -> f64 {
-        let (pole, own) = match attractor.pole {
-            Pole::Point(point) => (point, None),
-            Pole::Particle(row) => {
-                let index = bodies.indices[row as usize] as usize;
-                (bodies.positions[index], Some(index))
-            }
-        };
-        let energy = |index: usize| {
-            let position = bodies.positions[index];
-            let offset = [0, 1].map(|k| pole[k] - position[k]);
-            let offset = bodies.container.period().minimum_image(offset);
-            let mass = f64::from(bodies.masses[index]);
-            mass * forces::attractor::energy(attractor, offset, bodies.radii[index])
-        };
-        let felt = |&index: &usize| self.particles.movable[index] && own != Some(index);
-        (0..self.rows.len()).filter(felt).map(energy).sum()
     }
 
     /// A 64-bit hash of the particles but their kinds, the same on every platform.

@@ -5,7 +5,7 @@ use super::ids::Ids;
 use super::touches::WallImpulse;
 use super::{Stats, World};
 use crate::contacts::Contacts;
-use crate::forces::Force;
+use crate::forces::Influences;
 use crate::motion;
 use crate::particles::Particles;
 use crate::walls::Wall;
@@ -20,7 +20,7 @@ pub(crate) struct Before {
     pub(crate) contacts: Contacts,
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
-    forces: Vec<Force>,
+    influences: Influences,
     given: Option<Vec<[f32; 2]>>,
     /// The walls, if any moves.
     walls: Vec<Wall>,
@@ -35,7 +35,7 @@ impl World {
     pub(crate) fn begin(&mut self) {
         let before = &mut self.scratch.before;
         before.is_reordered = false;
-        before.forces.clone_from(&self.forces);
+        before.influences.clone_from(&self.influences);
         before.given.clone_from(&self.given);
         before.walls.clear();
         if self.walls.move_any() {
@@ -76,7 +76,7 @@ impl World {
         if let Some([positions, residuals]) = before.unwrapped.take() {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
-        std::mem::swap(&mut self.forces, &mut before.forces);
+        std::mem::swap(&mut self.influences, &mut before.influences);
         std::mem::swap(&mut self.given, &mut before.given);
         if !before.walls.is_empty() {
             self.walls.restore(std::mem::take(&mut before.walls));

@@ -11,9 +11,7 @@ use std::cmp::Ordering;
 use super::World;
 use super::bounds::{FreeDisplacements, rounding};
 use super::discs::Discs;
-use super::force_step::springs;
 use crate::contacts::Contact;
-use crate::forces;
 use jostle_base::error::Result;
 use jostle_base::ids::Id;
 use jostle_base::table::Table;
@@ -38,7 +36,7 @@ impl World {
     /// Whether particles sleep and all others are static, so that a step changes nothing.
     pub(crate) fn is_still(&self) -> bool {
         !self.asleep.is_empty()
-            && forces::motors(&self.forces).next().is_none()
+            && self.influences.motors().next().is_none()
             && (0..self.rows.len()).all(|at| self.particles.is_static(at))
     }
 
@@ -188,7 +186,7 @@ impl World {
         rows.sort_unstable();
         let mut islands = self.asleep.islands_touching(rows);
         let is_driven = |row: &Id| rows.binary_search(&(*row as u32)).is_ok();
-        let all = springs(&self.forces).flat_map(|springs| &springs.0);
+        let all = self.influences.springs().flat_map(|springs| &springs.0);
         let tied = all.map(|spring| spring.pair).filter(|pair| pair.iter().any(is_driven));
         let tied: Vec<u32> = tied.flatten().map(|row| row as u32).collect();
         let awake = self.rows.len();

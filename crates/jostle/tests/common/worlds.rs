@@ -2,7 +2,7 @@
 
 pub use jostle_scenes::STEP;
 use jostle_scenes::random::Random;
-use jostle_world::{Container, Force, Particles, Wall, World, WorldSettings};
+use jostle_world::{Container, Influence, Particles, Wall, World, WorldSettings};
 
 /// Position and velocity of a disc.
 pub type Row = ([f32; 2], [f32; 2]);
@@ -92,7 +92,7 @@ pub fn walled(all: Particles, walls: Vec<Wall>, settings: WorldSettings) -> Worl
 }
 
 /// The same with forces.
-pub fn forced(all: Particles, forces: Vec<Force>, settings: WorldSettings) -> World {
+pub fn forced(all: Particles, forces: Vec<Influence>, settings: WorldSettings) -> World {
     let mut world = world_of(all, settings);
     world.set_forces(forces).expect("the forces of a test are valid");
     world

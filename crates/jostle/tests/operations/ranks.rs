@@ -9,7 +9,7 @@ use jostle_index::Each;
 use jostle_scenes::STEP;
 use jostle_world::forces::{Andersen, Flocking, ThermalWalls, Thermostat};
 use jostle_world::ranks::{put_record, read_records};
-use jostle_world::{Changes, Force, OnTouch, Particles, World, WorldSettings};
+use jostle_world::{Changes, Influence, OnTouch, Particles, World, WorldSettings};
 
 use super::driver::{Case, Draw, run};
 use super::world::{draw_particle, draw_particles, draw_resting, draw_settings, draw_wall};
@@ -201,15 +201,15 @@ impl RanksCase {
     fn set_forces(&mut self, draw: &mut Draw) {
         let seed = draw.below(9) as u32;
         let force = match draw.below(5) {
-            0 => Some(Force::Thermostat(Thermostat { speed: 2.0, rate: 0.5 })),
-            1 => Some(Force::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed })),
-            2 => Some(Force::ThermalWalls(ThermalWalls {
+            0 => Some(Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.5 })),
+            1 => Some(Influence::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed })),
+            2 => Some(Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
                 sides: [true; 4],
                 walls: vec![],
                 seed,
             })),
-            3 => Some(Force::Flocking(Flocking {
+            3 => Some(Influence::Flocking(Flocking {
                 cutoff: 1.5,
                 separation: 2.0,
                 alignment: 1.0,

@@ -17,7 +17,7 @@ use jostle_world::forces::{
     Springs, ThermalWalls, Thermostat,
 };
 use jostle_world::{
-    Changes, Container, Force, OnTouch, Particles, Spin, Wall, World, WorldSettings,
+    Changes, Container, Influence, OnTouch, Particles, Spin, Wall, World, WorldSettings,
 };
 
 use super::driver::{Case, Draw, run};
@@ -126,7 +126,7 @@ impl WorldCase {
     /// Sets one column of some particles.
     fn set(&mut self, draw: &mut Draw) {
         let ids = draw.subset(&self.ids, 4);
-        let (rows, which) = (self.rows_of(&ids), draw.below(10));
+        let (rows, which) = (self.rows_of(&ids), draw.below(9));
         let new = (0..ids.len()).map(|_| draw_particle(draw)).collect::<Vec<_>>();
         let (mut changes, mut all) = (Changes::default(), self.all.clone());
         let first =
@@ -142,11 +142,11 @@ impl WorldCase {
                 5 => all.spins_mut()[row].friction = spin.friction,
                 6 => all.spins_mut()[row].velocity = spin.velocity,
                 7 => all.filters_mut()[row].mask = new.filter(0).mask,
-                8 => {
+                _ => {
+                    all.sensors_mut()[row] = new.is_sensor(0);
                     all.kinds.resize(all.len(), 0);
                     all.kinds[row] = new.kind(0);
                 }
-                _ => all.sensors_mut()[row] = new.is_sensor(0),
             }
         }
         match which {
@@ -163,8 +163,10 @@ impl WorldCase {
             5 => changes.friction = Some(first(&|of| of.spin(0).friction)),
             6 => changes.angular_velocities = Some(first(&|of| of.spin(0).velocity)),
             7 => changes.masks = Some(Each::Rows(new.iter().map(|of| of.filter(0).mask).collect())),
-            8 => changes.kinds = Some(Each::Rows(new.iter().map(|of| of.kind(0)).collect())),
-            _ => changes.sensors = Some(Each::Rows(new.iter().map(|of| of.is_sensor(0)).collect())),
+            _ => {
+                changes.sensors = Some(Each::Rows(new.iter().map(|of| of.is_sensor(0)).collect()));
+                changes.kinds = Some(Each::Rows(new.iter().map(|of| of.kind(0)).collect()));
+            }
         }
         draw.say("set", (&ids, &changes));
         self.each(|world| world.set(&ids, &changes)).expect("valid");
@@ -200,31 +202,31 @@ impl WorldCase {
     }
 
     fn set_forces(&mut self, draw: &mut Draw) {
-        let forces: Vec<Force> = draw.some(2, |draw| self.draw_force(draw));
+        let forces: Vec<Influence> = draw.some(2, |draw| self.draw_force(draw));
         draw.say("set_forces", &forces);
         if self.each(|world| world.set_forces(forces.clone())).is_ok() {
             assert_eq!(self.worlds[0].forces(), forces);
         }
     }
 
-    fn draw_force(&self, draw: &mut Draw) -> Force {
+    fn draw_force(&self, draw: &mut Draw) -> Influence {
         let some = draw.subset(&self.ids, 2);
         let seed = draw.below(9) as u32;
-        match draw.below(11) {
-            0 => Force::Attractor(Attractor {
+        match draw.below(10) {
+            0 => Influence::Attractor(Attractor {
                 pole: Pole::Point([4.0, 5.0]),
                 strength: 3.0,
                 law: Law::Harmonic,
             }),
             1 if !some.is_empty() => {
                 let (pole, law) = (Pole::Particle(some[0]), Law::InverseSquare);
-                Force::Attractor(Attractor { pole, strength: 2.0, law })
+                Influence::Attractor(Attractor { pole, strength: 2.0, law })
             }
-            2 => Force::Gravitation(Gravitation { g: 0.5, softening: 0.1, theta: 0.5 }),
+            2 => Influence::Gravitation(Gravitation { g: 0.5, softening: 0.1, theta: 0.5 }),
             3 | 4 if some.len() == 2 => {
                 let max_stretch = draw.pick(&[f32::INFINITY, 0.5]);
                 let (pair, stiffness) = ([some[0], some[1]], draw.pick(&[10.0, 1e4]));
-                Force::Springs(Springs(vec![Spring {
+                Influence::Springs(Springs(vec![Spring {
                     pair,
                     length: 2.0,
                     stiffness,
@@ -232,22 +234,22 @@ impl WorldCase {
                     max_stretch,
                 }]))
             }
-            5 => Force::Thermostat(Thermostat { speed: 2.0, rate: 0.5 }),
-            6 => Force::ThermalWalls(ThermalWalls {
+            5 => Influence::Thermostat(Thermostat { speed: 2.0, rate: 0.5 }),
+            6 => Influence::ThermalWalls(ThermalWalls {
                 temperature: 2.0,
                 sides: [true, false, true, true],
                 walls: vec![],
                 seed,
             }),
-            10 => {
-                let values = (0..9 * 5).map(|_| draw.between(-3.0, 3.0) as f32).collect();
-                let table = PairTable::new(3, values, draw.pick(&[1.5, 3.0]), 0.1);
-                Force::Pair(PairForce { table: Arc::new(table.expect("valid")) })
+            9 => {
+                let values = (0..9 * 5).map(|k| (k * 7 % 11) as f32 - 5.0).collect();
+                let table = PairTable::new(3, values, 2.5, 0.1).expect("valid");
+                Influence::Pair(PairForce { table: Arc::new(table) })
             }
-            7 => Force::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed }),
+            7 => Influence::Andersen(Andersen { temperature: 2.0, rate: 3.0, seed }),
             8 => {
                 let (walls, ids) = (if draw.one_in(2) { vec![0] } else { vec![] }, some);
-                Force::Motor(Motor {
+                Influence::Motor(Motor {
                     ids,
                     walls,
                     center: [5.0; 2],
@@ -256,7 +258,7 @@ impl WorldCase {
                     period: 0.7,
                 })
             }
-            _ => Force::Flocking(Flocking {
+            _ => Influence::Flocking(Flocking {
                 cutoff: 2.0,
                 separation: 2.0,
                 alignment: 1.0,
@@ -345,7 +347,7 @@ impl WorldCase {
         self.refused(|world| world.add(new.clone()));
         self.refused(|world| world.set_walls(vec![Wall::new([[0.0; 2], [bad, 1.0]])]));
         self.refused(|world| {
-            world.set_forces(vec![Force::Thermostat(Thermostat { speed: bad, rate: 0.5 })])
+            world.set_forces(vec![Influence::Thermostat(Thermostat { speed: bad, rate: 0.5 })])
         });
         self.refused(|world| world.set_accelerations(vec![[bad, 0.0]; own.len() + 1]));
         self.refused(|world| {
@@ -551,9 +553,7 @@ pub fn draw_particle(draw: &mut Draw) -> Particles {
     if draw.one_in(12) {
         one.sensors = vec![true];
     }
-    if draw.one_in(4) {
-        one.kinds = vec![draw.pick(&[1, 2])];
-    }
+    one.kinds = vec![u8::from(radius > 0.5) + u8::from(one.masses[0] > 1.0)];
     one.simplify();
     one
 }

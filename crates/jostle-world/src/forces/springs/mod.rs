@@ -16,11 +16,13 @@ use std::ops::Range;
 
 pub use held::{Place, Push, Pushes, Surroundings};
 
+use super::record::{Record, References, Renamed, record};
 use super::{ASLEEP, Bodies, check_number};
 use crate::container::Container;
 use crate::flow::Kick;
 use crate::motion::Motions;
 use crate::particles::FARTHEST;
+use jostle_base::bytes::{Reader, Saved, Writer};
 use jostle_base::disjoint_sets::DisjointSets;
 use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
@@ -47,24 +49,46 @@ const STIFF: f64 = 1.45;
 /// The same of damping over mass, times the sub-step.
 const STIFF_DAMPING: f64 = 1.0;
 
-/// F = stiffness · (L − length) + damping · dL/dt along the line between two particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spring {
-    /// Ids of its ends.
-    pub pair: [Id; 2],
-    /// Rest length.
-    pub length: f32,
-    /// Force per unit of stretch.
-    pub stiffness: f32,
-    /// Force per unit of the rate of lengthening.
-    pub damping: f32,
-    /// Stretch beyond which it breaks; infinite if it never breaks.
-    pub max_stretch: f32,
+record! {
+    /// F = stiffness · (L − length) + damping · dL/dt along the line between two particles.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Spring {
+        /// Ids of its ends.
+        pub pair: [Id; 2],
+        /// Rest length.
+        pub length: f32,
+        /// Force per unit of stretch.
+        pub stiffness: f32,
+        /// Force per unit of the rate of lengthening.
+        pub damping: f32,
+        /// Stretch beyond which it breaks; infinite if it never breaks.
+        pub max_stretch: f32,
+    }
 }
 
 /// A list of springs, in any order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Springs(pub Vec<Spring>);
+
+impl Saved for Springs {
+    fn put(&self, to: &mut Writer) {
+        self.0.put(to);
+    }
+    fn get(from: &mut Reader<'_>) -> Result<Self> {
+        Saved::get(from).map(Self)
+    }
+}
+
+/// Springs of removed particles, and springs whose ends have merged, are removed.
+impl Record for Springs {
+    fn list(&self, to: &mut References) {
+        self.0.iter().for_each(|spring| spring.list(to));
+    }
+    fn renumber(&mut self, renamed: &Renamed<'_>) -> bool {
+        self.0.retain_mut(|spring| spring.renumber(renamed));
+        true
+    }
+}
 
 impl Springs {
     /// Refuses numbers out of range.
@@ -89,17 +113,6 @@ impl Springs {
             }
         }
         Ok(())
-    }
-
-    /// Renumbers particles, see [`follow`](super::follow). Springs of removed particles, and
-    /// springs whose ends have merged, are removed.
-    pub fn follow(&mut self, renamed: impl Fn(Id) -> Option<Id>) {
-        self.0.retain_mut(|spring| {
-            let [i, j] = spring.pair.map(&renamed);
-            let both = i.zip(j);
-            spring.pair = both.map_or(spring.pair, |(i, j)| [i, j]);
-            both.is_some_and(|(i, j)| i != j)
-        });
     }
 
     /// Potential energy: the sum of ½ · stiffness · stretch². Positions are those of all rows.

@@ -5,12 +5,10 @@ use std::mem;
 
 use super::super::asleep::{Island, Sleepers};
 use super::super::discs::Persistent;
-use super::super::drive::check_walls;
 use super::super::sleeping::Drift;
 use super::super::touches::WallImpulse;
 use super::super::{Walls, World, WorldSettings};
 use crate::contacts::Contact;
-use crate::forces;
 use crate::particles::{Particles, check_vectors};
 use crate::walls::index_of;
 use jostle_base::bytes::damaged;
@@ -50,14 +48,15 @@ impl World {
         self.contacts.remember(awake);
         self.asleep = self.asleep.rebuilt(tree).map_err(refused)?;
         self.check_sleeping()?;
-        forces::validate(&self.forces, |row| (0..len as Id).contains(&row))
-            .and_then(|()| forces::check_kinds(&self.forces, &self.kinds()))
-            .and_then(|()| forces::check_fit(&self.forces, container))
+        self.influences
+            .validate(|row| (0..len as Id).contains(&row))
+            .and_then(|()| self.influences.check_kinds(&self.kinds()))
+            .and_then(|()| self.influences.check_fit(container))
             .map_err(refused)?;
         let walls = mem::take(&mut self.walls).all().to_vec();
         self.walls = Walls::new(walls, container, tree).map_err(refused)?;
         self.walls.set_sides(self.settings.side_restitutions());
-        check_walls(&self.forces, self.walls.all().len()).map_err(refused)?;
+        self.influences.check_walls(self.walls.all().len()).map_err(refused)?;
         self.check_wall_impulses()?;
         self.ids.check(len).and_then(|()| self.defaults.validate()).map_err(refused)?;
         if let Some(given) = &self.given {

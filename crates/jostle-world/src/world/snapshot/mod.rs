@@ -6,11 +6,8 @@
 //! are those of [`table!`](jostle_base::table!). `check` refuses what no world can have.
 
 mod check;
-mod forces;
 
 use super::World;
-use crate::forces::Force;
-use forces::{get_force, put_force};
 use jostle_base::bytes::{Reader, Saved, Writer, foreign};
 use jostle_base::error::Result;
 use jostle_base::saved;
@@ -19,22 +16,13 @@ use jostle_base::saved;
 const MAGIC: [u8; 8] = *b"jostle\x1a\n";
 
 /// Version of the format of the other bytes, the only one that is read. It changes with them.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 saved! {
     struct World {
-        settings, time, rows, particles, persistent, contacts, wall_impulses, asleep, forces, walls,
+        settings, time, rows, particles, persistent, contacts, wall_impulses, asleep, influences, walls,
         ids, defaults, given, record, attachment;
         indices, stats, halo, scratch
-    }
-}
-
-impl Saved for Force {
-    fn put(&self, to: &mut Writer) {
-        put_force(to, self);
-    }
-    fn get(from: &mut Reader<'_>) -> Result<Self> {
-        get_force(from)
     }
 }
 
