@@ -14,7 +14,7 @@ fn discs(positions: &[[f32; 2]]) -> Particles {
 fn a_given_acceleration_leads_to_a_parabola() {
     let mut world = world_of(discs(&[[0.0; 2], [5.0, 0.0]]), WorldSettings::default());
     world.set_accelerations(vec![[3.0, -4.0], [0.0; 2]]).unwrap();
-    assert_eq!(world.given_accelerations(), [[3.0, -4.0], [0.0; 2]]);
+    assert_eq!(world.external_accelerations(), [[3.0, -4.0], [0.0; 2]]);
     run(&mut world, 60);
     let ([x, y], [u, v]) = (world.positions()[0], world.velocities()[0]);
     assert!((x - 1.5).abs() < 1e-5 && (y + 2.0).abs() < 1e-5, "{x} {y}");
@@ -34,7 +34,7 @@ fn forces_add_up_and_are_divided_by_the_mass() {
     world.remove(&[0]).unwrap();
     world.add_forces(&[1, 2, 1], &[[4.0, 0.0], [1.0, 1.0], [0.0, 2.0]]).unwrap();
     world.add_forces(&[1], &[[4.0, 0.0]]).unwrap();
-    assert_eq!(world.given_accelerations(), [[2.0, 0.5], [0.0; 2]]);
+    assert_eq!(world.external_accelerations(), [[2.0, 0.5], [0.0; 2]]);
     let added = world.add(discs(&[[20.0, 0.0]])).unwrap();
     assert_eq!(added, 3..4);
     run(&mut world, 60);
@@ -96,7 +96,7 @@ fn snapshots_contain_what_was_given() {
     run(&mut world, 20);
     world.add_forces(&[3, 4], &[[50.0, 0.0], [0.0, 90.0]]).unwrap();
     let mut again = World::restore(&world.snapshot()).unwrap();
-    assert_eq!(again.given_accelerations(), world.given_accelerations());
+    assert_eq!(again.external_accelerations(), world.external_accelerations());
     run(&mut world, 20);
     run(&mut again, 20);
     assert_eq!(again.snapshot(), world.snapshot());

@@ -165,7 +165,7 @@ fn particles_with_many_neighbours_have_the_bits_of_one_process() {
 }
 
 #[test]
-fn given_accelerations_have_the_bits_of_one_process() {
+fn external_accelerations_have_the_bits_of_one_process() {
     let all = gas(300);
     let settings = WorldSettings { gravity: [3.0, 0.0], ..WorldSettings::default() };
     let accelerate = |world: &mut World| {
@@ -183,7 +183,7 @@ fn given_accelerations_have_the_bits_of_one_process() {
 }
 
 #[test]
-fn an_error_of_given_accelerations_reaches_all_ranks() {
+fn an_error_of_external_accelerations_reaches_all_ranks() {
     let results = on_ranks(&gas(60), WorldSettings::default(), ranks(3), |rank, mut world| {
         let ids = world.own_ids().0;
         let worst = if rank == 1 { f32::NAN } else { 1.0 };

@@ -84,7 +84,7 @@ impl PyWorld {
     #[getter]
     fn accelerations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let given = self.long(py, |state| {
-            let mut given = state.world.given_accelerations().to_vec();
+            let mut given = state.world.external_accelerations().to_vec();
             given.resize(state.world.len(), [0.0; 2]);
             given
         })?;

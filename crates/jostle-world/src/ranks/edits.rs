@@ -122,7 +122,7 @@ impl World {
         let at_end = &mut self.record.at_end;
         let removed = at_end.extract_if(.., |pair| pair.iter().any(is_gone));
         self.record.gone.extend(removed);
-        self.end_given_of_none()
+        self.end_external_of_none()
     }
 
     /// The ids of the particles of this rank, and the id that is given next.

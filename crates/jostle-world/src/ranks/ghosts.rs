@@ -35,8 +35,9 @@ impl World {
         let Some(domain) = self.domain() else { return Ok(true) };
         let distance = |(index, &row): (usize, &u32)| {
             let own = distance_at(self.particles.velocities[index], dt);
-            let given = self.given.as_ref().map_or([0.0; 2], |given| given[row as usize]);
-            let pulled = fall + distance_of_fall(given, dt);
+            let external =
+                self.external.as_ref().map_or([0.0; 2], |external| external[row as usize]);
+            let pulled = fall + distance_of_fall(external, dt);
             let usual = own + if self.particles.movable[index] { pulled } else { 0.0 };
             let known =
                 if domain.further.is_empty() { None } else { domain.further.get(&domain.id(row)) };

@@ -39,13 +39,13 @@ struct Details {
     island: Id,
     /// The rank of the member.
     rank: usize,
-    given: [f32; 2],
+    external: [f32; 2],
     is_exhausted: bool,
     /// The impulses of walls in the step.
     pushes: Vec<Push>,
 }
 
-/// Bytes of an island, a given acceleration, a flag and a count.
+/// Bytes of an island, a external acceleration, a flag and a count.
 const HEAD: usize = 24;
 
 impl Details {
@@ -53,7 +53,7 @@ impl Details {
         let start = to.len();
         to.resize(start + HEAD, 0);
         (self.island as u64).store(&mut to[start..start + 8]);
-        self.given.store(&mut to[start + 8..start + 16]);
+        self.external.store(&mut to[start + 8..start + 16]);
         [u32::from(self.is_exhausted), self.pushes.len() as u32].store(&mut to[start + 16..]);
         self.pushes.iter().for_each(|push| append(to, *push));
     }
@@ -64,8 +64,8 @@ impl Details {
         let island = u64::load(&head[..8]) as Id;
         let [is_exhausted, count] = <[u32; 2]>::load(&head[16..]);
         let pushes = (0..count).map(|_| Push::load(take(Push::SIZE))).collect();
-        let given = Plain::load(&head[8..16]);
-        Self { island, rank, given, is_exhausted: is_exhausted > 0, pushes }
+        let external = Plain::load(&head[8..16]);
+        Self { island, rank, external, is_exhausted: is_exhausted > 0, pushes }
     }
 }
 
@@ -82,7 +82,7 @@ struct Arrived {
 struct Merged {
     island: Id,
     particle: Particles,
-    given: [f32; 2],
+    external: [f32; 2],
     is_exhausted: bool,
     pushes: Vec<Push>,
     /// The index of the first member among those that have arrived.
@@ -166,7 +166,7 @@ impl World {
         self.remove_members(&members);
         self.domain_mut().total -= gone as usize;
         self.sum_up_ranks()?;
-        self.end_given_of_none()?;
+        self.end_external_of_none()?;
         Ok(true)
     }
 
@@ -187,10 +187,11 @@ impl World {
             let to = &mut to[rank];
             put_record(to, domain.id(row), &self.scratch.starts, at);
             put_record(to, domain.id(row), &self.particles, at);
-            let given = self.given_accelerations().get(row as usize).copied().unwrap_or_default();
+            let external =
+                self.external_accelerations().get(row as usize).copied().unwrap_or_default();
             let is_exhausted = self.scratch.exhausted.binary_search(&row).is_ok();
             let pushes = pushes.remove(&row).unwrap_or_default();
-            Details { island, rank, given, is_exhausted, pushes }.put(to);
+            Details { island, rank, external, is_exhausted, pushes }.put(to);
         }
         to
     }
@@ -227,11 +228,11 @@ impl World {
         let islands = all.chunk_by(|&a, &b| details[a].island == details[b].island);
         let merge = |members: &[usize]| {
             let particle = union(ends, members, &self.settings.container)?;
-            let given = members.iter().map(|&at| (ends.masses[at], details[at].given));
+            let external = members.iter().map(|&at| (ends.masses[at], details[at].external));
             Some(Merged {
                 island: details[members[0]].island,
                 particle,
-                given: joint_acceleration(given),
+                external: joint_acceleration(external),
                 is_exhausted: members.iter().any(|&at| details[at].is_exhausted),
                 pushes: members.iter().flat_map(|&at| details[at].pushes.clone()).collect(),
                 first: members[0],
@@ -265,8 +266,8 @@ impl World {
             let pushes = of.pushes.iter().map(|push| push.of_row(row));
             wall_impulses.extend::<Vec<WallImpulse>>(pushes.collect());
             exhausted.extend(of.is_exhausted.then_some(row));
-            if let Some(given) = &mut self.given {
-                given[row as usize] = of.given;
+            if let Some(external) = &mut self.external {
+                external[row as usize] = of.external;
             }
         }
         exhausted.sort_unstable();

@@ -25,8 +25,8 @@ struct Leaving {
     kept: Vec<Vec<u8>>,
     resting: Vec<Vec<u8>>,
     pushes: Vec<Vec<u8>>,
-    /// Given accelerations, if there are any.
-    given: Vec<Vec<u8>>,
+    /// External accelerations, if there are any.
+    external: Vec<Vec<u8>>,
     /// The rank of each row that leaves.
     destinations: HashMap<u32, usize>,
 }
@@ -38,7 +38,7 @@ impl World {
         if self.halo.is_whole() {
             return;
         }
-        let Self { halo, particles, rows, persistent, contacts, ids, given, .. } = self;
+        let Self { halo, particles, rows, persistent, contacts, ids, external, .. } = self;
         let wall_impulses = &mut self.wall_impulses;
         let domain = Domain::of_mut(&mut **halo);
         let own = domain.own;
@@ -62,7 +62,7 @@ impl World {
             persistent.resize(awake);
             rows.truncate(awake);
             domain.ids.truncate(own);
-            given.iter_mut().for_each(|given| given.truncate(own));
+            external.iter_mut().for_each(|external| external.truncate(own));
             wall_impulses.retain(|of| (of.row as usize) < own);
             *ids = Ids::of_rows(own);
         }
@@ -72,7 +72,7 @@ impl World {
 
     /// Adds particles of other ranks after the own ones, as own ones or as ghosts.
     pub(crate) fn append_records(&mut self, bytes: &[Vec<u8>], are_own: bool) {
-        let Self { halo, particles, rows, persistent, ids, given, .. } = self;
+        let Self { halo, particles, rows, persistent, ids, external, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         let first = domain.ids.len();
         for bytes in bytes {
@@ -83,7 +83,7 @@ impl World {
         let len = domain.ids.len();
         rows.extend(first as u32..len as u32);
         persistent.resize(rows.len());
-        given.iter_mut().for_each(|given| given.resize(len, [0.0; 2]));
+        external.iter_mut().for_each(|external| external.resize(len, [0.0; 2]));
         *ids = Ids::of_rows(len);
         if are_own {
             domain.own = len;
@@ -125,20 +125,21 @@ impl World {
         let leaving = self.leaving(&keys, &cuts);
         let Some(domain) = self.domain() else { return Ok(()) };
         // After a failed exchange the other ranks make no further one.
-        let has_given = self.given.is_some();
-        let (records, kept, resting, pushes, given) = {
+        let has_external = self.external.is_some();
+        let (records, kept, resting, pushes, external) = {
             let mut group = locked(&domain.group);
             let records = group.exchange(&leaving.records)?;
             let kept = group.exchange(&leaving.kept)?.concat();
             let resting = group.exchange(&leaving.resting)?.concat();
             let pushes = group.exchange(&leaving.pushes)?.concat();
-            let given = if has_given { group.exchange(&leaving.given)?.concat() } else { vec![] };
-            (records, kept, resting, pushes, given)
+            let external =
+                if has_external { group.exchange(&leaving.external)?.concat() } else { vec![] };
+            (records, kept, resting, pushes, external)
         };
         let first = self.leave(&leaving.destinations);
         self.append_records(&records, true);
-        if let Some(all) = &mut self.given {
-            let new = given.chunks_exact(8).map(<[f32; 2]>::load);
+        if let Some(all) = &mut self.external {
+            let new = external.chunks_exact(8).map(<[f32; 2]>::load);
             all[first..].iter_mut().zip(new).for_each(|(to, new)| *to = new);
         }
         let Some(domain) = self.domain() else { return Ok(()) };
@@ -152,13 +153,13 @@ impl World {
     /// Gives the rows the order of the columns, so that what is stored by rows is near in memory to what is
     /// stored by indices.
     fn renumber(&mut self) {
-        let Self { halo, rows, wall_impulses, given, asleep, .. } = self;
+        let Self { halo, rows, wall_impulses, external, asleep, .. } = self;
         let domain = Domain::of_mut(&mut **halo);
         let mut new = vec![0; domain.own];
         let old: Vec<u32> = rows.iter().copied().chain(asleep.rows()).collect();
         (0..).zip(&old).for_each(|(index, &row)| new[row as usize] = index);
-        if let Some(given) = given {
-            *given = old.iter().map(|&row| given[row as usize]).collect();
+        if let Some(external) = external {
+            *external = old.iter().map(|&row| external[row as usize]).collect();
         }
         domain.ids = old.iter().map(|&row| domain.ids[row as usize]).collect();
         asleep.renumber(&new);
@@ -179,7 +180,7 @@ impl World {
             kept: none(),
             resting: none(),
             pushes: none(),
-            given: none(),
+            external: none(),
             destinations: HashMap::new(),
         };
         let Some(domain) = self.domain() else { return leaving };
@@ -193,9 +194,9 @@ impl World {
             let id = domain.id(row);
             put_record(&mut leaving.records[destination], id, &self.particles, index);
             put_kept(&mut leaving.kept[destination], id, &self.persistent, index);
-            if let Some(given) = &self.given {
-                let bytes = given[row as usize].iter().flat_map(|a| a.to_le_bytes());
-                leaving.given[destination].extend(bytes);
+            if let Some(external) = &self.external {
+                let bytes = external[row as usize].iter().flat_map(|a| a.to_le_bytes());
+                leaving.external[destination].extend(bytes);
             }
             leaving.destinations.insert(row, destination);
         }
@@ -231,7 +232,7 @@ impl World {
             .collect();
         self.keep(&stays);
         let gone: Vec<bool> = shifted.iter().map(|&row| row == NONE).collect();
-        self.given.iter_mut().for_each(|given| retain_unless(given, &gone));
+        self.external.iter_mut().for_each(|external| retain_unless(external, &gone));
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.asleep.renumber(&shifted);
         self.wall_impulses.retain_mut(|of| {

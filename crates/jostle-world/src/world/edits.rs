@@ -28,7 +28,7 @@ impl World {
         }
         self.particles.extend(&particles);
         self.rows.extend(old as u32..new as u32);
-        self.given.iter_mut().for_each(|given| given.resize(new, [0.0; 2]));
+        self.external.iter_mut().for_each(|external| external.resize(new, [0.0; 2]));
         self.persistent.resize(self.rows.len());
         self.forget_indices();
         Ok(ids)
@@ -50,7 +50,7 @@ impl World {
             .renumber(|row| (!gone[row as usize]).then(|| Id::from(shifted[row as usize])));
         let ids = &self.ids;
         self.record.drop_merged(|id| ids.row(id).is_some());
-        self.end_given_of_none()
+        self.end_external_of_none()
     }
 
     /// Removes rows, so that the others move up; returns how many remain before each.
@@ -65,7 +65,7 @@ impl World {
         renumber(&mut self.wall_impulses, |of| &mut of.row, (gone, &shifted));
         self.keep(&keep);
         self.ids.remove(gone);
-        self.given.iter_mut().for_each(|given| retain_unless(given, gone));
+        self.external.iter_mut().for_each(|external| retain_unless(external, gone));
         self.asleep.renumber(&shifted);
         self.rows.iter_mut().for_each(|row| *row = shifted[*row as usize]);
         self.forget_indices();

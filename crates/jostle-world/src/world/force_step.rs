@@ -1,6 +1,6 @@
 //! The forces of a world in a step: accelerations, kicks and springs.
 
-use super::given::add_given;
+use super::external::add_external;
 use super::{World, WorldSettings};
 use crate::container::Container;
 use crate::flow::{Flow, Kick};
@@ -68,7 +68,7 @@ impl World {
         scratch.accelerations.clear();
         scratch.max_displacements.clear();
         scratch.are_springs_stiff = false;
-        if self.influences.is_empty() && self.given.is_none() {
+        if self.influences.is_empty() && self.external.is_none() {
             return Ok(());
         }
         find_indices(&self.influences, &self.rows, self.asleep.len(), &mut scratch.indices);
@@ -118,13 +118,13 @@ impl World {
     /// Computes the accelerations in the middle of a sub-step of `h` seconds.
     pub(crate) fn accelerate(&mut self, h: f32) -> Result<()> {
         let extent = self.everywhere().extent(&self.scratch.forces.halfway)?;
-        let Self { particles, rows, given, settings, scratch, .. } = self;
+        let Self { particles, rows, external, settings, scratch, .. } = self;
         let ForceScratch { all: scratch, indices, halfway, velocities, accelerations, .. } =
             &mut scratch.forces;
         let bodies = bodies(particles, halfway, (rows, indices), settings);
         let bodies = Bodies { velocities, seconds: h, extent, ..bodies };
         self.influences.accelerate(&bodies, scratch, accelerations);
-        add_given(accelerations, rows, given.as_deref());
+        add_external(accelerations, rows, external.as_deref());
         interrupt::check()?;
         self.halo.protocol().share_accelerations(self)
     }

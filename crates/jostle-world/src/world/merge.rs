@@ -139,7 +139,7 @@ impl World {
                 continue;
             };
             any = true;
-            self.merge_given(&indices);
+            self.merge_external(&indices);
             let len = self.rows.len();
             self.particles.put(len, indices[0], &one, 0);
             let rows = indices.iter().map(|&index| self.rows[index]);
@@ -155,14 +155,15 @@ impl World {
         Ok(any)
     }
 
-    /// The smallest row of merging particles gets the sum of their given forces over their mass.
-    fn merge_given(&mut self, indices: &[usize]) {
-        let Some(given) = &mut self.given else { return };
-        let of = |&index: &usize| (self.particles.masses[index], given[self.rows[index] as usize]);
+    /// The smallest row of merging particles gets the sum of the external forces on them over their mass.
+    fn merge_external(&mut self, indices: &[usize]) {
+        let Some(external) = &mut self.external else { return };
+        let of =
+            |&index: &usize| (self.particles.masses[index], external[self.rows[index] as usize]);
         let joint = joint_acceleration(indices.iter().map(of));
         let rows = indices.iter().map(|&index| self.rows[index]);
         let first = rows.fold(u32::MAX, u32::min);
-        given[first as usize] = joint;
+        external[first as usize] = joint;
     }
 
     /// Removes the rows that became others.
@@ -180,7 +181,7 @@ impl World {
         renumber(exhausted, |row| row, (&gone, &shifted));
         self.influences.renumber(|row| Some(Id::from(shifted[heirs[row as usize] as usize])));
         self.record.add_merged(merged);
-        self.end_given_of_none()
+        self.end_external_of_none()
     }
 
     /// Gives merged particles what has been recorded of their parts in this step: the impulses of walls, and
@@ -200,13 +201,13 @@ impl World {
     }
 }
 
-/// The sum of the given forces on merging particles over their mass, from masses and accelerations.
+/// The sum of the external forces on merging particles over their mass, from masses and accelerations.
 pub(crate) fn joint_acceleration(all: impl Iterator<Item = (f32, [f32; 2])>) -> [f32; 2] {
     let (mut mass, mut sum) = (0.0, [0.0; 2]);
-    for (own, given) in all {
+    for (own, external) in all {
         let own = f64::from(own);
         mass += own;
-        sum = [0, 1].map(|k| sum[k] + own * f64::from(given[k]));
+        sum = [0, 1].map(|k| sum[k] + own * f64::from(external[k]));
     }
     sum.map(|force| (force / mass) as f32)
 }

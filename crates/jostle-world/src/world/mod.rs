@@ -18,7 +18,7 @@ mod displacements;
 mod drive;
 pub(crate) mod edits;
 mod force_step;
-mod given;
+mod external;
 pub(crate) mod ids;
 pub(crate) mod merge;
 mod plan;
@@ -150,7 +150,7 @@ pub struct World {
     pub(crate) influences: Influences,
     pub(crate) walls: Walls,
     /// The accelerations of the rows by forces of the caller, if there are any on any process.
-    pub(crate) given: Option<Vec<[f32; 2]>>,
+    pub(crate) external: Option<Vec<[f32; 2]>>,
     /// Those that are awake, in canonical order, like `rows`, `persistent` and `contacts`.
     pub(crate) particles: Particles,
     /// The row, in the order of adding, of the particle at each index.

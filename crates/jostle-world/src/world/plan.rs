@@ -115,7 +115,7 @@ impl World {
     /// take one, too: their accuracy depends on the length of a step, as in molecular dynamics.
     pub fn substeps(&self) -> usize {
         let is_short_ranged =
-            self.given.is_none() && self.influences.are_short_ranged() && !self.has_springs();
+            self.external.is_none() && self.influences.are_short_ranged() && !self.has_springs();
         let is_one_enough = (!self.is_pulled() || is_short_ranged) && !self.may_rest();
         self.settings.substeps.unwrap_or(if is_one_enough { 1 } else { DEFAULT_SUBSTEPS })
     }

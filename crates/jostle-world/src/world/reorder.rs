@@ -38,7 +38,7 @@ impl World {
 
     /// Reorders the accelerations, and prepares the springs for the new indices.
     fn reorder_forces(&mut self, threads: Option<usize>) {
-        if self.influences.is_empty() && self.given.is_none() {
+        if self.influences.is_empty() && self.external.is_none() {
             return;
         }
         let (order, forces) = (self.scratch.tree.rows(), &mut self.scratch.forces);

@@ -227,7 +227,7 @@ impl World {
     /// Adds the displacements of a step of `dt` seconds to the drifts of all particles.
     fn note_velocities(&mut self, dt: f64, threads: Option<usize>) {
         let gravity = self.gravity();
-        let Self { particles, settings, persistent, rows, given, .. } = self;
+        let Self { particles, settings, persistent, rows, external, .. } = self;
         let drifts = &mut persistent.drifts;
         let Particles { velocities, radii, spins, restitutions, .. } = &*particles;
         drifts.resize(rows.len(), Drift::UNKNOWN);
@@ -253,9 +253,9 @@ impl World {
                 }
             }
         }
-        if let Some(given) = given {
+        if let Some(external) = external {
             for (drift, &row) in drifts.iter_mut().zip(&*rows) {
-                if given[row as usize] != [0.0; 2] {
+                if external[row as usize] != [0.0; 2] {
                     *drift = Drift::UNKNOWN;
                 }
             }

@@ -151,7 +151,7 @@ impl World {
             self.halo.protocol().renew(self, dt)?;
             interrupt::check()?;
             self.apply_forces(dt, substeps)?;
-            if !self.influences.is_empty() || self.given.is_some() {
+            if !self.influences.is_empty() || self.external.is_some() {
                 watch(Stage::Forces, self);
             }
             let mut plan = self.plan(dt, substeps);

@@ -21,7 +21,7 @@ pub(crate) struct Before {
     /// Positions and residuals as they were, if some were outside the torus.
     unwrapped: Option<[Vec<[f32; 2]>; 2]>,
     influences: Influences,
-    given: Option<Vec<[f32; 2]>>,
+    external: Option<Vec<[f32; 2]>>,
     /// The walls, if any moves.
     walls: Vec<Wall>,
     wall_impulses: Vec<WallImpulse>,
@@ -36,7 +36,7 @@ impl World {
         let before = &mut self.scratch.before;
         before.is_reordered = false;
         before.influences.clone_from(&self.influences);
-        before.given.clone_from(&self.given);
+        before.external.clone_from(&self.external);
         before.walls.clear();
         if self.walls.move_any() {
             before.walls.extend_from_slice(self.walls.all());
@@ -77,7 +77,7 @@ impl World {
             (self.particles.positions, self.particles.residuals) = (positions, residuals);
         }
         std::mem::swap(&mut self.influences, &mut before.influences);
-        std::mem::swap(&mut self.given, &mut before.given);
+        std::mem::swap(&mut self.external, &mut before.external);
         if !before.walls.is_empty() {
             self.walls.restore(std::mem::take(&mut before.walls));
         }

@@ -59,9 +59,9 @@ impl World {
         self.influences.check_walls(self.walls.all().len()).map_err(refused)?;
         self.check_wall_impulses()?;
         self.ids.check(len).and_then(|()| self.defaults.validate()).map_err(refused)?;
-        if let Some(given) = &self.given {
-            ensure(given.len() == len, "it has accelerations of no particles")?;
-            check_vectors("accelerations", given).map_err(refused)?;
+        if let Some(external) = &self.external {
+            ensure(external.len() == len, "it has accelerations of no particles")?;
+            check_vectors("accelerations", external).map_err(refused)?;
         }
         self.record.check(self.ids.parts().1, self.settings.track_events)?;
         ensure(self.asleep.is_empty() || self.may_sleep(), "nothing can sleep in it")

@@ -21,7 +21,7 @@ const VERSION: u32 = 5;
 saved! {
     struct World {
         settings, time, rows, particles, persistent, contacts, wall_impulses, asleep, influences, walls,
-        ids, defaults, given, record, attachment;
+        ids, defaults, external, record, attachment;
         indices, stats, halo, scratch
     }
 }

@@ -7,9 +7,9 @@ use jostle_base::error::{Error, Result};
 use jostle_base::ids::Id;
 
 impl World {
-    /// The given accelerations in the order of adding; empty if there are none.
-    pub fn given_accelerations(&self) -> &[[f32; 2]] {
-        self.given.as_deref().unwrap_or_default()
+    /// The external accelerations in the order of adding; empty if there are none.
+    pub fn external_accelerations(&self) -> &[[f32; 2]] {
+        self.external.as_deref().unwrap_or_default()
     }
 
     /// Gives each particle an acceleration, beside those of forces and gravity, in place of what was
@@ -22,27 +22,28 @@ impl World {
             Err(Error::Length { argument: "accelerations", found, expected })
         };
         self.tell_error(checked)?;
-        self.replace_given(accelerations)
+        self.replace_external(accelerations)
     }
 
-    /// Ends all given accelerations.
+    /// Ends all external accelerations.
     pub fn clear_accelerations(&mut self) {
-        self.given = None;
+        self.external = None;
     }
 
-    /// Adds forces on some particles to what was given.
+    /// Adds forces on some particles to the external ones.
     pub fn add_forces(&mut self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<()> {
         let sums = self.with_forces(ids, newtons);
         let sums = self.tell_error(sums)?;
-        self.replace_given(sums)
+        self.replace_external(sums)
     }
 
-    /// The given accelerations with those by some forces.
+    /// The external accelerations with those by some forces.
     fn with_forces(&self, ids: &[Id], newtons: &[[f32; 2]]) -> Result<Vec<[f32; 2]>> {
         let rows = self.rows_of(ids)?;
         check_vectors("forces", newtons)?;
-        let given = self.given_accelerations();
-        let mut sums: Vec<[f64; 2]> = given.iter().map(|given| given.map(f64::from)).collect();
+        let external = self.external_accelerations();
+        let mut sums: Vec<[f64; 2]> =
+            external.iter().map(|external| external.map(f64::from)).collect();
         sums.resize(self.len(), [0.0; 2]);
         let masses = self.masses();
         for (&row, force) in rows.iter().zip(newtons) {
@@ -75,41 +76,45 @@ impl World {
         checked
     }
 
-    /// Replaces what was given; nothing accelerates immovable particles.
-    fn replace_given(&mut self, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
-        for (given, movable) in accelerations.iter_mut().zip(self.movable()) {
-            *given = if movable { *given } else { [0.0; 2] };
+    /// Replaces the external accelerations; nothing accelerates immovable particles.
+    fn replace_external(&mut self, mut accelerations: Vec<[f32; 2]>) -> Result<()> {
+        for (external, movable) in accelerations.iter_mut().zip(self.movable()) {
+            *external = if movable { *external } else { [0.0; 2] };
         }
-        let acts = (0..).zip(&accelerations).filter(|(_, given)| **given != [0.0; 2]);
+        let acts = (0..).zip(&accelerations).filter(|(_, external)| **external != [0.0; 2]);
         let rows: Vec<u32> = acts.map(|(row, _)| row).collect();
         let acts = self.halo().any(!rows.is_empty())?;
         if acts {
             self.halo.protocol().wake_edited(self, &mut [], &rows)?;
         }
-        self.given = acts.then_some(accelerations);
+        self.external = acts.then_some(accelerations);
         Ok(())
     }
 
-    /// Removes the given accelerations if they are 0 for all particles of all processes.
-    pub(crate) fn end_given_of_none(&mut self) -> Result<()> {
-        let acts = self.given_accelerations().iter().any(|given| *given != [0.0; 2]);
-        if self.given.is_some() && !self.halo().any(acts)? {
-            self.given = None;
+    /// Removes the external accelerations if they are 0 for all particles of all processes.
+    pub(crate) fn end_external_of_none(&mut self) -> Result<()> {
+        let acts = self.external_accelerations().iter().any(|external| *external != [0.0; 2]);
+        if self.external.is_some() && !self.halo().any(acts)? {
+            self.external = None;
         }
         Ok(())
     }
 
     /// Whether anything accelerates particles, apart from gravity and springs.
     pub(crate) fn has_accelerations(&self) -> bool {
-        self.given.is_some() || self.influences.has_forces()
+        self.external.is_some() || self.influences.has_forces()
     }
 }
 
-/// Adds the given acceleration of each particle. `accelerations` and `rows` are by index, `given` by row.
-pub(crate) fn add_given(accelerations: &mut [[f32; 2]], rows: &[u32], given: Option<&[[f32; 2]]>) {
-    let Some(given) = given else { return };
+/// Adds the external acceleration of each particle. `accelerations` and `rows` are by index, `external` by row.
+pub(crate) fn add_external(
+    accelerations: &mut [[f32; 2]],
+    rows: &[u32],
+    external: Option<&[[f32; 2]]>,
+) {
+    let Some(external) = external else { return };
     for (sum, &row) in accelerations.iter_mut().zip(rows) {
-        let own = given[row as usize];
+        let own = external[row as usize];
         *sum = [0, 1].map(|k| sum[k] + own[k]);
     }
 }
