@@ -3,6 +3,7 @@
 mod common;
 
 mod allocations;
+mod containers;
 mod determinism;
 mod events;
 mod filters;
