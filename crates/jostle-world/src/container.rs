@@ -338,6 +338,14 @@ impl Container {
 }
 
 impl Side {
+    /// Radius of the curve on which the centre of a disc slides along it; infinite if it is flat.
+    pub fn curve(&self, radius: f32) -> f32 {
+        match self {
+            Self::Flat { .. } => f32::INFINITY,
+            Self::Round { radius: outer, .. } => (*outer - f64::from(radius)) as f32,
+        }
+    }
+
     /// The contact with a disc, for the wall with a number.
     #[inline(always)]
     pub fn contact(&self, wall: u32, position: Vector, radius: f64) -> Contact {

@@ -25,6 +25,7 @@ mod physics;
 mod pushed;
 mod query;
 mod ranks;
+mod rests;
 mod scales;
 mod scenes;
 mod separate;

@@ -31,8 +31,9 @@ pub struct Surfaces {
     pub gap: f32,
     /// The smaller diameter; at a wall, the radius.
     pub size: f32,
-    /// Radius of the curve on which one centre slides around the other surface: the sum of the radii
-    /// of two discs, the radius at the end of a wall, infinite at a flat wall.
+    /// Radius of the curve on which one centre slides along the other surface: the sum of the radii of
+    /// two discs, the radius at the end of a wall, the difference of the radii in a round container,
+    /// infinite at a flat wall.
     pub curve: f32,
     /// The speed of one body relative to the other.
     pub speed: f32,

@@ -62,24 +62,21 @@ impl Walls {
             found.clear();
         }
         let (is_between, before) = (!found.is_empty(), scene.impulses_before(index));
-        let rest = |contact: &walls::Contact| {
+        let rest = |contact: &walls::Contact, curve: f32| {
             let own = before.iter().find(|of| of.wall == contact.wall);
             let pushes = own.map_or([0.0; 2], |of| of.pushes);
-            WallContact::of(index, (contact, pushes), is_between, scene, kick)
+            WallContact::of(index, (contact, curve, pushes), is_between, scene, kick)
         };
         let container = scene.walls.container;
         if !container.is_far(position.map(f64::from), f64::from(radius), [far; 2]) {
             for (number, side) in container.sides() {
                 let contact = side.contact(number, exact, f64::from(radius));
-                contacts[number as usize] = rest(&contact);
+                contacts[number as usize] = rest(&contact, side.curve(radius));
             }
         }
         if is_near_walls {
-            let velocity = motions.velocity(index as u32);
-            let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
-            // As for two particles, the normal at an end is taken as constant.
-            found.retain(|contact| !contact.is_end || speed * h <= 0.5 * radius);
-            let resting = found.iter().filter_map(rest);
+            let curve = |is_end: bool| if is_end { radius } else { f32::INFINITY };
+            let resting = found.iter().filter_map(|of| rest(of, curve(of.is_end)));
             let free = contacts.iter_mut().filter(|contact| contact.is_none());
             free.zip(resting).for_each(|(to, contact)| *to = Some(contact));
             forget_wedges(&mut contacts);
@@ -188,12 +185,12 @@ impl Walls {
 }
 
 impl WallContact {
-    /// The contact with the wall of a number, with the impulses of the sub-step before, if it may
-    /// rest in this sub-step. `is_between` tells whether walls beside those of the container are
+    /// The contact with a wall, with the radius of the curve on which the particle slides along it and
+    /// the impulses of the sub-step before, if it may rest in this sub-step. `is_between` tells whether walls beside those of the container are
     /// near.
     fn of(
         index: usize,
-        (contact, pushes): (&walls::Contact, [f32; 2]),
+        (contact, curve, pushes): (&walls::Contact, f32, [f32; 2]),
         is_between: bool,
         scene: &Support<'_>,
         kick: &Kick,
@@ -215,9 +212,8 @@ impl WallContact {
         let surfaces = Surfaces {
             gap,
             size: scene.particles.radii[index],
-            // The normal of a flat wall is the same everywhere.
-            curve: f32::INFINITY,
-            speed: 0.0,
+            curve,
+            speed: (u * u + v * v).sqrt(),
             normal_speed: inward[0] * u + inward[1] * v,
             restitution,
             rest_speeds: rest_speeds(f64::from(restitution)).map(|limit| limit as f32),
