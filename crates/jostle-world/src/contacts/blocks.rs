@@ -8,7 +8,9 @@ use crate::tolerance::{are_uneven, gap, size_of};
 use crate::trajectory::{Vector, rest_speeds, vector};
 use jostle_simd::{LANES, PairIndices, for_each_lane};
 
-/// Relaxation factor of a contact of equal masses, or with something that does not move.
+/// Relaxation factor of a contact of equal masses, or with something that does not move. In a pile of n
+/// layers the number of iterations grows with n² at 1, and with n at the best factor, which is near 2
+/// (D. M. Young, 1971).
 pub const RELAXATION: f32 = 1.9;
 
 /// The same, for one particle that is much lighter than the other. A light particle between heavy
@@ -103,7 +105,7 @@ impl Default for Block {
             least_speeds: [[f32::MIN; LANES]; 2],
             effective_masses: zeros,
             relaxed_masses: zeros,
-            // Not 0, so that effective masses are finite.
+            // Not 0, so that effective masses of unused lanes are finite.
             inverse_masses: [[1.0; LANES]; 2],
             // That of coincident centres.
             normal: [[1.0; LANES], zeros],

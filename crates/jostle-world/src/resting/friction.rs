@@ -34,6 +34,7 @@ impl Block {
         let [ax, ay, bx, by] = velocities;
         let tx = simd.sub(simd.splat(-0.0), simd.load(&self.normal[1]));
         let ty = simd.load(&self.normal[0]);
+        // The limit is that of the same phase: the impulse of an impact does not make what rests stick.
         let impulses = &mut self.friction_impulses[phase];
         let old = simd.load(impulses);
         let change = if pass == Pass::Start {
@@ -42,6 +43,8 @@ impl Block {
             let x = simd.mul(tx, simd.sub(bx, ax));
             let passing = simd.add(x, simd.mul(ty, simd.sub(by, ay)));
             let sliding = simd.sub(passing, simd.add(au, bu));
+            // Without over-relaxation: the limit follows the impulse along the normal, which changes in
+            // each iteration.
             let wanted = simd.sub(old, simd.mul(sliding, simd.load(&self.sliding_masses)));
             let most = simd.mul(simd.load(&self.frictions), simd.load(&self.impulses[phase]));
             let least = simd.sub(simd.splat(0.0), most);

@@ -383,6 +383,7 @@ impl Resting {
                 let (new, old) = (self.velocities.get(index), scene.motions.velocity(index));
                 let impacted = if had_impacts { self.after_impacts.get(index) } else { old };
                 let from_old = |v: [f32; 2]| [0, 1].map(|k| f64::from(v[k]) - f64::from(old[k]));
+                // The sum that [`State::accelerate`] has written: nothing at rest has changed it.
                 if new == sum(impacted, scene.change(kick).map(|v| v as f32)) {
                     if impacted != old {
                         let by = from_old(impacted);

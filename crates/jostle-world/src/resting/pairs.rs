@@ -1,5 +1,6 @@
 //! Impulses of resting contacts of two particles, in blocks of contacts that share no particle that
-//! moves.
+//! moves. Impulses are mass times speed, and those of one sub-step. So the impulses of a sub-step are a
+//! good start for the next one if both have the same length.
 
 use crate::contacts::Block;
 use crate::forces::springs::Push;
@@ -80,6 +81,8 @@ impl Block {
         let impulses = &mut self.impulses[phase];
         let old = simd.load(impulses);
         let change = if pass == Pass::Start {
+            // Warm starting. The velocities do not yet contain the impulses: each sub-step begins from
+            // the velocities before them, and the impulses of a pile are nearly those of the sub-step before.
             old
         } else {
             let x = simd.mul(nx, simd.sub(bx, ax));
@@ -88,6 +91,8 @@ impl Block {
             let is_relaxed = pass == Pass::Relaxed;
             let masses = if is_relaxed { &self.relaxed_masses } else { &self.effective_masses };
             let wanted = simd.add(old, simd.mul(missing, simd.load(masses)));
+            // The sum of all corrections must not pull, one correction may: if only corrections of at
+            // least 0 were allowed, an impulse that has become too large would stay (Catto 2005).
             let new = simd.max(wanted, simd.splat(0.0));
             simd.store(new, impulses);
             // A change that is not finite would reach particles that do not move: ∞ · 0 is no number.

@@ -89,7 +89,8 @@ impl Sweeps<'_> {
             .extend(colours.iter().map(|of| any(&list[of.all()]) | any(&list[of.uneven()]) << 1));
     }
 
-    /// The tasks in their order.
+    /// The tasks in their order. It is the same on all threads and processes, because each correction
+    /// uses the velocities that those before it have left.
     fn each_task(
         [has_fast, has_uneven, has_springs]: [bool; 3],
         mut act: impl FnMut(Task) -> Result<()>,
@@ -102,6 +103,8 @@ impl Sweeps<'_> {
                 act(Contacts(Pass::Impact, All))?;
             }
         }
+        // Impacts are those of the velocities with which the sub-step begins. Gravity and forces act
+        // after them, so that a disc that only bounces still falls in the sub-step.
         act(Accelerate)?;
         let further = if has_uneven { UNEVEN_ITERATIONS } else { 0 };
         let mut iterate = |pass, which| {
@@ -109,9 +112,12 @@ impl Sweeps<'_> {
                 act(Task::Springs(pass))?;
             }
             act(Contacts(pass, which))?;
+            // Walls come last, so that no disc leaves the last iteration with a velocity into a wall: walls
+            // cannot yield, and another disc can.
             act(Task::Walls(pass, which))?;
             if has_springs && pass == Pass::Start { act(Task::Springs(pass)) } else { Ok(()) }
         };
+        // All impulses of the sub-step before, before any is corrected: the corrections are small then.
         iterate(Pass::Start, All)?;
         for _ in 1..ITERATIONS {
             iterate(Pass::Relaxed, All)?;
