@@ -136,7 +136,7 @@ impl<V: Copy> Each<V> {
 
 /// Rounded boxes with filters, one row each. All values are valid, and the columns have equal
 /// lengths.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shapes<T> {
     pub(crate) centers: Vec<[T; 2]>,
     pub(crate) radii: Each<T>,
@@ -159,19 +159,6 @@ pub struct ShapeColumns<'a, T> {
     pub boxes: &'a mut Option<Vec<[T; 4]>>,
     /// Categories and masks; None if all shapes may pair.
     pub filters: &'a mut Option<[Each<u32>; 2]>,
-}
-
-impl<T: Default> Default for Shapes<T> {
-    fn default() -> Self {
-        Self {
-            centers: Vec::new(),
-            radii: Each::default(),
-            half_sizes: None,
-            boxes: None,
-            filters: None,
-            period: Period::default(),
-        }
-    }
 }
 
 impl<T: Scalar> Shapes<T> {

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use super::{Separation, near};
+use super::rules::Separation;
 use jostle_base::error::Result;
 use jostle_base::memory;
 use jostle_base::settings::Settings;
@@ -80,23 +80,23 @@ impl<T: Scalar> Input<T> {
         const RANGE: [f64; 2] = [1e-12, 1e12];
         // float32 pays off only if its rounding adds few pairs to the lists. At the limit the
         // distance of the search is larger by a fifth of the margin.
-        let margin = near::margin(self.mean_extents, gap);
-        let error = near::rounding::<T, f32>(&self.all, &self.centers, margin + gap);
+        let margin = margin(self.mean_extents, gap);
+        let error = rounding::<T, f32>(&self.all, &self.centers, margin + gap);
         let margin = margin.to_f64();
         margin >= RANGE[0] && error <= 0.1 * margin && error <= RANGE[1] * f64::from(f32::EPSILON)
     }
 }
 
 impl<T: Scalar> Bodies<T> {
-    /// Sorts shapes, and returns the tree that sorted them: that of [`near::fill_wide`].
+    /// Sorts shapes, and returns the tree that sorted them: that of [`fill_wide`].
     pub(crate) fn sorted<K: Scalar>(
         input: &Input<T>,
         rules: &Separation<T>,
     ) -> Result<(Self, Quadtree<K>)> {
         let Input { all, centers, mean_extents } = input;
         let mut wide = Shapes::default();
-        let wider = near::margin(*mean_extents, rules.gap) + rules.gap;
-        near::fill_wide(&mut wide, all, centers, wider)?;
+        let wider = margin(*mean_extents, rules.gap) + rules.gap;
+        fill_wide(&mut wide, all, centers, wider)?;
         let values = |row: usize| {
             let (Body { half, radius, weight }, [x, y]) = (all[row], centers[row]);
             [x, y, radius, half[0], half[1], weight]
@@ -132,6 +132,63 @@ impl<T: Scalar> Bodies<T> {
     pub(crate) fn are_round(&self) -> bool {
         self.all.iter().all(|body| body.half == [T::ZERO; 2])
     }
+}
+
+/// Margin, as a share of the mean extent of the shapes.
+const MARGIN: f64 = 0.5;
+
+/// The margin of shapes with these mean extents.
+pub(crate) fn margin<T: Scalar>([x, y]: [T; 2], gap: T) -> T {
+    // In proportion to the shorter extent: that is how far a shape moves before its list is out of
+    // date. Long labels would otherwise list everything above and below. Not below a tenth of the
+    // longer one, because lists that hold for a tiny displacement would be made again in each
+    // round.
+    (x.min(y).max(T::from_f64(0.1) * x.max(y)) + gap) * T::from_f64(MARGIN)
+}
+
+/// Upper bound of the errors by which a gap in the arithmetic of `K` between shapes at `centers`
+/// differs from that in `T`; 0 if both are the same.
+pub(crate) fn rounding<T: Scalar, K: Scalar>(
+    bodies: &[Body<T>],
+    centers: &[[T; 2]],
+    wider: T,
+) -> f64 {
+    if size_of::<T>() == size_of::<K>() {
+        return 0.0;
+    }
+    let far = centers.as_flattened().iter().fold(T::ZERO, |most, v| most.max(v.abs()));
+    let wide =
+        bodies.iter().fold(T::ZERO, |most, body| most.max(body.extent(0)).max(body.extent(1)));
+    // Two coordinates, two sizes and their sums are rounded once each, by half an epsilon of the
+    // largest number.
+    (far.to_f64() + wide.to_f64() + wider.to_f64()) * 4.0 * K::EPSILON.to_f64()
+}
+
+/// Writes shapes that overlap if the gap between two bodies is below `wider`.
+pub(crate) fn fill_wide<T: Scalar, K: Scalar>(
+    shapes: &mut Shapes<K>,
+    bodies: &[Body<T>],
+    centers: &[[T; 2]],
+    wider: T,
+) -> Result<()> {
+    // Both shapes of a pair are enlarged, so each by half of the distance.
+    let more = wider.to_f64() * 0.5 + rounding::<T, K>(bodies, centers, wider);
+    let key = |v: T| K::from_f64(v.to_f64());
+    let columns = shapes.columns_mut();
+    columns.centers.clear();
+    memory::reserve(columns.centers, centers.len())?;
+    columns.centers.extend(centers.iter().map(|center| center.map(key)));
+    let radii = columns.radii.rows_mut();
+    radii.clear();
+    memory::reserve(radii, bodies.len())?;
+    radii.extend(bodies.iter().map(|body| K::from_f64(body.radius.to_f64() + more)));
+    if bodies.iter().any(|body| body.half != [T::ZERO; 2]) {
+        let halves = columns.half_sizes.get_or_insert_default().rows_mut();
+        halves.clear();
+        memory::reserve(halves, bodies.len())?;
+        halves.extend(bodies.iter().map(|body| body.half.map(key)));
+    }
+    Ok(())
 }
 
 /// The mean of numbers that are at least 0, to about thirty bits of the largest. Sums of integers

@@ -3,9 +3,9 @@
 //! Positions are searched along lines at the wanted x and at the sides of the shapes nearby. A grid
 //! of cells finds these shapes.
 
-use super::Separation;
 use super::bodies::{Bodies, Body};
 use super::push::Pusher;
+use super::rules::Separation;
 use super::taken::Taken;
 use jostle_base::error::Result;
 use jostle_base::interrupt::Pulse;

@@ -13,67 +13,25 @@
 #![warn(unreachable_pub)]
 #![warn(clippy::disallowed_macros, clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod rules;
 mod bodies;
-mod spread;
 mod push;
 mod near;
 mod rounds;
+mod spread;
 mod taken;
 mod sweep;
 mod insert;
 
 use bodies::{Bodies, Input};
-use jostle_base::error::{Error, Result};
-use jostle_base::settings::Settings;
+use jostle_base::error::Result;
 use jostle_base::{memory, parallel};
 use jostle_index::geometry::Scalar;
 use jostle_index::quadtree::Quadtree;
-use jostle_index::shapes::{Each, Shapes, check_rects};
+use jostle_index::shapes::Shapes;
 use push::Pusher;
-use rounds::Rounds;
-
-/// Default of [`Separation::max_rounds`].
-pub const DEFAULT_MAX_ROUNDS: usize = 1000;
-
-/// Default of [`Separation::tolerance`].
-pub const DEFAULT_TOLERANCE: f64 = 0.01;
-
-/// How shapes are moved apart.
-#[derive(Clone, Debug)]
-pub struct Separation<T> {
-    /// Weights: of two overlapping shapes, each moves in proportion to the weight of the other.
-    pub weights: Each<T>,
-    /// Whether shapes stay where they are.
-    pub fixed: Each<bool>,
-    /// The only axis along which shapes move, 0 or 1; None for both.
-    pub axis: Option<usize>,
-    /// Least distance between the surfaces of two shapes.
-    pub gap: T,
-    /// Min x, min y, max x, max y of the region in which movable shapes stay; with an axis, along
-    /// this axis alone.
-    pub bounds: Option<[T; 4]>,
-    /// Maximum number of rounds.
-    pub max_rounds: usize,
-    /// Distance beyond touching to which overlapping shapes are moved, as a share of their size.
-    pub tolerance: T,
-    /// Number of threads; None: one for each core.
-    pub threads: Option<usize>,
-}
-
-impl<T: Scalar> Default for Separation<T> {
-    fn default() -> Self {
-        Self {
-            weights: Each::One(T::ONE),
-            fixed: Each::One(false),
-            axis: None,
-            gap: T::ZERO,
-            bounds: None,
-            max_rounds: DEFAULT_MAX_ROUNDS,
-            tolerance: T::from_f64(DEFAULT_TOLERANCE),
-            threads: None,
-        }
-    }
-}
+use rounds::{Outcome, Rounds};
+pub use rules::{DEFAULT_MAX_ROUNDS, DEFAULT_TOLERANCE, Separation};
 
 /// Centres after [`separate`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,7 +60,7 @@ pub struct Separated<T> {
 /// # Ok::<(), jostle::Error>(())
 /// ```
 pub fn separate<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<Separated<T>> {
-    check(shapes, rules)?;
+    rules::check(shapes, rules)?;
     let threads = parallel::worthwhile(rules.threads, shapes.len());
     let rules = Separation { threads, ..rules.clone() };
     let input = Input::of(shapes, &rules)?;
@@ -131,13 +89,6 @@ fn run<T: Scalar, K: Scalar>(input: &Input<T>, rules: &Separation<T>) -> Result<
         centers[row as usize] = center;
     }
     Ok(Separated { centers, rounds: outcome.rounds, overlaps: outcome.overlaps })
-}
-
-/// Number of rounds, and of the pairs that overlap after them.
-#[derive(Clone, Copy, Debug, Default)]
-struct Outcome {
-    rounds: usize,
-    overlaps: usize,
 }
 
 /// If the number of overlaps falls too slowly, regions are enlarged until shapes cover a small
@@ -211,48 +162,4 @@ fn along_axis<T: Scalar, K: Scalar>(
     sweep::place(bodies, axis, pusher, rules)?;
     let outcome = Rounds::<T, K>::of(bodies, pusher, &last, None)?.outcome();
     Ok(Outcome { rounds: rules.max_rounds.min(done + 1), ..outcome })
-}
-
-fn check<T: Scalar>(shapes: &Shapes<T>, rules: &Separation<T>) -> Result<()> {
-    let len = shapes.len();
-    Settings { threads: rules.threads, ..Settings::default() }.validate()?;
-    rules.weights.check_len("weights", len)?;
-    rules.fixed.check_len("fixed", len)?;
-    rules.weights.check(|weights| {
-        let fits = |w: &T| *w > T::ZERO && *w <= T::MAX_SIZE;
-        // NaN fails the comparisons and is refused like any other weight.
-        let Some(index) = weights.iter().position(|w| !fits(w)) else { return Ok(()) };
-        let rule = format!("a weight must be above 0 and at most {:e}", T::MAX_SIZE.to_f64());
-        Err(Error::at("weights", index, weights[index], &rule))
-    })?;
-    if !(rules.gap >= T::ZERO && rules.gap <= T::MAX_SIZE) {
-        let rule = format!("a gap must be at least 0 and at most {:e}", T::MAX_SIZE.to_f64());
-        return Err(Error::of("gap", rules.gap, &rule));
-    }
-    if !(rules.tolerance >= T::ZERO && rules.tolerance <= T::ONE) {
-        return Err(Error::of("tolerance", rules.tolerance, "it must be between 0 and 1"));
-    }
-    if rules.axis.is_some_and(|axis| axis > 1) {
-        return Err(Error::of("axis", rules.axis.unwrap_or(0), "it must be 0 or 1"));
-    }
-    let Some(bounds) = rules.bounds else { return Ok(()) };
-    check_rects("bounds", &[bounds]).map_err(Error::without_row)?;
-    let too_large = |row: &usize| !rules.fixed.at(*row) && !fits(shapes, *row, rules, bounds);
-    match (0..len).find(too_large) {
-        None => Ok(()),
-        Some(row) => {
-            let text = jostle_index::shapes::tuple(&bounds);
-            Err(Error::of("bounds", text, &format!("shape {row} is larger than they are")))
-        }
-    }
-}
-
-/// Whether a shape fits into the bounds along the axes along which it may move.
-fn fits<T: Scalar>(shapes: &Shapes<T>, row: usize, rules: &Separation<T>, bounds: [T; 4]) -> bool {
-    let shape = shapes.shape(row);
-    let half = shape.core_half_size();
-    (0..2).filter(|&axis| rules.axis.is_none_or(|only| only == axis)).all(|axis| {
-        let extent = half[axis] + shape.radius;
-        bounds[axis] + extent <= bounds[axis + 2] - extent
-    })
 }

@@ -1,7 +1,7 @@
 //! How far and in which direction two overlapping shapes are moved apart.
 
-use super::Separation;
 use super::bodies::Body;
+use super::rules::Separation;
 use jostle_index::geometry::{Scalar, discs_overlap, overlap};
 
 /// Factor of over-relaxation: each pair is moved this much farther than it overlaps. In the first

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use super::bodies::Bodies;
 use super::near::NeighborLists;
 use super::push::Pusher;
-use super::{Outcome, Separation};
+use super::rules::Separation;
 use jostle_base::error::Result;
 use jostle_base::interrupt;
 use jostle_base::memory;
@@ -86,6 +86,13 @@ struct Chunk<T> {
     changed: bool,
     /// Whether a shape has moved farther than its list allows.
     left: bool,
+}
+
+/// Number of rounds, and of the pairs that overlap after them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Outcome {
+    pub(crate) rounds: usize,
+    pub(crate) overlaps: usize,
 }
 
 /// The rounds of a call.

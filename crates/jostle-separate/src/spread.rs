@@ -11,8 +11,8 @@
 
 use std::cmp::Ordering;
 
-use super::Separation;
 use super::bodies::{Bodies, Body};
+use super::rules::Separation;
 use jostle_base::error::Result;
 use jostle_base::interrupt::Pulse;
 use jostle_base::memory;

@@ -4,9 +4,9 @@
 //! Shapes far from each other are placed first, at their own positions, then those between them,
 //! and so on: a swarm becomes symmetric, with smooth edges.
 
-use super::Separation;
 use super::bodies::Bodies;
 use super::push::Pusher;
+use super::rules::Separation;
 use super::taken::Taken;
 use jostle_base::error::Result;
 use jostle_base::interrupt::Pulse;

@@ -3,15 +3,10 @@
 use jostle_index::geometry::Scalar;
 
 /// Open intervals of positions that are not free.
+#[derive(Default)]
 pub(crate) struct Taken<T> {
     /// `[from, to]` each, in any order.
     pub intervals: Vec<[T; 2]>,
-}
-
-impl<T> Default for Taken<T> {
-    fn default() -> Self {
-        Self { intervals: Vec::new() }
-    }
 }
 
 impl<T: Scalar> Taken<T> {

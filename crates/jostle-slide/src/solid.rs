@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use super::cast::enters;
 use super::segment;
-use jostle_index::geometry::{self, Scalar, Shape, overlap};
+use jostle_index::geometry::{self, Bounds, Scalar, Shape, overlap};
 use jostle_index::period::{Period, Turns};
 
 /// An obstacle's geometry.
@@ -28,6 +28,9 @@ pub struct Obstacle<T> {
     /// Its index for the caller.
     pub index: u32,
 }
+
+/// Lists the obstacles that may overlap a region.
+pub type FindObstacles<'a, T> = dyn FnMut(&Bounds<T>, &mut Vec<Obstacle<T>>) + 'a;
 
 impl<T: Scalar> Obstacle<T> {
     /// Calls `act` with a body and this image of the obstacle, when the share `left` of its motion

@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use super::{CheckedRules, FindObstacles, Obstacle, SlideHit, Surface, along_surface, dot};
+use super::rules::{CheckedRules, Surface, along_surface, dot};
+use super::solid::{FindObstacles, Obstacle};
 use jostle_index::geometry::{Bounds, Scalar, Shape};
 use jostle_index::period::Period;
 
@@ -24,6 +25,15 @@ const LONGEST_AROUND: f64 = 16.0;
 
 /// Displacements up to this many sizes of the shape need one search of obstacles in all.
 const SHORT: f64 = 4.0;
+
+/// An obstacle that a shape met.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlideHit<T> {
+    /// The index of the obstacle.
+    pub index: u32,
+    /// Unit normal of its surface, towards the shape that met it.
+    pub normal: [T; 2],
+}
 
 /// A moving shape and the obstacles near it. In a periodic plane it begins in the first period and
 /// may leave it; obstacles have images.

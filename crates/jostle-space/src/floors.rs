@@ -10,18 +10,12 @@ use jostle_index::geometry::Scalar;
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// The floors on which shapes stood after they moved, so that moving floors carry them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Floors<T> {
     /// On what the shape in each slot stood, if on anything.
     pub all: Vec<Option<Standing<T>>>,
     /// The row of each slot in a call; [`NONE`] between calls.
     pub rows: Vec<u32>,
-}
-
-impl<T> Default for Floors<T> {
-    fn default() -> Self {
-        Self { all: Vec::new(), rows: Vec::new() }
-    }
 }
 
 /// The ids of each shape and its floor, and the centres of the floors.

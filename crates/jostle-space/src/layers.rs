@@ -52,7 +52,7 @@ const SHORT_LIVED: usize = 16;
 const LARGER: usize = 3;
 
 /// A tree over some slots.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Layer<T> {
     tree: Quadtree<T>,
     /// The slot of each row of the tree.
@@ -71,12 +71,6 @@ impl<T: Scalar> Layer<T> {
     #[inline(always)]
     fn slot_at(&self, index: u32) -> u32 {
         self.slots[self.tree.rows()[index as usize] as usize]
-    }
-}
-
-impl<T: Scalar> Default for Layer<T> {
-    fn default() -> Self {
-        Self { tree: Quadtree::default(), slots: Vec::new(), len: 0 }
     }
 }
 

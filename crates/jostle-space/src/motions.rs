@@ -58,6 +58,7 @@ impl<T: Scalar> Default for Pushed<T> {
 }
 
 /// Scratch of a task.
+#[derive(Default)]
 pub(crate) struct Scratch<T> {
     near: Vec<Obstacle<T>>,
     stack: Vec<u32>,
@@ -78,16 +79,6 @@ pub(crate) struct Scratch<T> {
     above: Vec<StackedWalker>,
     /// By how much each of `above` is pushed, and whether it overlaps the one below all.
     pushes: Vec<([T; 2], bool)>,
-}
-
-impl<T: Scalar> Default for Scratch<T> {
-    fn default() -> Self {
-        let (twins, are_parts, reach) = (Vec::new(), Vec::new(), [[T::ZERO; 2]; 2]);
-        let (near, stack, hash, stacks) =
-            (Vec::new(), Vec::new(), SpatialHash::default(), Stacks::default());
-        let (pushed, skipped, above, pushes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { near, stack, hash, stacks, twins, are_parts, reach, pushed, skipped, above, pushes }
-    }
 }
 
 /// The shapes of an island: its rows in the call, and where they are now.
@@ -406,6 +397,7 @@ impl<T: Scalar> Island<'_, T> {
 }
 
 /// Which motions of other shapes of a call a shape meets.
+#[derive(Default)]
 struct Around<T> {
     /// How far away from the path these shapes may be now.
     reach: [T; 2],
@@ -414,12 +406,6 @@ struct Around<T> {
     is_passed: bool,
     /// The motion of its floor, as far as it has not followed it yet.
     carried: [T; 2],
-}
-
-impl<T: Scalar> Default for Around<T> {
-    fn default() -> Self {
-        Self { reach: [T::ZERO; 2], is_passed: false, carried: [T::ZERO; 2] }
-    }
 }
 
 impl<T: Scalar> Around<T> {

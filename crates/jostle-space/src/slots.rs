@@ -21,7 +21,7 @@ pub(super) const VACANT: u32 = 1 << 31;
 /// The columns of the shapes, and the generation of each slot.
 ///
 /// Columns with the same value for every slot are empty, as in `Columns`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Slots<T> {
     /// `min` of the shapes: the centres, unless they are given as boxes.
     mins: Vec<[T; 2]>,
@@ -41,24 +41,6 @@ pub(super) struct Slots<T> {
     len: usize,
     /// Whether a slot has been freed.
     freed: bool,
-}
-
-impl<T> Default for Slots<T> {
-    fn default() -> Self {
-        Self {
-            mins: Vec::new(),
-            maxes: Vec::new(),
-            radii: Vec::new(),
-            half_sizes: Vec::new(),
-            filters: Vec::new(),
-            generations: Vec::new(),
-            free: Vec::new(),
-            last_call: Vec::new(),
-            call: 0,
-            len: 0,
-            freed: false,
-        }
-    }
 }
 
 impl<T: Scalar> Slots<T> {

@@ -17,7 +17,7 @@ const NONE: u32 = u32::MAX;
 const CELLS: usize = 4;
 
 /// Bodies given by their centres.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct SpatialHash<T> {
     /// The bodies.
     bodies: Vec<Shape<T>>,
@@ -29,13 +29,6 @@ pub(crate) struct SpatialHash<T> {
     /// cell.
     heads: Vec<u32>,
     next: Vec<u32>,
-}
-
-impl<T> Default for SpatialHash<T> {
-    fn default() -> Self {
-        let (bodies, levels, all_levels) = (Vec::new(), Vec::new(), Vec::new());
-        Self { bodies, levels, all_levels, heads: Vec::new(), next: Vec::new() }
-    }
 }
 
 impl<T: Scalar> SpatialHash<T> {

@@ -98,19 +98,12 @@ pub fn find<T: Scalar>(
 }
 
 /// Scratch of [`find_with`], kept between calls.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct FindScratch<T> {
     /// The tree of the last search by a tree.
     pub tree: Quadtree<T>,
     grid: Grid<T>,
     join: JoinScratch,
-}
-
-impl<T: Scalar> Default for FindScratch<T> {
-    fn default() -> Self {
-        let (tree, grid, join) = (Quadtree::default(), Grid::default(), JoinScratch::default());
-        Self { tree, grid, join }
-    }
 }
 
 impl<T: Scalar> FindScratch<T> {

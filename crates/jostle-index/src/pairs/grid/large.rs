@@ -18,7 +18,7 @@ const MAX_ENTRIES: usize = 4;
 pub(super) type Cells = [[u32; 2]; 2];
 
 /// The large shapes.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Large<T, const SIZES: usize> {
     /// The shapes, in the order of their rows.
     pub(super) items: Vec<Item<T, SIZES>>,
@@ -28,12 +28,6 @@ pub(super) struct Large<T, const SIZES: usize> {
     ends: Vec<u32>,
     /// Indices of shapes, band by band.
     lists: Vec<u32>,
-}
-
-impl<T, const SIZES: usize> Default for Large<T, SIZES> {
-    fn default() -> Self {
-        Self { items: Vec::new(), cells: Vec::new(), ends: Vec::new(), lists: Vec::new() }
-    }
 }
 
 impl<T: Scalar, const SIZES: usize> Large<T, SIZES> {

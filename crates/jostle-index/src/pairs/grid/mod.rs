@@ -109,7 +109,7 @@ impl<T: Scalar> Grid<T> {
 }
 
 /// Scratch of the grids of shapes with some number of sizes.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Levels<T, const SIZES: usize> {
     partition: Partition<T, SIZES>,
     large: Large<T, SIZES>,
@@ -118,18 +118,6 @@ struct Levels<T, const SIZES: usize> {
     rest: Vec<Item<T, SIZES>>,
     /// Memory for the pairs of all levels after the first.
     pairs: Vec<Pair>,
-}
-
-impl<T, const SIZES: usize> Default for Levels<T, SIZES> {
-    fn default() -> Self {
-        Self {
-            partition: Partition::default(),
-            large: Large::default(),
-            bands: Mutex::default(),
-            rest: Vec::new(),
-            pairs: Vec::new(),
-        }
-    }
 }
 
 impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
