@@ -16,6 +16,7 @@ const DISPLAY_COUNT: f32 = 500.0;
 const FRAMES: f32 = 30.0;
 
 pub(crate) fn article_view(n: usize) -> Area {
+    // The area grows with the number, so that the density is that of the article.
     let scale = (n as f32 / DISPLAY_COUNT).sqrt().max(1.0);
     [0.0, 0.0, DISPLAY[0] * scale, DISPLAY[1] * scale]
 }
@@ -54,6 +55,8 @@ pub(crate) fn pile(n: usize, random: &mut Random, kept_rows: Range<usize>) -> St
     let [_, _, width, height] = pile_view(n);
     // More than two of the largest radius, so that the displacement by `lattice` makes no overlaps.
     let spacing = 2.2 * PILE_RADII[1];
+    // The lattice is as wide as the box and as high as the number requires: discs above the view
+    // fall into it.
     let columns = (width / spacing).floor().max(1.0);
     let rows = (n as f32 / columns).ceil();
     let fill = [0.0, height - rows * spacing, columns * spacing, height];
@@ -79,6 +82,7 @@ pub(crate) fn rain_view(n: usize) -> Area {
 pub(crate) fn rain(n: usize, random: &mut Random) -> Start {
     let [_, _, width, height] = rain_view(n);
     let middle = (RAIN_RADII[0] + RAIN_RADII[1]) / 2.0;
+    // The height at which the drops cover the chosen fraction of the width times the height.
     let sky = n as f32 * area_of(middle) / (RAIN_COVERAGE * width) + 4.0 * RAIN_RADII[1];
     let radii: Vec<f32> = (0..n).map(|_| random.between(RAIN_RADII[0], RAIN_RADII[1])).collect();
     // The lowest drops start at half of the height.

@@ -24,6 +24,8 @@ pub(crate) fn shots(n: usize, random: &mut Random) -> Start {
     let area = shots_view(n);
     let pegs = n / (SHOTS_PER_PEG + 1);
     let peg_places = lattice(pegs, area, 0.0, random);
+    // The distance of the pegs' columns, as `lattice` computes it, so that shots start between
+    // them.
     let spacing = area[2] / (pegs as f32).sqrt().ceil().max(1.0);
     let count = n - pegs;
     // Shots start in the gaps between the pegs' columns.

@@ -57,6 +57,7 @@ pub(crate) fn piston(n: usize, random: &mut Random) -> Start {
     start.walls.push(Wall::new([[length, 0.0], [length, height]]));
     let middle = 0.5 * height;
     start.walls.push(Wall::new([[length, middle], [(1.0 + STROKE) * length, middle]]));
+    // Half of the period in either direction: the stroke over half a period.
     let velocity = [-2.0 * STROKE * length / PISTON_PERIOD, 0.0];
     start.with(Influence::Motor(Motor {
         walls: vec![0, 1],

@@ -70,6 +70,8 @@ pub(crate) fn brownian(n: usize, random: &mut Random) -> Start {
     let middle = area[2] / 2.0;
     let gas = n.saturating_sub(1);
     let mut places = vec![[middle; 2]; n.min(1)];
+    // With room for the displacement of the lattice, so that no small disc begins inside the large
+    // one.
     places.extend(around(gas, area, [middle; 2], LARGE + 2.0 * SMALL, random));
     let mut velocities = vec![[0.0; 2]; n.min(1)];
     velocities.extend((0..gas).map(|_| random.in_disc().map(|v| v * SPEED)));

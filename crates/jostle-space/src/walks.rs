@@ -96,6 +96,9 @@ impl<T: Scalar> SlideCall<'_, T> {
 
     fn walk_islands(&self, islands: &Islands, threads: Option<usize>) -> Result<Vec<Walk<T>>> {
         let len = self.walkers.len();
+        // A walk is several casts, each with a search of all layers, so it costs far more than a
+        // shape of a pair search. Calls with as many walkers, with one thread and with two, measure
+        // the limits.
         let threads = parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING);
         let stop = Stop::current();
         let parts = parallel::map(threads, islands.len().div_ceil(ISLANDS_PER_TASK), |part| {

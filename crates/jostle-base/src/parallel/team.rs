@@ -126,9 +126,9 @@ impl Team {
         //
         // 1. The caller takes the first task at once and waits for nobody.
         //
-        // 2. Before each further task it reserves the workers that have become idle meanwhile, and
-        // spawns one loop for each of them. A reserved worker is inside `poll_for_work` and stays
-        // there until it has run its loop. So spawned work never waits for a thread that sleeps.
+        // 2. Before it runs a task it reserves the workers that are idle by then, and spawns one
+        // loop for each of them. A reserved worker is inside `poll_for_work` and stays there until
+        // it has run its loop. So spawned work never waits for a thread that sleeps.
         //
         // 3. All take numbers from `shares` until none is left.
         //

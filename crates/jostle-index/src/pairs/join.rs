@@ -120,6 +120,8 @@ impl<'a, T: Scalar> Join<'a, T> {
 
     /// Replaces tasks by their parts, in order, until there are [`TASKS`].
     fn split(&self, tasks: &mut Vec<Task>) {
+        // Tasks differ in size, so there are many more than threads. The division takes one thread,
+        // so not far more.
         while tasks.len() < TASKS {
             let mut parts = Vec::with_capacity(4 * tasks.len());
             for &task in &*tasks {

@@ -87,6 +87,8 @@ fn morton_order<T: Scalar>(
     let keys: Vec<u32> = memory::collect(positions.map(key))?;
     interrupt::check()?;
     // The order of queries in one of these cells does not matter, so the leading bits suffice.
+    // More cells than queries, so that a cell has about one. The counters of 2¹⁶ cells are a
+    // quarter of a mebibyte, about what the second-level cache has free.
     let bits = (len.ilog2() + 2).clamp(MIN_BITS, MAX_BITS);
     let mut order = memory::zeroed(len)?;
     let queries = (0..).zip(&keys);
@@ -103,6 +105,9 @@ const MAX_BITS: u32 = 16;
 
 /// The number of threads for `len` queries.
 fn worthwhile(threads: Option<usize>, len: usize) -> Option<usize> {
+    // A query takes half a microsecond to two (docs/benchmarks-notes.md): 512 take up to a
+    // millisecond, 4,096 several. That is far above what a thread costs, so that short queries
+    // gain, too. Calls of these sizes with one thread and with two measure it.
     parallel::threads_for(threads, len, WORTH_SHARING, WORTH_WAKING)
 }
 

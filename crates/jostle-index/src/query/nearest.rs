@@ -483,6 +483,8 @@ pub fn nearest_from<T: Scalar>(
     let threads = worthwhile(threads, points.len());
     let order = morton_order(points.iter().copied())?;
     let stop = Stop::current();
+    // Tasks are long enough that handing one over does not show, and short enough that the chain of
+    // limits below begins anew seldom.
     let parts: Vec<&[u32]> = order.chunks(QUERIES_PER_TASK).collect();
     let len = k * points.len();
     let distances = filled(len, T::INFINITY, &stop)?;

@@ -204,6 +204,8 @@ impl<T: Scalar, const SIZES: usize> Levels<T, SIZES> {
         // Of circles of one radius.
         // The same operations as the sum and the square of two radii in a register: the same bits.
         let squared = (small[0] + small[0]) * (small[0] + small[0]);
+        // At most one band in four is sorted twice, because each task sorts the one before its
+        // first again. Sixteen tasks divide evenly enough among a few threads.
         let tasks = (layout.bands / MIN_BANDS).clamp(1, MAX_TASKS);
         // Each task sorts the band before its first one once more, for its last row. The order of
         // the pairs does not depend on the number of tasks: it is that of the bands.
